@@ -2,19 +2,11 @@
 /* Dead time and sampling time as register codes: never shorter than asked for, and no longer than they have to be. */
 #include "codes.h"
 
-#include "unity.h"
+#include "testing.h"
 
 #define DEAD_TIME_MAX 1008U /* ticks */
 #define SAMPLING_MAX 1100U  /* ns: board.c */
 #define ADC_CLOCK_MHZ 42.5
-
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
 
 /* RM0440 28.6.20, DTG. */
 static uint32_t ticks_of(uint32_t code)
@@ -39,7 +31,7 @@ static uint32_t shortest_of_at_least(uint32_t ticks)
     return shortest;
 }
 
-static void test_a_dead_time_is_the_shortest_that_is_long_enough(void)
+TEST(test_a_dead_time_is_the_shortest_that_is_long_enough)
 {
     for (uint32_t ticks = 0U; ticks <= DEAD_TIME_MAX; ticks++) {
         const uint32_t code = codes_dead_time(ticks);
@@ -56,7 +48,7 @@ static double sampling_ns(uint32_t code)
     return cycles[code] / ADC_CLOCK_MHZ * 1000.0;
 }
 
-static void test_a_sampling_time_is_the_shortest_that_is_long_enough(void)
+TEST(test_a_sampling_time_is_the_shortest_that_is_long_enough)
 {
     for (uint32_t ns = 0U; ns <= SAMPLING_MAX; ns++) {
         const uint32_t code = codes_sampling(ns);
@@ -66,17 +58,8 @@ static void test_a_sampling_time_is_the_shortest_that_is_long_enough(void)
     }
 }
 
-static void test_no_sampling_time_is_longer_than_that_of_the_bus(void)
+TEST(test_no_sampling_time_is_longer_than_that_of_the_bus)
 {
     TEST_ASSERT_EQUAL_UINT32(CODES_SAMPLING_MAX, codes_sampling(SAMPLING_MAX + 1U));
     TEST_ASSERT_EQUAL_UINT32(CODES_SAMPLING_MAX, codes_sampling(100000U));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_dead_time_is_the_shortest_that_is_long_enough);
-    RUN_TEST(test_a_sampling_time_is_the_shortest_that_is_long_enough);
-    RUN_TEST(test_no_sampling_time_is_longer_than_that_of_the_bus);
-    return UNITY_END();
 }

@@ -5,7 +5,7 @@
  */
 #include "flash.h"
 #include "stm32g431.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <string.h>
 
@@ -209,7 +209,7 @@ static void assert_reads(uint32_t slot, uint32_t unit, const uint8_t *expected)
     TEST_ASSERT_EQUAL_HEX8_ARRAY(expected, read, sizeof read);
 }
 
-static void test_a_unit_is_programmed_where_it_is_read_and_nowhere_else(void)
+TEST(test_a_unit_is_programmed_where_it_is_read_and_nowhere_else)
 {
     static const uint8_t erased[] = {0xFFU, 0xFFU, 0xFFU, 0xFFU, 0xFFU, 0xFFU, 0xFFU, 0xFFU};
 
@@ -225,7 +225,7 @@ static void test_a_unit_is_programmed_where_it_is_read_and_nowhere_else(void)
     }
 }
 
-static void test_an_erase_is_of_its_slot_alone(void)
+TEST(test_an_erase_is_of_its_slot_alone)
 {
     TEST_ASSERT_TRUE(hal_store_program(none, 0U, 3U, BYTES));
     TEST_ASSERT_TRUE(hal_store_program(none, 1U, 3U, BYTES));
@@ -236,7 +236,7 @@ static void test_an_erase_is_of_its_slot_alone(void)
     TEST_ASSERT_EQUAL_HEX32(UINT32_MAX, chip.store[PAGE_WORDS + 6U]);
 }
 
-static void test_a_unit_that_is_not_erased_is_an_error_and_stays(void)
+TEST(test_a_unit_that_is_not_erased_is_an_error_and_stays)
 {
     static const uint8_t other[HAL_STORE_UNIT_BYTES] = {0};
 
@@ -245,7 +245,7 @@ static void test_a_unit_that_is_not_erased_is_an_error_and_stays(void)
     assert_reads(0U, 3U, BYTES);
 }
 
-static void test_an_error_does_not_last(void)
+TEST(test_an_error_does_not_last)
 {
     chip.sr = FLASH_SR_ERRORS; /* of whoever came before */
     TEST_ASSERT_TRUE(hal_store_erase(none, 0U));
@@ -259,7 +259,7 @@ static void test_an_error_does_not_last(void)
     }
 }
 
-static void test_a_flash_that_stays_busy_is_an_error_before_and_behind(void)
+TEST(test_a_flash_that_stays_busy_is_an_error_before_and_behind)
 {
     chip.busy_for = FOREVER;
     TEST_ASSERT_FALSE(hal_store_erase(none, 0U));
@@ -267,7 +267,7 @@ static void test_a_flash_that_stays_busy_is_an_error_before_and_behind(void)
     TEST_ASSERT_EQUAL_HEX32(UINT32_MAX, chip.store[0]);
 }
 
-static void test_a_flash_that_does_not_unlock_is_an_error(void)
+TEST(test_a_flash_that_does_not_unlock_is_an_error)
 {
     chip.keys = 1U; /* it waits for the second key */
     TEST_ASSERT_FALSE(hal_store_program(none, 0U, 0U, BYTES));
@@ -275,13 +275,13 @@ static void test_a_flash_that_does_not_unlock_is_an_error(void)
     chip.keys_blocked = false;
 }
 
-static void test_what_is_unlocked_already_gets_no_keys(void)
+TEST(test_what_is_unlocked_already_gets_no_keys)
 {
     chip.cr = 0U;
     TEST_ASSERT_TRUE(hal_store_program(none, 0U, 0U, BYTES));
 }
 
-static void test_a_watchdog_that_does_not_wait_is_an_error_before_the_erase(void)
+TEST(test_a_watchdog_that_does_not_wait_is_an_error_before_the_erase)
 {
     chip.store[0] = 0U;
     chip.lacks_patience = true;
@@ -292,7 +292,7 @@ static void test_a_watchdog_that_does_not_wait_is_an_error_before_the_erase(void
     TEST_ASSERT_FALSE(hal_store_erase(none, 0U));
 }
 
-static void test_a_torn_unit_is_unreadable_and_the_next_one_is_not(void)
+TEST(test_a_torn_unit_is_unreadable_and_the_next_one_is_not)
 {
     uint8_t read[HAL_STORE_UNIT_BYTES];
 
@@ -304,26 +304,10 @@ static void test_a_torn_unit_is_unreadable_and_the_next_one_is_not(void)
     assert_reads(1U, 4U, BYTES);
 }
 
-static void test_an_nmi_of_anything_else_is_not_forgiven(void)
+TEST(test_an_nmi_of_anything_else_is_not_forgiven)
 {
     TEST_ASSERT_FALSE(flash_forgive());
     chip.eccr = FLASH_ECCR_ECCD; /* of code, or of a constant */
     TEST_ASSERT_FALSE(flash_forgive());
     TEST_ASSERT_EQUAL_HEX32(FLASH_ECCR_ECCD, chip.eccr);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_unit_is_programmed_where_it_is_read_and_nowhere_else);
-    RUN_TEST(test_an_erase_is_of_its_slot_alone);
-    RUN_TEST(test_a_unit_that_is_not_erased_is_an_error_and_stays);
-    RUN_TEST(test_an_error_does_not_last);
-    RUN_TEST(test_a_flash_that_stays_busy_is_an_error_before_and_behind);
-    RUN_TEST(test_a_flash_that_does_not_unlock_is_an_error);
-    RUN_TEST(test_what_is_unlocked_already_gets_no_keys);
-    RUN_TEST(test_a_watchdog_that_does_not_wait_is_an_error_before_the_erase);
-    RUN_TEST(test_a_torn_unit_is_unreadable_and_the_next_one_is_not);
-    RUN_TEST(test_an_nmi_of_anything_else_is_not_forgiven);
-    return UNITY_END();
 }

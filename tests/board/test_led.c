@@ -3,7 +3,7 @@
 #include "board.h"
 #include "led.h"
 #include "stm32g431.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <string.h>
 #include <sys/mman.h>
@@ -21,10 +21,13 @@ static unsigned char *port;
 
 void setUp(void)
 {
-}
+    void *const page = (void *)(uintptr_t)(GPIOC / PAGE * PAGE);
 
-void tearDown(void)
-{
+    if (port == NULL) {
+        port = mmap(page, PAGE, PROT_READ | PROT_WRITE,
+                    MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED_NOREPLACE, -1, 0);
+    }
+    TEST_ASSERT_EQUAL_PTR(page, port);
 }
 
 static bool is_on(drive_state_t state, uint32_t ticks)
@@ -46,7 +49,7 @@ static void assert_blinks(drive_state_t state, uint32_t half)
     TEST_ASSERT_FALSE(is_on(state, 2U * half));
 }
 
-static void test_it_blinks_once_a_second_when_ready_and_four_times_after_a_fault(void)
+TEST(test_it_blinks_once_a_second_when_ready_and_four_times_after_a_fault)
 {
     assert_blinks(DRIVE_STATE_READY, SLOW_TICKS);
     assert_blinks(DRIVE_STATE_PROBE, SLOW_TICKS);
@@ -54,22 +57,9 @@ static void test_it_blinks_once_a_second_when_ready_and_four_times_after_a_fault
     assert_blinks(DRIVE_STATE_FAULT, FAST_TICKS);
 }
 
-static void test_it_is_on_all_the_time_while_the_drive_runs(void)
+TEST(test_it_is_on_all_the_time_while_the_drive_runs)
 {
     for (uint32_t ticks = 0U; ticks < (2U * TICKS_PER_SECOND); ticks += FAST_TICKS) {
         TEST_ASSERT_TRUE(is_on(DRIVE_STATE_RUN, ticks));
     }
-}
-
-int main(void)
-{
-    void *const page = (void *)(uintptr_t)(GPIOC / PAGE * PAGE);
-
-    port = mmap(page, PAGE, PROT_READ | PROT_WRITE,
-                MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED_NOREPLACE, -1, 0);
-    UNITY_BEGIN();
-    TEST_ASSERT_EQUAL_PTR(page, port);
-    RUN_TEST(test_it_blinks_once_a_second_when_ready_and_four_times_after_a_fault);
-    RUN_TEST(test_it_is_on_all_the_time_while_the_drive_runs);
-    return UNITY_END();
 }

@@ -15,14 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "unity.h"
-
-void setUp()
-{
-}
-void tearDown()
-{
-}
+#include "testing.h"
 
 namespace
 {
@@ -53,7 +46,7 @@ const Axis &needed_axis(const std::vector<Axis> &box, const std::string &key)
 
 // --- The box ---
 
-void test_without_measured_the_box_is_that_of_a_data_sheet()
+TEST(test_without_measured_the_box_is_that_of_a_data_sheet)
 {
     const std::vector<Axis> box = box_of(motor_a());
     const Axis &r = needed_axis(box, "motor.resistance_ohm");
@@ -66,7 +59,7 @@ void test_without_measured_the_box_is_that_of_a_data_sheet()
     }
 }
 
-void test_an_error_bar_is_the_range()
+TEST(test_an_error_bar_is_the_range)
 {
     nf::Config config = motor_a();
     config.measured.flux_linkage_std_pct = 0.3;
@@ -84,7 +77,7 @@ void test_an_error_bar_is_the_range()
     TEST_ASSERT_TRUE(needed_axis(box, "motor.inertia_kg_m2").ground == Ground::typical);
 }
 
-void test_a_bar_wider_than_its_value_leaves_a_value_above_0()
+TEST(test_a_bar_wider_than_its_value_leaves_a_value_above_0)
 {
     nf::Config config = motor_a();
     config.measured.resistance_std_pct = 500;
@@ -92,7 +85,7 @@ void test_a_bar_wider_than_its_value_leaves_a_value_above_0()
                               needed_axis(box_of(config), "motor.resistance_ohm").low);
 }
 
-void test_what_is_not_there_has_no_axis()
+TEST(test_what_is_not_there_has_no_axis)
 {
     nf::Config config = motor_a();
     config.plant.dead_time_s = 0;
@@ -105,7 +98,7 @@ void test_what_is_not_there_has_no_axis()
 }
 
 // What a leg loses has the device drop in it, which the plant has as a drop.
-void test_a_measured_dead_time_is_that_of_the_leg_less_its_drop()
+TEST(test_a_measured_dead_time_is_that_of_the_leg_less_its_drop)
 {
     nf::Config config = motor_a();
     config.measured.dead_time_s = 2e-6;
@@ -118,7 +111,7 @@ void test_a_measured_dead_time_is_that_of_the_leg_less_its_drop()
 }
 
 // The drive believes all of the loss as dead time, the plant has the drop apart: in the middle both lose the same.
-void test_in_the_middle_the_legs_lose_what_the_drive_believes()
+TEST(test_in_the_middle_the_legs_lose_what_the_drive_believes)
 {
     const nf::Config believed = nf::load_scenario(
         "any", {},
@@ -138,7 +131,7 @@ void test_in_the_middle_the_legs_lose_what_the_drive_believes()
 }
 
 // Of what an identification has measured, the advice is not to identify it.
-void test_the_advice_follows_where_a_range_is_from()
+TEST(test_the_advice_follows_where_a_range_is_from)
 {
     nf::Config config = nf::load_scenario(
         "any", {}, {"motor=motor_a", "board.dead_time_s=2e-6", "board.output_capacitance_f=1e-9"});
@@ -165,7 +158,7 @@ void test_the_advice_follows_where_a_range_is_from()
     TEST_ASSERT_TRUE(says("motor.flux_linkage_wb", "drill"));
 }
 
-void test_an_axis_changes_the_real_machine()
+TEST(test_an_axis_changes_the_real_machine)
 {
     const nf::Config believed = motor_a();
     const std::vector<Axis> box = box_of(believed);
@@ -186,7 +179,7 @@ void test_an_axis_changes_the_real_machine()
 
 // --- The draws ---
 
-void test_a_draw_lies_in_the_box_and_is_the_same_each_time()
+TEST(test_a_draw_lies_in_the_box_and_is_the_same_each_time)
 {
     const std::vector<Axis> box = box_of(motor_a());
     for (int run = 0; run < 50; run++) {
@@ -199,7 +192,7 @@ void test_a_draw_lies_in_the_box_and_is_the_same_each_time()
     }
 }
 
-void test_another_axis_leaves_a_draw_as_it_was()
+TEST(test_another_axis_leaves_a_draw_as_it_was)
 {
     const std::vector<Axis> box = box_of(motor_a());
     const std::vector<Axis> less(box.begin() + 1, box.end());
@@ -209,7 +202,7 @@ void test_another_axis_leaves_a_draw_as_it_was()
 
 // --- The timetable ---
 
-void test_the_timetable_is_in_order_and_its_windows_are_inside()
+TEST(test_the_timetable_is_in_order_and_its_windows_are_inside)
 {
     const nf::Config config = motor_a();
     const nf::ScenarioSettings scenario = timetable(config, 2 * config.motor.inertia_kg_m2);
@@ -233,7 +226,7 @@ Point middle_of(const std::vector<Axis> &box)
     return point;
 }
 
-void test_the_motor_of_the_file_is_held_with_room()
+TEST(test_the_motor_of_the_file_is_held_with_room)
 {
     const nf::Config config = motor_a();
     const std::vector<Axis> box = box_of(config);
@@ -249,7 +242,7 @@ void test_the_motor_of_the_file_is_held_with_room()
     TEST_ASSERT_DOUBLE_WITHIN(0.15, 1, margins.highest_rpm / config.motor.rated_speed_rpm);
 }
 
-void test_a_machine_of_less_than_half_the_flux_is_not_held()
+TEST(test_a_machine_of_less_than_half_the_flux_is_not_held)
 {
     const nf::Config config = motor_a();
     const std::vector<Axis> box = box_of(config);
@@ -263,7 +256,7 @@ void test_a_machine_of_less_than_half_the_flux_is_not_held()
     TEST_ASSERT_DOUBLE_WITHIN(EXACT, 0, trial.worst());
 }
 
-void test_a_drive_that_believes_the_truth_runs_as_ever()
+TEST(test_a_drive_that_believes_the_truth_runs_as_ever)
 {
     nf::Config config = motor_a();
     config.scenario.duration_s = 0.5;
@@ -272,7 +265,7 @@ void test_a_drive_that_believes_the_truth_runs_as_ever()
     TEST_ASSERT_TRUE(one.metrics.speed_error_rms_rpm == two.metrics.speed_error_rms_rpm);
 }
 
-void test_a_drive_that_believes_another_motor_runs_otherwise()
+TEST(test_a_drive_that_believes_another_motor_runs_otherwise)
 {
     nf::Config real = motor_a();
     real.scenario.duration_s = 0.5;
@@ -289,7 +282,7 @@ void test_a_drive_that_believes_another_motor_runs_otherwise()
 
 // --- The campaign ---
 
-void test_all_tunings_have_the_same_machines()
+TEST(test_all_tunings_have_the_same_machines)
 {
     Campaign campaign = plan({"any", "robust"}, {}, MOTOR_A);
     run(campaign, 2, 1);
@@ -302,7 +295,7 @@ void test_all_tunings_have_the_same_machines()
                              json_of(again, judge(again)).c_str());
 }
 
-void test_it_stops_between_two_runs()
+TEST(test_it_stops_between_two_runs)
 {
     Campaign campaign = plan({"any"}, {}, MOTOR_A);
     int asked = 0;
@@ -358,7 +351,7 @@ Campaign made_up(const std::vector<std::string> &tunings, const char *matters, d
     return campaign;
 }
 
-void test_the_value_that_the_margin_depends_on_is_found()
+TEST(test_the_value_that_the_margin_depends_on_is_found)
 {
     const Campaign campaign = made_up({"one"}, "motor.flux_linkage_wb", 2);
     const Judgement judgement = judge(campaign);
@@ -372,7 +365,7 @@ void test_the_value_that_the_margin_depends_on_is_found()
     TEST_ASSERT_EQUAL(1, summary.outstanding().size());
 }
 
-void test_where_the_margin_hardly_changes_nothing_limits()
+TEST(test_where_the_margin_hardly_changes_nothing_limits)
 {
     Campaign campaign = made_up({"one"}, "motor.flux_linkage_wb", 2);
     for (std::size_t run = 0; run < campaign.points.size(); run++) {
@@ -381,7 +374,7 @@ void test_where_the_margin_hardly_changes_nothing_limits()
     TEST_ASSERT_FALSE(judge(campaign).limiting.has_value());
 }
 
-void test_a_load_that_makes_runs_fail_has_a_bound()
+TEST(test_a_load_that_makes_runs_fail_has_a_bound)
 {
     Campaign campaign = made_up({"one"}, "load.step_pct", 0.6);
     campaign.box[1].better = "";
@@ -396,7 +389,7 @@ void test_a_load_that_makes_runs_fail_has_a_bound()
     TEST_ASSERT_FALSE(judgement.limiting.has_value());
 }
 
-void test_the_tuning_that_holds_more_is_taken()
+TEST(test_the_tuning_that_holds_more_is_taken)
 {
     Campaign campaign = made_up({"one", "two"}, "motor.flux_linkage_wb", 0.6);
     campaign.series[1].trials = made_up({"two"}, "motor.flux_linkage_wb", 0.8).series[0].trials;
@@ -405,7 +398,7 @@ void test_the_tuning_that_holds_more_is_taken()
     TEST_ASSERT_NOT_NULL(std::strstr(judgement.why.c_str(), "two holds 40 machines"));
 }
 
-void test_a_tuning_that_swings_is_not_taken()
+TEST(test_a_tuning_that_swings_is_not_taken)
 {
     Campaign campaign = made_up({"one", "two"}, "motor.flux_linkage_wb", 2);
     for (Trial &made : campaign.series[0].trials) {
@@ -414,7 +407,7 @@ void test_a_tuning_that_swings_is_not_taken()
     TEST_ASSERT_EQUAL(1, judge(campaign).best);
 }
 
-void test_of_two_that_hold_the_same_the_one_with_more_room_is_taken()
+TEST(test_of_two_that_hold_the_same_the_one_with_more_room_is_taken)
 {
     Campaign campaign = made_up({"one", "two"}, "motor.flux_linkage_wb", 2);
     for (Trial &made : campaign.series[1].trials) {
@@ -425,7 +418,7 @@ void test_of_two_that_hold_the_same_the_one_with_more_room_is_taken()
     TEST_ASSERT_EQUAL(0, judge(campaign).best);
 }
 
-void test_of_two_that_are_alike_the_first_is_taken()
+TEST(test_of_two_that_are_alike_the_first_is_taken)
 {
     const Judgement judgement = judge(made_up({"one", "two"}, "motor.flux_linkage_wb", 2));
     TEST_ASSERT_EQUAL(0, judgement.best);
@@ -435,7 +428,7 @@ void test_of_two_that_are_alike_the_first_is_taken()
 }
 
 // 120, 160 and 160 of 200 machines; the third leaves more room.
-void test_of_three_the_best_is_compared_with_each_other_one()
+TEST(test_of_three_the_best_is_compared_with_each_other_one)
 {
     Campaign campaign = made_up({"one", "two", "three"}, "motor.flux_linkage_wb", 0.8);
     campaign.series[0].trials = made_up({"one"}, "motor.flux_linkage_wb", 0.6).series[0].trials;
@@ -454,7 +447,7 @@ void test_of_three_the_best_is_compared_with_each_other_one()
 }
 
 // One machine more is chance; then the margin decides, and the words say no more than that.
-void test_counts_that_differ_by_chance_are_not_said_to_be_the_same()
+TEST(test_counts_that_differ_by_chance_are_not_said_to_be_the_same)
 {
     Campaign campaign = made_up({"one", "two"}, "motor.flux_linkage_wb", 2);
     for (Trial &made : campaign.series[1].trials) {
@@ -467,7 +460,7 @@ void test_counts_that_differ_by_chance_are_not_said_to_be_the_same()
         0, judgement.why.find("two and one hold as many machines, within chance, but 95 of 100 "));
 }
 
-void test_a_tuning_that_is_refused_is_said_and_not_taken()
+TEST(test_a_tuning_that_is_refused_is_said_and_not_taken)
 {
     Campaign campaign = made_up({"one", "two"}, "motor.flux_linkage_wb", 2);
     campaign.series[0].refusal = "it does not fit";
@@ -482,7 +475,7 @@ void test_a_tuning_that_is_refused_is_said_and_not_taken()
 
 // --- Map and page ---
 
-void test_each_run_is_in_a_cell_of_the_map()
+TEST(test_each_run_is_in_a_cell_of_the_map)
 {
     const Campaign campaign = made_up({"one"}, "load.step_pct", 0.6);
     const Judgement judgement = judge(campaign);
@@ -500,7 +493,7 @@ void test_each_run_is_in_a_cell_of_the_map()
     TEST_ASSERT_TRUE(map.at(0, 0).worst > 0.8);
 }
 
-void test_the_page_asks_for_nothing_elsewhere_and_keeps_names_as_text()
+TEST(test_the_page_asks_for_nothing_elsewhere_and_keeps_names_as_text)
 {
     Campaign campaign = made_up({"one"}, "load.step_pct", 0.6);
     campaign.series[0].believed.motor.name = "<script>&";
@@ -514,38 +507,3 @@ void test_the_page_asks_for_nothing_elsewhere_and_keeps_names_as_text()
 }
 
 } // namespace
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_without_measured_the_box_is_that_of_a_data_sheet);
-    RUN_TEST(test_an_error_bar_is_the_range);
-    RUN_TEST(test_a_bar_wider_than_its_value_leaves_a_value_above_0);
-    RUN_TEST(test_what_is_not_there_has_no_axis);
-    RUN_TEST(test_a_measured_dead_time_is_that_of_the_leg_less_its_drop);
-    RUN_TEST(test_in_the_middle_the_legs_lose_what_the_drive_believes);
-    RUN_TEST(test_the_advice_follows_where_a_range_is_from);
-    RUN_TEST(test_an_axis_changes_the_real_machine);
-    RUN_TEST(test_a_draw_lies_in_the_box_and_is_the_same_each_time);
-    RUN_TEST(test_another_axis_leaves_a_draw_as_it_was);
-    RUN_TEST(test_the_timetable_is_in_order_and_its_windows_are_inside);
-    RUN_TEST(test_the_motor_of_the_file_is_held_with_room);
-    RUN_TEST(test_a_machine_of_less_than_half_the_flux_is_not_held);
-    RUN_TEST(test_a_drive_that_believes_the_truth_runs_as_ever);
-    RUN_TEST(test_a_drive_that_believes_another_motor_runs_otherwise);
-    RUN_TEST(test_all_tunings_have_the_same_machines);
-    RUN_TEST(test_it_stops_between_two_runs);
-    RUN_TEST(test_the_value_that_the_margin_depends_on_is_found);
-    RUN_TEST(test_where_the_margin_hardly_changes_nothing_limits);
-    RUN_TEST(test_a_load_that_makes_runs_fail_has_a_bound);
-    RUN_TEST(test_the_tuning_that_holds_more_is_taken);
-    RUN_TEST(test_a_tuning_that_swings_is_not_taken);
-    RUN_TEST(test_of_two_that_hold_the_same_the_one_with_more_room_is_taken);
-    RUN_TEST(test_of_two_that_are_alike_the_first_is_taken);
-    RUN_TEST(test_of_three_the_best_is_compared_with_each_other_one);
-    RUN_TEST(test_counts_that_differ_by_chance_are_not_said_to_be_the_same);
-    RUN_TEST(test_a_tuning_that_is_refused_is_said_and_not_taken);
-    RUN_TEST(test_each_run_is_in_a_cell_of_the_map);
-    RUN_TEST(test_the_page_asks_for_nothing_elsewhere_and_keeps_names_as_text);
-    return UNITY_END();
-}

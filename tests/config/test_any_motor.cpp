@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "unity.h"
+#include "testing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -189,7 +189,7 @@ void expect_a_written_line(const std::string &tuning, const Lines &set)
 
 constexpr int MOTORS = 1000;
 
-void a_real_motor_is_accepted()
+TEST(a_real_motor_is_accepted)
 {
     for (int k = 0; k < MOTORS; k++) {
         Lines set = real_motor(k);
@@ -199,7 +199,7 @@ void a_real_motor_is_accepted()
 }
 
 // All that the shipped board and tunings write stays: what does not go with it is refused by what the user wrote.
-void a_real_motor_is_never_refused_by_a_line_of_a_shipped_file()
+TEST(a_real_motor_is_never_refused_by_a_line_of_a_shipped_file)
 {
     int refused = 0;
     for (int k = 0; k < MOTORS; k++) {
@@ -215,7 +215,7 @@ void a_real_motor_is_never_refused_by_a_line_of_a_shipped_file()
 }
 
 // Beside the range of each key, from the schema, the values of combinations: not-so-real motors.
-void every_key_at_both_ends_is_accepted_or_refused_as_written()
+TEST(every_key_at_both_ends_is_accepted_or_refused_as_written)
 {
     for (int round = 0; round < 3; round++) {
         const Lines motor = real_motor(round);
@@ -239,7 +239,7 @@ void every_key_at_both_ends_is_accepted_or_refused_as_written()
 }
 
 // Several keys at an end at once.
-void any_combination_of_ends_is_accepted_or_refused_as_written()
+TEST(any_combination_of_ends_is_accepted_or_refused_as_written)
 {
     std::vector<const nf::Field *> fields;
     for (const nf::Field &field : nf::schema()) {
@@ -269,7 +269,7 @@ void any_combination_of_ends_is_accepted_or_refused_as_written()
 }
 
 // Where the limit of one key leaves another nothing, or takes it below zero.
-void a_limit_that_leaves_another_key_nothing_is_blamed_itself()
+TEST(a_limit_that_leaves_another_key_nothing_is_blamed_itself)
 {
     const Lines none = {"board.overcurrent_a=19.989"};
     expect_a_written_line("robust", none);
@@ -284,7 +284,7 @@ void a_limit_that_leaves_another_key_nothing_is_blamed_itself()
 }
 
 // 1.25 times the highest speed is a power of two of the speed base's steps: just inside, on it, just outside.
-void a_highest_speed_on_a_step_of_the_speed_base_is_accepted()
+TEST(a_highest_speed_on_a_step_of_the_speed_base_is_accepted)
 {
     for (const double rpm : {1500 * (1 - 1e-9), 1500.0, 1500 * (1 + 1e-9)}) {
         const Lines set = {"motor=motor_b", "board.pwm_frequency_hz=16000",
@@ -294,23 +294,3 @@ void a_highest_speed_on_a_step_of_the_speed_base_is_accepted()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(a_real_motor_is_accepted);
-    RUN_TEST(a_real_motor_is_never_refused_by_a_line_of_a_shipped_file);
-    RUN_TEST(every_key_at_both_ends_is_accepted_or_refused_as_written);
-    RUN_TEST(any_combination_of_ends_is_accepted_or_refused_as_written);
-    RUN_TEST(a_limit_that_leaves_another_key_nothing_is_blamed_itself);
-    RUN_TEST(a_highest_speed_on_a_step_of_the_speed_base_is_accepted);
-    return UNITY_END();
-}

@@ -11,7 +11,7 @@ extern "C" {
 #include "config_guard.h"
 }
 
-#include "unity.h"
+#include "testing.h"
 
 #include <cstring>
 #include <functional>
@@ -24,7 +24,7 @@ nf::Config esc1(const std::vector<std::string> &set = {})
     return nf::load_parts("outrunner_24v", "b_g431b_esc1", "robust", {}, set);
 }
 
-void a_block_is_good_for_an_image_of_the_same_files()
+TEST(a_block_is_good_for_an_image_of_the_same_files)
 {
     const nf::Config config = esc1();
     const config_block_t block = nf::make_block(config);
@@ -39,7 +39,7 @@ void a_block_is_good_for_an_image_of_the_same_files()
 }
 
 // What an image has compiled in is what nfconfig makes blocks for.
-void the_header_of_an_image_has_the_identity_of_the_blocks()
+TEST(the_header_of_an_image_has_the_identity_of_the_blocks)
 {
     const config_identity_t identity = nf::identity_of(esc1());
     const std::string line = fmt::format(".identity = {{.schema = 0x{:08X}U, .board = 0x{:08X}U}}",
@@ -47,7 +47,7 @@ void the_header_of_an_image_has_the_identity_of_the_blocks()
     TEST_ASSERT_TRUE(nf::make_header(esc1()).find(line) != std::string::npos);
 }
 
-void another_motor_or_tuning_is_for_the_same_image()
+TEST(another_motor_or_tuning_is_for_the_same_image)
 {
     const config_identity_t image = nf::identity_of(esc1());
     const config_identity_t other =
@@ -56,7 +56,7 @@ void another_motor_or_tuning_is_for_the_same_image()
     TEST_ASSERT_EQUAL_HEX32(image.board, other.board);
 }
 
-void a_fact_of_the_board_that_is_compiled_into_an_image_makes_it_another_board()
+TEST(a_fact_of_the_board_that_is_compiled_into_an_image_makes_it_another_board)
 {
     const std::uint32_t image = nf::identity_of(esc1()).board;
     for (const char *set :
@@ -67,14 +67,14 @@ void a_fact_of_the_board_that_is_compiled_into_an_image_makes_it_another_board()
     }
 }
 
-void a_limit_of_the_board_that_the_drive_is_told_is_no_other_board()
+TEST(a_limit_of_the_board_that_the_drive_is_told_is_no_other_board)
 {
     const config_identity_t image = nf::identity_of(esc1());
     const config_block_t block = nf::make_block(esc1({"board.bus_min_v=9"}));
     TEST_ASSERT_EQUAL_HEX32(image.board, block.identity.board);
 }
 
-void boards_without_a_binding_are_told_apart_too()
+TEST(boards_without_a_binding_are_told_apart_too)
 {
     const auto board = [](const char *name) {
         return nf::identity_of(nf::load_parts("motor_a", name, "robust")).board;
@@ -82,7 +82,7 @@ void boards_without_a_binding_are_told_apart_too()
     TEST_ASSERT_NOT_EQUAL(board("bench_310v"), board("g431_bench"));
 }
 
-void a_block_refuses_what_the_binding_of_its_board_refuses()
+TEST(a_block_refuses_what_the_binding_of_its_board_refuses)
 {
     try {
         (void)nf::make_block(esc1({"board.trip_a=0"}));
@@ -92,7 +92,7 @@ void a_block_refuses_what_the_binding_of_its_board_refuses()
     }
 }
 
-void what_was_written_is_read()
+TEST(what_was_written_is_read)
 {
     const config_block_t block = nf::make_block(esc1());
     const config_block_t read = nf::parse_block("x.nfb", nf::block_bytes(block));
@@ -126,7 +126,7 @@ void assert_told(const std::string &bytes, const std::string &line)
     }
 }
 
-void each_way_to_be_no_good_block_is_told_with_what_was_found_and_expected()
+TEST(each_way_to_be_no_good_block_is_told_with_what_was_found_and_expected)
 {
     const config_block_t good = nf::make_block(esc1());
     const auto changed = [&](const std::function<void(config_block_t &)> &change) {
@@ -161,13 +161,13 @@ void each_way_to_be_no_good_block_is_told_with_what_was_found_and_expected()
 }
 
 // The schema has to tell what a block means: settings of other names, places or units are another one.
-void the_schema_is_not_that_of_the_length_alone()
+TEST(the_schema_is_not_that_of_the_length_alone)
 {
     TEST_ASSERT_NOT_EQUAL(0, nf::schema_hash());
     TEST_ASSERT_NOT_EQUAL(sizeof(drive_cfg_t), nf::schema_hash());
 }
 
-void a_description_has_each_setting_with_its_value()
+TEST(a_description_has_each_setting_with_its_value)
 {
     const config_block_t block = nf::make_block(esc1());
     const std::string text = nf::describe_block(block);
@@ -180,28 +180,3 @@ void a_description_has_each_setting_with_its_value()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(a_block_is_good_for_an_image_of_the_same_files);
-    RUN_TEST(the_header_of_an_image_has_the_identity_of_the_blocks);
-    RUN_TEST(another_motor_or_tuning_is_for_the_same_image);
-    RUN_TEST(a_fact_of_the_board_that_is_compiled_into_an_image_makes_it_another_board);
-    RUN_TEST(a_limit_of_the_board_that_the_drive_is_told_is_no_other_board);
-    RUN_TEST(boards_without_a_binding_are_told_apart_too);
-    RUN_TEST(a_block_refuses_what_the_binding_of_its_board_refuses);
-    RUN_TEST(what_was_written_is_read);
-    RUN_TEST(each_way_to_be_no_good_block_is_told_with_what_was_found_and_expected);
-    RUN_TEST(the_schema_is_not_that_of_the_length_alone);
-    RUN_TEST(a_description_has_each_setting_with_its_value);
-    return UNITY_END();
-}

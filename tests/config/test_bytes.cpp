@@ -3,7 +3,7 @@
 #include "files.h"
 #include "layer.h"
 
-#include "unity.h"
+#include "testing.h"
 
 #include <random>
 
@@ -55,7 +55,7 @@ std::string mutant(std::string text, std::mt19937 &random)
     return text;
 }
 
-void mutants_of_shipped_files_are_read_or_refused()
+TEST(mutants_of_shipped_files_are_read_or_refused)
 {
     std::mt19937 random(1); // NOLINT: the same mutants in each run
     for (const nf::FileKind kind : KINDS) {
@@ -77,7 +77,7 @@ std::string repeated(const std::string &part, std::size_t times)
     return text;
 }
 
-void nesting_without_end_is_refused()
+TEST(nesting_without_end_is_refused)
 {
     constexpr std::size_t deep = 100000;
     read(nf::FileKind::motor, repeated("a.", deep) + "a = 1");
@@ -94,19 +94,3 @@ void nesting_without_end_is_refused()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(mutants_of_shipped_files_are_read_or_refused);
-    RUN_TEST(nesting_without_end_is_refused);
-    return UNITY_END();
-}

@@ -8,8 +8,8 @@
 #include <iterator>
 #include <string>
 
+#include "testing.h"
 #include <fmt/format.h>
-#include <unity.h>
 
 namespace
 {
@@ -51,7 +51,7 @@ constexpr Example EXAMPLES[] = {
     {"inertia of a load behind a gear of i : 1, kg·m², to be added", 0.01, 10, 1e-4},
 };
 
-void every_formula_gives_the_value_of_its_example()
+TEST(every_formula_gives_the_value_of_its_example)
 {
     for (const nf::Conversion &conversion : nf::conversions()) {
         bool shown = false;
@@ -68,7 +68,7 @@ void every_formula_gives_the_value_of_its_example()
 }
 
 // The motor files that state where their values are from hold what the formulas make of them.
-void the_shipped_motors_hold_what_their_data_sheets_give()
+TEST(the_shipped_motors_hold_what_their_data_sheets_give)
 {
     const nf::MotorSettings teknic = nf::load_motor("teknic_m2310p").motor;
     const nf::MotorSettings odrive = nf::load_motor("odrive_d5065").motor;
@@ -78,7 +78,7 @@ void the_shipped_motors_hold_what_their_data_sheets_give()
     TEST_ASSERT_DOUBLE_WITHIN(PRINTED * 0.0029, 0.002917, odrive.flux_linkage_wb);
 }
 
-void formulas_are_shown_as_they_are_computed()
+TEST(formulas_are_shown_as_they_are_computed)
 {
     const std::string expected[] = {
         "0.5·x",       "0.5·x",       "0.5·x",        "0.3333·x",     "0.3333·x",   "5.513/(x·P)",
@@ -90,7 +90,7 @@ void formulas_are_shown_as_they_are_computed()
     }
 }
 
-void the_page_for_users_has_every_line()
+TEST(the_page_for_users_has_every_line)
 {
     std::ifstream file(NF_FILES_PAGE);
     const std::string page((std::istreambuf_iterator<char>(file)), {});
@@ -102,21 +102,3 @@ void the_page_for_users_has_every_line()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(every_formula_gives_the_value_of_its_example);
-    RUN_TEST(the_shipped_motors_hold_what_their_data_sheets_give);
-    RUN_TEST(formulas_are_shown_as_they_are_computed);
-    RUN_TEST(the_page_for_users_has_every_line);
-    return UNITY_END();
-}

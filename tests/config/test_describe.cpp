@@ -4,7 +4,7 @@
 #include "config.h"
 #include "describe.h"
 
-#include "unity.h"
+#include "testing.h"
 
 #include <stdexcept>
 #include <string>
@@ -48,7 +48,7 @@ void expect(const nf::Config &config, const std::vector<Expected> &all)
 }
 
 // R 2.125 Ω, L 11.6 mH, φ 0.387 Wb; 10 kHz, slow period 1 ms, supervision every 4 ms; current loops 500 Hz and 50 Hz.
-void settings_are_what_the_files_say_in_si_units()
+TEST(settings_are_what_the_files_say_in_si_units)
 {
     const nf::Config config =
         nf::load_parts("motor_a", "bench_310v", "robust", {},
@@ -76,7 +76,7 @@ void settings_are_what_the_files_say_in_si_units()
                    });
 }
 
-void settings_of_the_voltage_drive_are_what_its_file_says_in_si_units()
+TEST(settings_of_the_voltage_drive_are_what_its_file_says_in_si_units)
 {
     const nf::Config config =
         nf::load_parts("motor_b", "bench_310v", "voltage_phase", {},
@@ -103,7 +103,7 @@ std::string meaning(const char *path)
     return "";
 }
 
-void a_row_shows_its_meaning_with_value_unit_and_what_it_was_made_of()
+TEST(a_row_shows_its_meaning_with_value_unit_and_what_it_was_made_of)
 {
     TEST_ASSERT_EQUAL_STRING("18 A", meaning("protection.current_max").c_str());
     TEST_ASSERT_EQUAL_STRING("low sides on for 0 s at a standing rotor",
@@ -113,20 +113,3 @@ void a_row_shows_its_meaning_with_value_unit_and_what_it_was_made_of()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(settings_are_what_the_files_say_in_si_units);
-    RUN_TEST(settings_of_the_voltage_drive_are_what_its_file_says_in_si_units);
-    RUN_TEST(a_row_shows_its_meaning_with_value_unit_and_what_it_was_made_of);
-    return UNITY_END();
-}

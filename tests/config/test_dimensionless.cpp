@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-#include <unity.h>
+#include "testing.h"
 
 namespace
 {
@@ -37,7 +37,7 @@ constexpr double CURRENT = 7.8 / (3 * 0.387);
 constexpr double OMEGA = 120 * PI;
 constexpr double EMF = OMEGA * 0.387;
 
-void of_the_motor()
+TEST(of_the_motor)
 {
     const Numbers found = numbers();
     expect(2.125 * CURRENT / EMF, found, "copper");
@@ -48,7 +48,7 @@ void of_the_motor()
     expect(60 * PI * 0.003 / 7.8 * 10000, found, "inertia");
 }
 
-void of_the_board()
+TEST(of_the_board)
 {
     const Numbers found =
         numbers({"board.dead_time_s=1e-6", "board.device_drop_v=1", "motor.max_speed_rpm=2000",
@@ -65,7 +65,7 @@ void of_the_board()
     expect(std::hypot(along_q, along_d) / (0.95 * 310 / std::sqrt(3.0)), found, "voltage");
 }
 
-void of_the_tuning()
+TEST(of_the_tuning)
 {
     const std::vector<std::string> set = {"observer.kappa=0.02", "observer.kappa_p=0.4",
                                           "speed_loop.bandwidth_hz=5", "speed_loop.ramp_rpm_s=900",
@@ -77,27 +77,9 @@ void of_the_tuning()
 }
 
 // A sensor has no lag.
-void without_the_integral_there_is_no_lag()
+TEST(without_the_integral_there_is_no_lag)
 {
     expect(0, numbers({"drive.angle_source=sensor"}), "speed_lag");
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(of_the_motor);
-    RUN_TEST(of_the_board);
-    RUN_TEST(of_the_tuning);
-    RUN_TEST(without_the_integral_there_is_no_lag);
-    return UNITY_END();
-}

@@ -13,7 +13,7 @@
 #include "header.h"
 #include "schema.h"
 
-#include "unity.h"
+#include "testing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -437,7 +437,7 @@ private:
     std::string wrong_;
 };
 
-void every_key_acts_or_is_noted_or_refused()
+TEST(every_key_acts_or_is_noted_or_refused)
 {
     const Scenarios scenarios;
     Judge judge;
@@ -448,7 +448,7 @@ void every_key_acts_or_is_noted_or_refused()
 }
 
 // Of a scenario's file the line is named; what a shipped tuning says is for every scenario, and is not noted.
-void a_line_that_does_not_act_is_noted_by_its_place()
+TEST(a_line_that_does_not_act_is_noted_by_its_place)
 {
     const Scenarios scenarios;
     const std::string file = scenarios.file("robust");
@@ -463,7 +463,7 @@ void a_line_that_does_not_act_is_noted_by_its_place()
 }
 
 // A tuning that somebody wrote is for a drive of his own.
-void a_line_of_ones_own_tuning_or_imperfection_set_that_does_not_act_is_noted()
+TEST(a_line_of_ones_own_tuning_or_imperfection_set_that_does_not_act_is_noted)
 {
     const Scenarios scenarios;
     const std::string tuning = scenarios.file("tuning_of_ones_own");
@@ -481,20 +481,3 @@ void a_line_of_ones_own_tuning_or_imperfection_set_that_does_not_act_is_noted()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(every_key_acts_or_is_noted_or_refused);
-    RUN_TEST(a_line_that_does_not_act_is_noted_by_its_place);
-    RUN_TEST(a_line_of_ones_own_tuning_or_imperfection_set_that_does_not_act_is_noted);
-    return UNITY_END();
-}

@@ -2,7 +2,7 @@
 // Which layer wins, where values come from, and what a scenario file says.
 #include "folder.h"
 
-#include "unity.h"
+#include "testing.h"
 
 using test::Folder;
 
@@ -14,7 +14,7 @@ nf::Config load(const std::vector<std::string> &with = {}, const std::vector<std
     return nf::load_scenario("s", with, set);
 }
 
-void a_later_layer_wins_and_leaves_the_other_keys_alone()
+TEST(a_later_layer_wins_and_leaves_the_other_keys_alone)
 {
     const Folder folder;
     folder.write("imperfections/cold.toml", "plant.resistance_scale = 0.9\n");
@@ -25,7 +25,7 @@ void a_later_layer_wins_and_leaves_the_other_keys_alone()
     TEST_ASSERT_EQUAL_DOUBLE(0.99, load({"warm", "cold"}).plant.flux_scale);
 }
 
-void a_set_overrides_what_it_includes()
+TEST(a_set_overrides_what_it_includes)
 {
     const Folder folder;
     const nf::Config config = load({"hot"});
@@ -33,7 +33,7 @@ void a_set_overrides_what_it_includes()
     TEST_ASSERT_EQUAL_DOUBLE(0.99, config.plant.flux_scale);
 }
 
-void a_scenario_overrides_the_tuning_and_a_set_overrides_the_scenario()
+TEST(a_scenario_overrides_the_tuning_and_a_set_overrides_the_scenario)
 {
     const Folder folder;
     folder.edit("scenarios/s.toml", "[accept.ideal]",
@@ -43,7 +43,7 @@ void a_scenario_overrides_the_tuning_and_a_set_overrides_the_scenario()
     TEST_ASSERT_EQUAL_DOUBLE(1.1, load({"warm"}).plant.resistance_scale);
 }
 
-void an_override_wins_over_every_file_and_the_last_one_wins()
+TEST(an_override_wins_over_every_file_and_the_last_one_wins)
 {
     const Folder folder;
     const nf::Config config = load(
@@ -59,14 +59,14 @@ void an_override_wins_over_every_file_and_the_last_one_wins()
     TEST_ASSERT_EQUAL_STRING("quoted", config.board.name.c_str());
 }
 
-void an_override_supplies_what_a_file_lacks()
+TEST(an_override_supplies_what_a_file_lacks)
 {
     const Folder folder;
     folder.edit("motors/m.toml", "resistance_ohm = 2.125\n", "");
     TEST_ASSERT_EQUAL_DOUBLE(2.5, load({}, {"motor.resistance_ohm=2.5"}).motor.resistance_ohm);
 }
 
-void an_override_of_the_motor_takes_another_file()
+TEST(an_override_of_the_motor_takes_another_file)
 {
     const Folder folder;
     folder.write("elsewhere/n.toml", test::VALID.at("motors/m.toml"));
@@ -75,7 +75,7 @@ void an_override_of_the_motor_takes_another_file()
     TEST_ASSERT_EQUAL_STRING("motors/m.toml", load().sources.motor.c_str());
 }
 
-void a_wrong_value_is_refused_even_if_it_is_overridden()
+TEST(a_wrong_value_is_refused_even_if_it_is_overridden)
 {
     const Folder folder;
     folder.edit("motors/m.toml", "2.125", "-1");
@@ -84,7 +84,7 @@ void a_wrong_value_is_refused_even_if_it_is_overridden()
                              test::refusal({}, {"motor.resistance_ohm=2"}).c_str());
 }
 
-void every_value_remembers_its_origin()
+TEST(every_value_remembers_its_origin)
 {
     const Folder folder;
     const nf::Config config = load({"hot"}, {"observer.kappa=0.02"});
@@ -97,7 +97,7 @@ void every_value_remembers_its_origin()
     TEST_ASSERT_EQUAL_UINT(0, config.origins.count("plant.dead_time_s"));
 }
 
-void a_scenario_has_its_command_load_and_limits()
+TEST(a_scenario_has_its_command_load_and_limits)
 {
     const Folder folder;
     folder.edit("scenarios/s.toml", "[accept.ideal]",
@@ -117,7 +117,7 @@ void a_scenario_has_its_command_load_and_limits()
     TEST_ASSERT_EQUAL_size_t(0, s.limits("hot")->flags.count("locked"));
 }
 
-void a_position_scenario_commands_positions()
+TEST(a_position_scenario_commands_positions)
 {
     const Folder folder;
     folder.edit("scenarios/s.toml",
@@ -129,7 +129,7 @@ void a_position_scenario_commands_positions()
 }
 
 // Rated are 1800 rpm and 7.8 N·m.
-void shares_of_rated_speed_and_torque_are_those_of_the_motor_in_force()
+TEST(shares_of_rated_speed_and_torque_are_those_of_the_motor_in_force)
 {
     const Folder folder;
     const std::vector<std::string> shares = {
@@ -156,7 +156,7 @@ std::string notes_with(const std::vector<std::string> &set)
     return all;
 }
 
-void a_command_beyond_the_motors_speed_is_noted()
+TEST(a_command_beyond_the_motors_speed_is_noted)
 {
     const Folder folder;
     TEST_ASSERT_EQUAL_STRING("", notes_with({"motor.max_speed_rpm=1000"}).c_str());
@@ -176,7 +176,7 @@ void a_command_beyond_the_motors_speed_is_noted()
 }
 
 // The last tick that acts is one PWM period of 0.1 ms before the end.
-void a_step_that_comes_too_late_is_noted()
+TEST(a_step_that_comes_too_late_is_noted)
 {
     const Folder folder;
     TEST_ASSERT_EQUAL_STRING(
@@ -199,7 +199,7 @@ const char *const DERIVED = "base = \"s\"\n"
                             "[accept.ideal]\n"
                             "speed_error_max_rpm = 7\n";
 
-void a_scenario_overrides_its_base_key_by_key()
+TEST(a_scenario_overrides_its_base_key_by_key)
 {
     const Folder folder;
     folder.write("scenarios/d.toml", DERIVED);
@@ -214,7 +214,7 @@ void a_scenario_overrides_its_base_key_by_key()
     TEST_ASSERT_EQUAL_STRING("derived", nf::list_scenarios()[0].title.c_str());
 }
 
-void a_scenario_can_do_without_the_limits_of_its_base()
+TEST(a_scenario_can_do_without_the_limits_of_its_base)
 {
     const Folder folder;
     folder.write("scenarios/d.toml",
@@ -233,7 +233,7 @@ void a_scenario_can_do_without_the_limits_of_its_base()
 }
 
 // 2^8 samples, the tick before them, and the slow period in which the command is taken, at 10 kHz.
-void without_a_prelude_the_drive_calibrates_before_t_0()
+TEST(without_a_prelude_the_drive_calibrates_before_t_0)
 {
     const Folder folder;
     TEST_ASSERT_EQUAL_DOUBLE(0.0267, load().scenario.prelude_s);
@@ -241,7 +241,7 @@ void without_a_prelude_the_drive_calibrates_before_t_0()
     TEST_ASSERT_EQUAL_DOUBLE(0.5, load({}, {"scenario.prelude_s=0.5"}).scenario.prelude_s);
 }
 
-void a_selection_has_one_name_in_any_order()
+TEST(a_selection_has_one_name_in_any_order)
 {
     TEST_ASSERT_EQUAL_STRING("ideal", nf::selection_name({}).c_str());
     TEST_ASSERT_EQUAL_STRING("ideal", nf::selection_name({"ideal"}).c_str());
@@ -250,7 +250,7 @@ void a_selection_has_one_name_in_any_order()
     TEST_ASSERT_EQUAL_STRING("adc", nf::selection_name({"some/where/adc.toml"}).c_str());
 }
 
-void a_path_is_relative_to_the_file_that_names_it()
+TEST(a_path_is_relative_to_the_file_that_names_it)
 {
     const Folder folder;
     folder.write("elsewhere/scenario.toml",
@@ -263,7 +263,7 @@ void a_path_is_relative_to_the_file_that_names_it()
     TEST_ASSERT_EQUAL_STRING("scenario", config.scenario.id.c_str());
 }
 
-void the_files_of_the_data_folder_are_listed_by_name()
+TEST(the_files_of_the_data_folder_are_listed_by_name)
 {
     const Folder folder;
     folder.write("scenarios/a.toml", test::VALID.at("scenarios/s.toml"));
@@ -277,36 +277,3 @@ void the_files_of_the_data_folder_are_listed_by_name()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(a_later_layer_wins_and_leaves_the_other_keys_alone);
-    RUN_TEST(a_set_overrides_what_it_includes);
-    RUN_TEST(a_scenario_overrides_the_tuning_and_a_set_overrides_the_scenario);
-    RUN_TEST(an_override_wins_over_every_file_and_the_last_one_wins);
-    RUN_TEST(an_override_supplies_what_a_file_lacks);
-    RUN_TEST(an_override_of_the_motor_takes_another_file);
-    RUN_TEST(a_wrong_value_is_refused_even_if_it_is_overridden);
-    RUN_TEST(every_value_remembers_its_origin);
-    RUN_TEST(a_scenario_has_its_command_load_and_limits);
-    RUN_TEST(a_position_scenario_commands_positions);
-    RUN_TEST(a_scenario_overrides_its_base_key_by_key);
-    RUN_TEST(a_scenario_can_do_without_the_limits_of_its_base);
-    RUN_TEST(shares_of_rated_speed_and_torque_are_those_of_the_motor_in_force);
-    RUN_TEST(a_command_beyond_the_motors_speed_is_noted);
-    RUN_TEST(a_step_that_comes_too_late_is_noted);
-    RUN_TEST(without_a_prelude_the_drive_calibrates_before_t_0);
-    RUN_TEST(a_selection_has_one_name_in_any_order);
-    RUN_TEST(a_path_is_relative_to_the_file_that_names_it);
-    RUN_TEST(the_files_of_the_data_folder_are_listed_by_name);
-    return UNITY_END();
-}

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "unity.h"
+#include "testing.h"
 
 #include <cmath>
 
@@ -104,13 +104,13 @@ const char *const WRITTEN = "# Identified.\n"
                             "gain_mismatch_pct = -0.35 # ± 0.12 %\n"
                             "gain_mismatch_bar_pct = 0.12\n";
 
-void a_file_has_the_digits_that_its_bars_allow()
+TEST(a_file_has_the_digits_that_its_bars_allow)
 {
     TEST_ASSERT_EQUAL_STRING(
         WRITTEN, nf::measured_motor_file(motor(), measured(), "Identified.\n\nA line\t").c_str());
 }
 
-void a_value_is_rounded_at_the_second_digit_of_its_bar()
+TEST(a_value_is_rounded_at_the_second_digit_of_its_bar)
 {
     TEST_ASSERT_EQUAL_STRING("2.125", nf::within_bar(2.1253, 0.031).c_str());
     TEST_ASSERT_EQUAL_STRING("2.100", nf::within_bar(2.1, 0.031).c_str());
@@ -154,7 +154,7 @@ void expect_the_same(nf::Config &expected, nf::Config &found, const nf::Field &f
     }
 }
 
-void what_is_written_is_read_back()
+TEST(what_is_written_is_read_back)
 {
     const Folder folder;
     nf::Config expected;
@@ -169,7 +169,7 @@ void what_is_written_is_read_back()
     }
 }
 
-void without_findings_there_is_no_table_of_them()
+TEST(without_findings_there_is_no_table_of_them)
 {
     const std::string text = nf::measured_motor_file(motor(), {}, "");
     TEST_ASSERT_EQUAL_size_t(0, text.find("[motor]\n"));
@@ -177,7 +177,7 @@ void without_findings_there_is_no_table_of_them()
     TEST_ASSERT_NOT_EQUAL_size_t(std::string::npos, text.find("resistance_ohm = 0.0391234\n"));
 }
 
-void a_value_that_no_loader_takes_is_not_written()
+TEST(a_value_that_no_loader_takes_is_not_written)
 {
     nf::MotorSettings m = motor();
     m.resistance_ohm = 0.0004;
@@ -194,7 +194,7 @@ void a_value_that_no_loader_takes_is_not_written()
 const char *const FOUND = "[measured]\ndead_time_s = 1e-6\nknee_a = 0.5\nbus_v = 300\n";
 
 // Q15 of a period of 0.1 ms.
-void the_drive_believes_the_measured_dead_time_and_the_plant_does_not()
+TEST(the_drive_believes_the_measured_dead_time_and_the_plant_does_not)
 {
     const Folder folder;
     folder.edit("motors/m.toml", "", FOUND);
@@ -214,7 +214,7 @@ void the_drive_believes_the_measured_dead_time_and_the_plant_does_not()
 }
 
 // A measured dead time is all that the legs lose; the drop compensated beside it would be so twice.
-void the_drive_believes_no_drop_beside_a_measured_dead_time()
+TEST(the_drive_believes_no_drop_beside_a_measured_dead_time)
 {
     const Folder folder;
     folder.edit("motors/m.toml", "", FOUND);
@@ -233,7 +233,7 @@ void the_drive_believes_no_drop_beside_a_measured_dead_time()
 }
 
 // The knee is 0.5 A at 300 V, and so 0.5·310/300 A at the board's 310 V.
-void the_drive_believes_the_measured_knee()
+TEST(the_drive_believes_the_measured_knee)
 {
     const Folder folder;
     folder.edit("motors/m.toml", "", FOUND);
@@ -247,7 +247,7 @@ void the_drive_believes_the_measured_knee()
     TEST_ASSERT_EQUAL_DOUBLE(1e-9, written.model.output_capacitance_f);
 }
 
-void a_measured_dead_time_that_does_not_fit_is_named_where_it_stands()
+TEST(a_measured_dead_time_that_does_not_fit_is_named_where_it_stands)
 {
     const Folder folder;
     folder.edit("motors/m.toml", "", "[measured]\ndead_time_s = 9e-6\n");
@@ -258,7 +258,7 @@ void a_measured_dead_time_that_does_not_fit_is_named_where_it_stands()
         test::refusal().c_str());
 }
 
-void wrong_findings_are_refused_as_all_other_keys()
+TEST(wrong_findings_are_refused_as_all_other_keys)
 {
     const Folder folder;
     folder.edit("motors/m.toml", "", "[measured]\nresistance_std_pct = -1\n");
@@ -281,7 +281,7 @@ std::string meaning(const nf::Config &config, const std::string &path)
     return "";
 }
 
-void the_firmwares_numbers_are_shown_with_their_bars()
+TEST(the_firmwares_numbers_are_shown_with_their_bars)
 {
     const Folder folder;
     folder.edit("motors/m.toml", "",
@@ -299,28 +299,3 @@ void the_firmwares_numbers_are_shown_with_their_bars()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(a_file_has_the_digits_that_its_bars_allow);
-    RUN_TEST(a_value_is_rounded_at_the_second_digit_of_its_bar);
-    RUN_TEST(what_is_written_is_read_back);
-    RUN_TEST(without_findings_there_is_no_table_of_them);
-    RUN_TEST(a_value_that_no_loader_takes_is_not_written);
-    RUN_TEST(the_drive_believes_the_measured_dead_time_and_the_plant_does_not);
-    RUN_TEST(the_drive_believes_no_drop_beside_a_measured_dead_time);
-    RUN_TEST(the_drive_believes_the_measured_knee);
-    RUN_TEST(a_measured_dead_time_that_does_not_fit_is_named_where_it_stands);
-    RUN_TEST(wrong_findings_are_refused_as_all_other_keys);
-    RUN_TEST(the_firmwares_numbers_are_shown_with_their_bars);
-    return UNITY_END();
-}

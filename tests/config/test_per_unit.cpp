@@ -16,7 +16,7 @@
 
 #include <fmt/format.h>
 
-#include "unity.h"
+#include "testing.h"
 
 extern "C" drive_cfg_t example_cfg(void);
 
@@ -72,7 +72,7 @@ std::int64_t tolerance(const std::string &path)
     return is_power ? 0 : ROUNDED;
 }
 
-void every_field_is_what_was_worked_out_by_hand()
+TEST(every_field_is_what_was_worked_out_by_hand)
 {
     const nf::Config config = nf::load_parts("motor_a", "bench_310v", "published", {}, AS_BY_HAND);
     const std::vector<nf::ConfigRow> built = nf::describe(config, nf::build(config));
@@ -103,7 +103,7 @@ std::uint32_t observer_shift(const std::vector<std::string> &set)
 
 // 2/sqrt(3) of 18 A, which three phases within the over-current limit make, is 20.785 A; I_b is 40 A. With phi/L of 19.095 A
 // the sum is 39.88 A and fits it, with 19.31 A it is 40.095 A and takes twice of it.
-void the_observers_base_holds_the_longest_vector_that_protection_lets_through()
+TEST(the_observers_base_holds_the_longest_vector_that_protection_lets_through)
 {
     TEST_ASSERT_EQUAL_UINT32(
         0U, observer_shift({"motor.flux_linkage_wb=0.2215", "motor.rated_torque_nm=4"}));
@@ -113,7 +113,7 @@ void the_observers_base_holds_the_longest_vector_that_protection_lets_through()
 
 // φ/L_d of 33.4 A and that vector fit 80 A. The q state is 20.785 A·L_q/L_d: three times L_d/L_q is 62.4 A, and 81 A if the drive
 // may correct it by 30 %.
-void the_observers_base_holds_the_largest_saliency_that_may_be_found()
+TEST(the_observers_base_holds_the_largest_saliency_that_may_be_found)
 {
     const std::string salient = "motor.inductance_q_h=0.0348";
     TEST_ASSERT_EQUAL_UINT32(1U, observer_shift({salient, "adaptation.saliency_pct=28"}));
@@ -160,7 +160,7 @@ void expect_refusal(const std::string &whole, const std::vector<std::string> &se
     TEST_ASSERT_EQUAL_STRING(whole.c_str(), refused.substr(0, whole.size()).c_str());
 }
 
-void protection()
+TEST(protection)
 {
     const protection_cfg_t c = motor_b().protection;
     expect(18.0 / 40 * 32768, c.current_max);
@@ -170,7 +170,7 @@ void protection()
 }
 
 // 4 ms of 20 s; the fault at 1.2 times the heat, derating from 0.9 on; standing is 1/64 of 1800 rpm.
-void derating()
+TEST(derating)
 {
     const derating_cfg_t c = motor_b().derating;
     expect(6.3 / 40 * 32768, c.current_max);
@@ -190,7 +190,7 @@ void derating()
 }
 
 // 6 A and 1.5 A of 1.5·40 A; 100 A is beyond three times the full scale of 20 A, which never flows.
-void bus_currents()
+TEST(bus_currents)
 {
     const derating_cfg_t c =
         motor_b({"board.bus_current_max_a=6", "board.bus_regeneration_max_a=1.5"}).derating;
@@ -203,7 +203,7 @@ void bus_currents()
 }
 
 // Over 4 ms: 10 ms, 20 ms, 0.5 s (above 5/bandwidth), 1 s are 3, 5, 125, 250.
-void supervision()
+TEST(supervision)
 {
     const supervision_cfg_t c = motor_b().supervision;
     expect(0.2 * CONTINUOUS_Q15, c.phase_range_min);
@@ -224,7 +224,7 @@ void supervision()
 }
 
 // φ/L_d = 27.7778 A; with L −40 %, φ +25 %: 57.87 A; three phases at 18 A make 2/√3·18 = 20.785 A: 78.66 A < 2·40 A.
-void observer_base_and_weights()
+TEST(observer_base_and_weights)
 {
     const nn_observer_cfg_t c = motor_b().observer;
     expect(1, c.current_shift);
@@ -241,7 +241,7 @@ void observer_base_and_weights()
 }
 
 // D = T·R/L_d + f, of which the network's mantissa, the share f/D and the corner of ρ are made.
-void observer_feedback()
+TEST(observer_feedback)
 {
     const nn_observer_cfg_t c = motor_b({"observer.feedback=0.08"}).observer;
     const double winding = 1e-4 * 0.405 / 0.0135;
@@ -254,7 +254,7 @@ void observer_feedback()
 }
 
 // κ·I_b·I_x/(φ/L_d)²·4/2π·2^12 steps.
-void observer_gains()
+TEST(observer_gains)
 {
     const nn_observer_cfg_t c = motor_b().observer;
     const double one = 40.0 * 80 / (27.7777778 * 27.7777778) * 4 / 6.283185307 * 4096;
@@ -264,7 +264,7 @@ void observer_gains()
 }
 
 // Ω_b = 2^15·2^10 steps, the first above 2250 rpm: 2^25/2^32·2π·10 kHz = 490.874 rad/s.
-void loops()
+TEST(loops)
 {
     const drive_cfg_t c = motor_b();
     expect(10, c.speed_shift);
@@ -286,7 +286,7 @@ void loops()
 }
 
 // The integral's corner is R/L where that is the faster one: 30/s and 17.2/s beside 20 Hz, a tenth of which is 12.6/s.
-void a_slow_current_loop_integrates_as_fast_as_the_winding()
+TEST(a_slow_current_loop_integrates_as_fast_as_the_winding)
 {
     const current_loop_cfg_t c = motor_b({"current_loop.bandwidth_hz=20"}).current_loop;
     const double kp_per_henry = 6.283185307 * 20 * 40 / 450;
@@ -300,7 +300,7 @@ void a_slow_current_loop_integrates_as_fast_as_the_winding()
 constexpr double SPEED_RAD_S = 22.0474;
 constexpr double STEPS_PER_RAD_S2 = 68.35653;
 
-void motion()
+TEST(motion)
 {
     const drive_cfg_t c = motor_b();
     const double per_unit = 2 * 490.873852 / 40 / 204.54545;
@@ -321,7 +321,7 @@ void motion()
 }
 
 // J of 0.3 kg·m² takes 1.598 LSB a step of speed, and of these 2^14 are a mantissa.
-void a_heavy_rotor_lifts_its_inertia()
+TEST(a_heavy_rotor_lifts_its_inertia)
 {
     const speed_loop_cfg_t c = motor_b({"motor.inertia_kg_m2=0.3"}).speed_loop;
     const double inertia = 32768 / (STEPS_PER_RAD_S2 * 1.5 * 4 * 0.375 / 0.3 * 40);
@@ -331,7 +331,7 @@ void a_heavy_rotor_lifts_its_inertia()
 }
 
 // Three times either way. On the ramp 2^17 stand for its torque, in Q26.
-void how_far_the_inertia_is_corrected()
+TEST(how_far_the_inertia_is_corrected)
 {
     const speed_loop_cfg_t c = motor_b({"adaptation.inertia_pct=200"}).speed_loop;
     const double torque_q15 =
@@ -346,7 +346,7 @@ void how_far_the_inertia_is_corrected()
 }
 
 // 310 V·T/(6·(L_d + L_q)); 8 counts of 12 bits.
-void modulator()
+TEST(modulator)
 {
     const modulator_cfg_t c =
         motor_b({"board.dead_time_s=1e-6", "board.device_drop_v=0.9"}).modulator;
@@ -361,7 +361,7 @@ void modulator()
 }
 
 // α halves what a sample adds.
-void momentum()
+TEST(momentum)
 {
     const nn_observer_cfg_t none = motor_b().observer;
     const nn_observer_cfg_t c = motor_b({"observer.momentum=0.5"}).observer;
@@ -370,14 +370,14 @@ void momentum()
     expect_mantissa(eta / 2, c.eta, c.eta_shift);
 }
 
-void the_angle_of_a_sensor_is_counted_in_pole_pairs()
+TEST(the_angle_of_a_sensor_is_counted_in_pole_pairs)
 {
     TEST_ASSERT_EQUAL_UINT32(0, motor_b().sampling.sensor_pole_pairs);
     TEST_ASSERT_EQUAL_UINT32(2, motor_b({"drive.angle_source=sensor"}).sampling.sensor_pole_pairs);
 }
 
 // 0.5 A: what the converter's noise makes is more than the shares. 5 over 2 Hz are 625 periods of 4 ms.
-void a_weak_motor_is_judged_above_the_noise_and_a_slow_one_late()
+TEST(a_weak_motor_is_judged_above_the_noise_and_a_slow_one_late)
 {
     const supervision_cfg_t c =
         motor_b({"motor.continuous_current_a=0.5", "speed_loop.bandwidth_hz=2"}).supervision;
@@ -390,7 +390,7 @@ void a_weak_motor_is_judged_above_the_noise_and_a_slow_one_late()
 
 // K_p = 1.5·φ and K_i = 8/s·K_p of 2·Ω_b/U_b; 240 rpm; 25 % of the continuous current; −0.8·atan(R/(ω·L_d)) at 1200 rpm is −5.446°.
 // 0.45·ω·L of U_b/I_b, and 0.6·ω·T.
-void voltage_drive()
+TEST(voltage_drive)
 {
     const voltage_drive_cfg_t c = motor_b({}, "voltage_phase").voltage_drive;
     const double base = 2 * 490.873852 / 450;
@@ -414,7 +414,7 @@ void voltage_drive()
 }
 
 // At 1 kHz 200 Hz turn by 72° in a sample, and the band of 100 Hz makes t = tan 18°; 100 Hz make r = 1 − exp(−0.2π).
-void torque_filter()
+TEST(torque_filter)
 {
     const torque_filter_cfg_t none = motor_b().torque_filter;
     TEST_ASSERT_FALSE(torque_filter_acts(&none));
@@ -442,7 +442,7 @@ void torque_filter()
 }
 
 // The lowest voltage drive is above the highest speed: the rated one may be at most 1800/0.9.
-void a_voltage_drive_that_never_begins_is_refused()
+TEST(a_voltage_drive_that_never_begins_is_refused)
 {
     const char *const whole =
         "motor.rated_speed_rpm = 1200: does not fit the firmware; allowed: at "
@@ -453,35 +453,35 @@ void a_voltage_drive_that_never_begins_is_refused()
 }
 
 // A tenth of 3000 rpm is above the highest speed.
-void a_hand_over_beyond_the_highest_speed_is_refused()
+TEST(a_hand_over_beyond_the_highest_speed_is_refused)
 {
     expect_refusal("motor.rated_speed_rpm = 3000: does not fit the firmware; allowed: at most "
                    "2500 rpm: the share startup.handover_speed_pct",
                    {"motor.rated_speed_rpm=3000", "motor.max_speed_rpm=250"}, "robust");
 }
 
-void a_loaded_speed_above_the_end_of_run_is_refused()
+TEST(a_loaded_speed_above_the_end_of_run_is_refused)
 {
     expect_refusal("startup.loaded_speed_pct = 8: does not fit the firmware; allowed: at most 7 %: "
                    "0.7 of startup.handover_speed_pct",
                    {"startup.loaded_speed_pct=8"}, "robust");
 }
 
-void a_correction_of_j_needs_its_whole_feed_forward()
+TEST(a_correction_of_j_needs_its_whole_feed_forward)
 {
     expect_refusal("speed_loop.inertia_feed_forward = 0.5: does not fit the firmware; allowed: ",
                    {"adaptation.inertia_pct=100", "speed_loop.inertia_feed_forward=0.5"}, "robust");
 }
 
 // phi/L_d, 25 % more over 40 % less, is below 511 times 40 A: with 20 uH phi is up to 0.196224 Wb.
-void the_observers_base_is_at_most_512_times_that_of_the_current()
+TEST(the_observers_base_is_at_most_512_times_that_of_the_current)
 {
     expect_refusal("motor.flux_linkage_wb = 0.375: does not fit the firmware; allowed: at most "
                    "0.1962 Wb: ",
                    {"motor.flux_linkage_wb=0.375", "motor.inductance_d_h=2e-5"}, "robust");
 }
 
-void steps_and_rpm_are_turned_into_each_other()
+TEST(steps_and_rpm_are_turned_into_each_other)
 {
     const nf::Config c = nf::load_parts("motor_b", "bench_310v", "robust", {}, {});
     const nf::Bases b = nf::make_bases(c.motor, c.board);
@@ -493,7 +493,7 @@ void steps_and_rpm_are_turned_into_each_other()
 // In the field of 3.53778 A the rotor swings with √(204.545·3.53778) = 26.9005 rad/s.
 constexpr double SWING = 26.9005;
 
-void start()
+TEST(start)
 {
     const startup_cfg_t c = motor_b().startup;
     expect(1.5 * CONTINUOUS_Q15, c.align.current_high);
@@ -530,7 +530,7 @@ void start()
 }
 
 // φ/(L_q − L_d) = 0.375/0.0375 = 10 A, half of it lies between the hold and the largest current; of 0.375/0.1 A not.
-void a_salient_motor_is_dragged_with_less_current()
+TEST(a_salient_motor_is_dragged_with_less_current)
 {
     const startup_cfg_t less = motor_b({"motor.inductance_q_h=0.051"}).startup;
     expect(5.0 / 40 * 32768, less.current_move);
@@ -541,7 +541,7 @@ void a_salient_motor_is_dragged_with_less_current()
 }
 
 // The EMF at 120 rpm is 9.42478 V; three times that over R is 5 A.
-void a_motor_of_much_resistance_is_dragged_with_less_current()
+TEST(a_motor_of_much_resistance_is_dragged_with_less_current)
 {
     const startup_cfg_t c = motor_b({"motor.resistance_ohm=5.654867"}).startup;
     expect(5.0 / 40 * 32768, c.current_move);
@@ -550,7 +550,7 @@ void a_motor_of_much_resistance_is_dragged_with_less_current()
 
 // An eighth of the EMF at 120 rpm over ω_n·φ/(1.4·3.53778 A) = 2.03674 ohm; at most a fifth of the current, and at least 12 counts of
 // 20 A/2048. A winding of 5.654867 ohm keeps 0.6 of them.
-void a_rotor_rests_with_less_than_a_slip_drives_across()
+TEST(a_rotor_rests_with_less_than_a_slip_drives_across)
 {
     const auto swing = [](const std::vector<std::string> &set) {
         return motor_b(set).startup.align.swing_max;
@@ -563,7 +563,7 @@ void a_rotor_rests_with_less_than_a_slip_drives_across()
 }
 
 // Of twice the continuous current what the motor bears, and 1/1.8 of what the board does.
-void a_start_imposes_what_motor_and_board_bear()
+TEST(a_start_imposes_what_motor_and_board_bear)
 {
     expect(6.3 / 40 * 32768, motor_b({"startup.current_pct=200"}).startup.current_hold);
     expect(5.0 / 40 * 32768,
@@ -574,7 +574,7 @@ void a_start_imposes_what_motor_and_board_bear()
 // A pulse of 0.315 A turns the rotor by 0.315·L_q/φ, 0.0031418 turn: 46 pauses and the pulse make 0.15. The first fast motor turns by
 // 0.039270 turn, which makes 2, the second by 0.016711, which makes 7; but 24000 rpm are 0.08 turn in a tick, and 4 and one make 0.4.
 // With L_d for L_q it is 0.0018049 turn, which makes 82, and 0.006 turn in a tick make 65.
-void the_pause_of_a_flying_start_makes_a_turn_of_0_15()
+TEST(the_pause_of_a_flying_start_makes_a_turn_of_0_15)
 {
     const auto gap = [](const std::vector<std::string> &set) {
         return motor_b(set).startup.flying_start.gap_factor;
@@ -591,7 +591,7 @@ void the_pause_of_a_flying_start_makes_a_turn_of_0_15()
 }
 
 // Rated torque takes 521 ms to 1800 rpm: a tenth is more than 256 ticks. With a fifth of the inertia it is 104 ticks, with a hundredth 5.
-void a_pause_of_a_flying_start_is_a_tenth_of_the_time_to_the_highest_speed()
+TEST(a_pause_of_a_flying_start_is_a_tenth_of_the_time_to_the_highest_speed)
 {
     const auto most = [](const char *inertia) {
         return motor_b({inertia}).startup.flying_start.pause_max;
@@ -603,7 +603,7 @@ void a_pause_of_a_flying_start_is_a_tenth_of_the_time_to_the_highest_speed()
 }
 
 // 0.05·6.3 A, or 25 counts of 20 A/2048.
-void flying_start()
+TEST(flying_start)
 {
     const flying_start_cfg_t c = motor_b({"board.bootstrap_charge_s=0.00205"}).startup.flying_start;
     expect(0.315 / 40 * 32768, c.current);
@@ -617,7 +617,7 @@ void flying_start()
 }
 
 // At 10 kHz; 0.1 of a tick counts as one, or it would mean never.
-void the_time_without_a_message()
+TEST(the_time_without_a_message)
 {
     expect(0, motor_b().link.timeout_ticks);
     expect(2500, motor_b({"tuning.command_timeout_s=0.25"}).link.timeout_ticks);
@@ -625,7 +625,7 @@ void the_time_without_a_message()
 }
 
 // T_b = 1.5·P·U_b·I_b/Ω_b. Without a speed of its own the window ends where the speed loop does.
-void torque()
+TEST(torque)
 {
     const nf::Config config = nf::load_parts("motor_b", "bench_310v", "robust", {}, {});
     const nf::Bases bases = nf::make_bases(config.motor, config.board);
@@ -644,7 +644,7 @@ void torque()
 }
 
 // K_p/K_i in slow periods, as the nearest power of two.
-void the_load_of_a_torque_is_found_as_fast_as_the_speed_loop_finds_it()
+TEST(the_load_of_a_torque_is_found_as_fast_as_the_speed_loop_finds_it)
 {
     for (const double hz : {5.0, 10.0, 20.0, 40.0}) {
         const drive_cfg_t c = motor_b({fmt::format("speed_loop.bandwidth_hz={}", hz)});
@@ -657,7 +657,7 @@ void the_load_of_a_torque_is_found_as_fast_as_the_speed_loop_finds_it()
 }
 
 // Motor B: 6.3 A of 40 A are 5161 of Q15.
-void the_field_is_weakened_by_a_share_of_the_largest_current_and_no_more_than_the_magnets_bear()
+TEST(the_field_is_weakened_by_a_share_of_the_largest_current_and_no_more_than_the_magnets_bear)
 {
     expect(0.95 * 6.3 / 40 * 32768, motor_b().current_reference.deepest);
     expect(0.5 * 6.3 / 40 * 32768,
@@ -670,7 +670,7 @@ void the_field_is_weakened_by_a_share_of_the_largest_current_and_no_more_than_th
 }
 
 // Motor B, L_q − L_d and φ as in its file, 6.3 A.
-void the_magnets_bear_the_current_of_the_largest_torque()
+TEST(the_magnets_bear_the_current_of_the_largest_torque)
 {
     nf::Config config = nf::load_parts("motor_b", "bench_310v", "robust", {}, {});
     const double saliency = config.motor.inductance_q_h - config.motor.inductance_d_h;
@@ -695,7 +695,7 @@ void the_magnets_bear_the_current_of_the_largest_torque()
 }
 
 // Without a start of its own the run's current changes as with one of 100 %.
-void run()
+TEST(run)
 {
     expect(0, motor_b().current_reference.floor);
     expect(0.25 * CONTINUOUS_Q15, motor_b({"board.dead_time_s=1e-6"}).current_reference.floor);
@@ -716,7 +716,7 @@ void run()
 }
 
 // 0.7 of critical damping beside R, 0.2·ω_n of integral.
-void hold_loop()
+TEST(hold_loop)
 {
     const pi_cfg_t c = motor_b().hold_loop.pi_d;
     const double ohms = SWING * 0.375 / (2 * 0.7 * 3.53778);
@@ -725,7 +725,7 @@ void hold_loop()
 }
 
 // With ten times the resistance K_p takes off what is more than the damping asks for, but 0.4 of it at most.
-void a_large_resistance_is_relieved()
+TEST(a_large_resistance_is_relieved)
 {
     const pi_cfg_t c = motor_b({"motor.resistance_ohm=4.05"}).hold_loop.pi_q;
     expect_mantissa(0.4 * 4.05 / 11.25, -c.kp, c.kp_shift);
@@ -734,7 +734,7 @@ void a_large_resistance_is_relieved()
 
 // Three and a half knees C·u/t_d of I_b = 40 A. Where the board says nothing: 320 pF and 17 pF for each of the 18 A; at 24 V
 // 45 pF and 45 pF.
-void the_edge_of_the_compensation()
+TEST(the_edge_of_the_compensation)
 {
     const auto edge_a = [](std::vector<std::string> settings) {
         settings.emplace_back("board.dead_time_s=1e-6");
@@ -749,7 +749,7 @@ void the_edge_of_the_compensation()
                               edge_a({"model.output_capacitance_f=1e-9"}));
 }
 
-void model()
+TEST(model)
 {
     const model_cfg_t c = motor_b().model;
     expect(0.9 * 16384, c.resistance_limit_q14);
@@ -762,7 +762,7 @@ void model()
 }
 
 // 12 % and 80 % of 1200 rpm.
-void the_gains_by_the_speed()
+TEST(the_gains_by_the_speed)
 {
     const model_cfg_t c = motor_b({"observer.pace_speed_pct=12", "observer.pace_least=0.3",
                                    "observer.kappa_speed_pct=80", "observer.kappa_least=0.6"})
@@ -782,7 +782,7 @@ void the_gains_by_the_speed()
 }
 
 // RUN with a load down to 3 % of 1200 rpm, ρ from half of it; a load is 15 % of the continuous current.
-void the_lowest_speed_of_run_with_a_load()
+TEST(the_lowest_speed_of_run_with_a_load)
 {
     const drive_cfg_t c = motor_b({"startup.loaded_speed_pct=3"});
     expect(36 * STEPS_PER_RPM, c.startup.loaded_speed);
@@ -795,7 +795,7 @@ void the_lowest_speed_of_run_with_a_load()
 // Flying start 274 ticks, pull and settling 30/ω_n, twice 2^11 ticks of measuring, 16 of the voltage step and 4 times as many
 // of the pulse; the charge on top.
 // With 1 % of the current ω_n is a tenth.
-void the_time_of_a_start()
+TEST(the_time_of_a_start)
 {
     constexpr double swing_error_s = 1e-5; // four digits of ω_n
     const nf::Config c =
@@ -808,7 +808,7 @@ void the_time_of_a_start()
 }
 
 // A sensor that falls: 90 °C are 18 %, the warning 20 °C below 34 %.
-void temperature()
+TEST(temperature)
 {
     const fade_t c =
         motor_b({"board.temperature_points_c=[0, 50, 100]",
@@ -819,7 +819,7 @@ void temperature()
 }
 
 // A count from one end is 0.0244 % at 80/50 °C per %, two from the other 0.0488 % at 20/50.
-void a_sensor_measures_up_to_a_count_from_its_ends()
+TEST(a_sensor_measures_up_to_a_count_from_its_ends)
 {
     std::vector<std::string> set = {"board.temperature_points_c=[0, 20, 100]",
                                     "board.temperature_points_pct=[100, 50, 0]",
@@ -834,7 +834,7 @@ void a_sensor_measures_up_to_a_count_from_its_ends()
 }
 
 // 1.5·R·(6.3 A)² of 310 V is 0.07778 A.
-void the_supply_gives_what_a_start_imposes()
+TEST(the_supply_gives_what_a_start_imposes)
 {
     expect_refusal("board.bus_current_max_a = 0.0777: does not fit the firmware; allowed: at least "
                    "0.07779 A: what the current that a start imposes",
@@ -845,7 +845,7 @@ void the_supply_gives_what_a_start_imposes()
 
 // Four swings are 77654 ticks of measuring, 24 of them 465925: of a rotor of 0.3 kg·m² in 1 % of the current. One of 10 kg·m²
 // takes more than the counters hold.
-void a_slow_rotor_takes_what_the_counters_hold()
+TEST(a_slow_rotor_takes_what_the_counters_hold)
 {
     const std::vector<std::string> slow = {"startup.current_pct=1", "motor.inertia_kg_m2=0.3"};
     TEST_ASSERT_EQUAL_UINT32(16, motor_b(slow).startup.align.measure_log2);
@@ -856,7 +856,7 @@ void a_slow_rotor_takes_what_the_counters_hold()
 }
 
 // 1 to 30 bits behind the point, 15 before it at most: above 16383.5 there is none, and below 2^-15 they stay 30.
-void a_gain_has_1_to_30_bits_behind_the_point()
+TEST(a_gain_has_1_to_30_bits_behind_the_point)
 {
     const pi_cfg_t largest = nf::make_pi(16383.5, 16383.5 / 2048, 1, "key", 1);
     TEST_ASSERT_EQUAL_INT32(32767, largest.kp);
@@ -877,7 +877,7 @@ void a_gain_has_1_to_30_bits_behind_the_point()
 }
 
 // A step of current is 40 A/2^15 = 1.2207 mA, that of 1.5·2·0.375 N·m/A 1.3733 mN·m.
-void what_a_field_cannot_hold_is_refused_with_what_it_can()
+TEST(what_a_field_cannot_hold_is_refused_with_what_it_can)
 {
     const char *const current = "the firmware's steps of current";
     expect_refusal(std::string("motor.continuous_current_a = 0.001: does not fit the firmware; "
@@ -897,72 +897,3 @@ void what_a_field_cannot_hold_is_refused_with_what_it_can()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(every_field_is_what_was_worked_out_by_hand);
-    RUN_TEST(the_observers_base_holds_the_longest_vector_that_protection_lets_through);
-    RUN_TEST(the_observers_base_holds_the_largest_saliency_that_may_be_found);
-    RUN_TEST(protection);
-    RUN_TEST(derating);
-    RUN_TEST(bus_currents);
-    RUN_TEST(supervision);
-    RUN_TEST(observer_base_and_weights);
-    RUN_TEST(observer_feedback);
-    RUN_TEST(observer_gains);
-    RUN_TEST(loops);
-    RUN_TEST(a_slow_current_loop_integrates_as_fast_as_the_winding);
-    RUN_TEST(motion);
-    RUN_TEST(a_heavy_rotor_lifts_its_inertia);
-    RUN_TEST(modulator);
-    RUN_TEST(momentum);
-    RUN_TEST(the_angle_of_a_sensor_is_counted_in_pole_pairs);
-    RUN_TEST(a_weak_motor_is_judged_above_the_noise_and_a_slow_one_late);
-    RUN_TEST(voltage_drive);
-    RUN_TEST(torque_filter);
-    RUN_TEST(a_voltage_drive_that_never_begins_is_refused);
-    RUN_TEST(a_hand_over_beyond_the_highest_speed_is_refused);
-    RUN_TEST(a_loaded_speed_above_the_end_of_run_is_refused);
-    RUN_TEST(a_correction_of_j_needs_its_whole_feed_forward);
-    RUN_TEST(the_observers_base_is_at_most_512_times_that_of_the_current);
-    RUN_TEST(steps_and_rpm_are_turned_into_each_other);
-    RUN_TEST(start);
-    RUN_TEST(a_salient_motor_is_dragged_with_less_current);
-    RUN_TEST(a_motor_of_much_resistance_is_dragged_with_less_current);
-    RUN_TEST(a_rotor_rests_with_less_than_a_slip_drives_across);
-    RUN_TEST(a_start_imposes_what_motor_and_board_bear);
-    RUN_TEST(flying_start);
-    RUN_TEST(the_pause_of_a_flying_start_makes_a_turn_of_0_15);
-    RUN_TEST(a_pause_of_a_flying_start_is_a_tenth_of_the_time_to_the_highest_speed);
-    RUN_TEST(the_time_without_a_message);
-    RUN_TEST(run);
-    RUN_TEST(torque);
-    RUN_TEST(the_load_of_a_torque_is_found_as_fast_as_the_speed_loop_finds_it);
-    RUN_TEST(
-        the_field_is_weakened_by_a_share_of_the_largest_current_and_no_more_than_the_magnets_bear);
-    RUN_TEST(the_magnets_bear_the_current_of_the_largest_torque);
-    RUN_TEST(hold_loop);
-    RUN_TEST(a_large_resistance_is_relieved);
-    RUN_TEST(the_edge_of_the_compensation);
-    RUN_TEST(how_far_the_inertia_is_corrected);
-    RUN_TEST(model);
-    RUN_TEST(the_gains_by_the_speed);
-    RUN_TEST(the_lowest_speed_of_run_with_a_load);
-    RUN_TEST(the_time_of_a_start);
-    RUN_TEST(temperature);
-    RUN_TEST(a_sensor_measures_up_to_a_count_from_its_ends);
-    RUN_TEST(the_supply_gives_what_a_start_imposes);
-    RUN_TEST(a_slow_rotor_takes_what_the_counters_hold);
-    RUN_TEST(a_gain_has_1_to_30_bits_behind_the_point);
-    RUN_TEST(what_a_field_cannot_hold_is_refused_with_what_it_can);
-    return UNITY_END();
-}

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "unity.h"
+#include "testing.h"
 
 #include <cmath>
 
@@ -49,7 +49,7 @@ std::string plate_refusal(const std::vector<std::string> &set = {})
     return refusal_of([&] { nf::load_plate("m", "b", {}, set); });
 }
 
-void every_other_loader_says_that_it_is_a_name_plate()
+TEST(every_other_loader_says_that_it_is_a_name_plate)
 {
     const Folder folder;
     write_plate(folder);
@@ -62,7 +62,7 @@ void every_other_loader_says_that_it_is_a_name_plate()
     TEST_ASSERT_EQUAL_STRING(line.c_str(), refusal_of([] { nf::load_motor("m"); }).c_str());
 }
 
-void a_friction_in_a_name_plate_makes_no_difference()
+TEST(a_friction_in_a_name_plate_makes_no_difference)
 {
     const Folder folder;
     write_plate(folder, "viscous_friction_nm_s = 0.5\n");
@@ -73,7 +73,7 @@ void a_friction_in_a_name_plate_makes_no_difference()
     TEST_ASSERT_EQUAL_DOUBLE(0, nf::load_plate("m", "b").motor.viscous_friction_nm_s);
 }
 
-void what_is_neither_complete_nor_a_name_plate_is_refused_everywhere()
+TEST(what_is_neither_complete_nor_a_name_plate_is_refused_everywhere)
 {
     const Folder folder;
     write_plate(folder, "resistance_ohm = 2\n");
@@ -86,7 +86,7 @@ void what_is_neither_complete_nor_a_name_plate_is_refused_everywhere()
     TEST_ASSERT_EQUAL_STRING(line.c_str(), plate_refusal().c_str());
 }
 
-void a_name_plate_says_all_that_it_is_asked_for()
+TEST(a_name_plate_says_all_that_it_is_asked_for)
 {
     const Folder folder;
     write_plate(folder);
@@ -118,7 +118,7 @@ void expect_the_plate(const nf::MotorSettings &motor, double continuous_current_
     TEST_ASSERT_EQUAL_DOUBLE(continuous_current_a, motor.continuous_current_a);
 }
 
-void a_name_plate_is_read_with_its_board()
+TEST(a_name_plate_is_read_with_its_board)
 {
     const Folder folder;
     write_plate(folder);
@@ -132,7 +132,7 @@ void a_name_plate_is_read_with_its_board()
 }
 
 // 7.8 N·m are 7.8/(1.5·2·0.387) A.
-void of_a_complete_motor_file_the_name_plate_is_taken()
+TEST(of_a_complete_motor_file_the_name_plate_is_taken)
 {
     const Folder folder;
     write_plate(folder);
@@ -155,7 +155,7 @@ void expect_near(double expected, double value)
 }
 
 // 310 V, 2000 rpm, 2 pole pairs, 8 A: by hand.
-void typical_values_have_the_ratios_of_the_zoo()
+TEST(typical_values_have_the_ratios_of_the_zoo)
 {
     const Folder folder;
     write_plate(folder);
@@ -187,7 +187,7 @@ void expect_within_ranges(const nf::Config &config)
 constexpr int MOTORS = 600; // a hundred of each class
 
 // And the drive starts from them: the firmware's numbers hold them, with the rules of any motor.
-void typical_values_fit_the_boards_of_all_classes_of_the_zoo()
+TEST(typical_values_fit_the_boards_of_all_classes_of_the_zoo)
 {
     for (int k = 0; k < MOTORS; k++) {
         const std::string name = fmt::format("zoo:{}", k);
@@ -198,7 +198,7 @@ void typical_values_fit_the_boards_of_all_classes_of_the_zoo()
     }
 }
 
-void typical_values_stay_within_the_ranges_at_the_ends_of_the_plates()
+TEST(typical_values_stay_within_the_ranges_at_the_ends_of_the_plates)
 {
     nf::Config config;
     for (const double rpm : {1.0, 200000.0}) {
@@ -219,7 +219,7 @@ void typical_values_stay_within_the_ranges_at_the_ends_of_the_plates()
 }
 
 // A speed loop of 1 kHz is too fast for a slow period of 1 ms.
-void a_refusal_says_which_values_nobody_wrote()
+TEST(a_refusal_says_which_values_nobody_wrote)
 {
     const Folder folder;
     write_plate(folder);
@@ -232,27 +232,3 @@ void a_refusal_says_which_values_nobody_wrote()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(every_other_loader_says_that_it_is_a_name_plate);
-    RUN_TEST(a_friction_in_a_name_plate_makes_no_difference);
-    RUN_TEST(what_is_neither_complete_nor_a_name_plate_is_refused_everywhere);
-    RUN_TEST(a_name_plate_says_all_that_it_is_asked_for);
-    RUN_TEST(a_name_plate_is_read_with_its_board);
-    RUN_TEST(of_a_complete_motor_file_the_name_plate_is_taken);
-    RUN_TEST(typical_values_have_the_ratios_of_the_zoo);
-    RUN_TEST(typical_values_fit_the_boards_of_all_classes_of_the_zoo);
-    RUN_TEST(typical_values_stay_within_the_ranges_at_the_ends_of_the_plates);
-    RUN_TEST(a_refusal_says_which_values_nobody_wrote);
-    return UNITY_END();
-}

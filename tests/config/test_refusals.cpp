@@ -2,7 +2,7 @@
 // Each kind of wrong input gets one line that names file, line, key, value and what is allowed.
 #include "folder.h"
 
-#include "unity.h"
+#include "testing.h"
 
 using test::Folder;
 using test::refusal;
@@ -39,14 +39,14 @@ void expect_override(const char *text, const char *message)
     TEST_ASSERT_EQUAL_STRING(message, refusal({}, {text}).c_str());
 }
 
-void the_valid_files_are_accepted()
+TEST(the_valid_files_are_accepted)
 {
     const Folder folder;
     TEST_ASSERT_EQUAL_STRING("accepted", refusal().c_str());
     TEST_ASSERT_EQUAL_STRING("accepted", refusal({"hot"}).c_str());
 }
 
-void an_unknown_key_is_named_with_the_nearest_known_one()
+TEST(an_unknown_key_is_named_with_the_nearest_known_one)
 {
     const Case cases[] = {
         {"motors/m.toml", "resistance_ohm", "resistence_ohm",
@@ -73,7 +73,7 @@ void an_unknown_key_is_named_with_the_nearest_known_one()
     expect_all(cases);
 }
 
-void an_unknown_table_is_named_with_those_of_the_file()
+TEST(an_unknown_table_is_named_with_those_of_the_file)
 {
     const Case cases[] = {
         {"motors/m.toml", "[motor]", "[moter]",
@@ -86,7 +86,7 @@ void an_unknown_table_is_named_with_those_of_the_file()
     expect_all(cases);
 }
 
-void a_missing_setting_is_named_with_its_table()
+TEST(a_missing_setting_is_named_with_its_table)
 {
     const Case cases[] = {
         {"motors/m.toml", "resistance_ohm = 2.125\n", "",
@@ -104,7 +104,7 @@ void a_missing_setting_is_named_with_its_table()
     expect_all(cases);
 }
 
-void a_wrong_type_is_named()
+TEST(a_wrong_type_is_named)
 {
     const Case cases[] = {
         {"motors/m.toml", "2.125", "\"2.125\"",
@@ -135,7 +135,7 @@ void a_wrong_type_is_named()
     expect_all(cases);
 }
 
-void a_value_out_of_range_is_named_with_the_range_and_unit()
+TEST(a_value_out_of_range_is_named_with_the_range_and_unit)
 {
     const Case cases[] = {
         {"motors/m.toml", "2.125", "-1",
@@ -159,7 +159,7 @@ void a_value_out_of_range_is_named_with_the_range_and_unit()
     expect_all(cases);
 }
 
-void numbers_that_are_none_are_named()
+TEST(numbers_that_are_none_are_named)
 {
     const Case cases[] = {
         {"motors/m.toml", "2.125", "nan",
@@ -187,7 +187,7 @@ void numbers_that_are_none_are_named()
     expect_all(cases);
 }
 
-void settings_that_contradict_each_other_name_both()
+TEST(settings_that_contradict_each_other_name_both)
 {
     const Case cases[] = {
         {"motors/m.toml", "max_current_a = 10", "max_current_a = 19",
@@ -244,7 +244,7 @@ struct Misfit {
 };
 
 // Each with its own limit, in the unit of the key; at the limit nothing is wrong with that key.
-void what_the_firmware_cannot_hold_is_named_with_its_limit()
+TEST(what_the_firmware_cannot_hold_is_named_with_its_limit)
 {
     const Misfit misfits[] = {
         {"board.timer_clock_hz=1000000000", "at most 655300000 Hz"},
@@ -275,7 +275,7 @@ void what_the_firmware_cannot_hold_is_named_with_its_limit()
     }
 }
 
-void what_the_firmware_cannot_hold_is_named_with_its_line()
+TEST(what_the_firmware_cannot_hold_is_named_with_its_line)
 {
     const Folder folder;
     folder.edit("boards/b.toml", "170000000", "1000000000");
@@ -286,7 +286,7 @@ void what_the_firmware_cannot_hold_is_named_with_its_line()
 
 // A motor whose φ/L_d of 0.35 A is small against the current range: 32767 steps of 2^-4 a radian are
 // κ_p·(2/π)·I_b·I_x/(φ/L_d)²·2^(4 − 12); with I_b = I_x = 40 A, φ/L_d = 0.35 A that is κ_p = 0.2462.
-void a_gain_beyond_the_observer_is_named_with_what_it_can_be()
+TEST(a_gain_beyond_the_observer_is_named_with_what_it_can_be)
 {
     const Folder folder;
     folder.edit("motors/m.toml", "flux_linkage_wb = 0.387", "flux_linkage_wb = 0.00406");
@@ -299,7 +299,7 @@ void a_gain_beyond_the_observer_is_named_with_what_it_can_be()
 }
 
 // A file outside the data folder is the user's; what serves every drive is not blamed for it.
-void a_motor_of_ones_own_is_blamed_before_a_shipped_tuning_or_board()
+TEST(a_motor_of_ones_own_is_blamed_before_a_shipped_tuning_or_board)
 {
     const auto own = [](const char *old, const char *text) {
         const Folder folder;
@@ -329,7 +329,7 @@ void a_motor_of_ones_own_is_blamed_before_a_shipped_tuning_or_board()
 }
 
 // The other way round: a board of one's own for a shipped motor.
-void a_board_of_ones_own_is_blamed_before_a_shipped_motor()
+TEST(a_board_of_ones_own_is_blamed_before_a_shipped_motor)
 {
     const Folder folder;
     TEST_ASSERT_EQUAL_STRING(
@@ -350,7 +350,7 @@ void a_board_of_ones_own_is_blamed_before_a_shipped_motor()
 }
 
 // A servo of 100 W on a board for ±15 A, with the gains of the robust tuning.
-void a_motor_of_little_flux_takes_the_usual_gains()
+TEST(a_motor_of_little_flux_takes_the_usual_gains)
 {
     const Folder folder;
     TEST_ASSERT_EQUAL_STRING(
@@ -364,7 +364,7 @@ void a_motor_of_little_flux_takes_the_usual_gains()
 }
 
 // 0.7 rad in 100 µs are 7000 rad/s, 33423 rpm with two pole pairs; the EMF of 0.02 Wb fits the bus there.
-void a_speed_with_too_large_a_turn_in_a_period_is_named_with_what_is_allowed()
+TEST(a_speed_with_too_large_a_turn_in_a_period_is_named_with_what_is_allowed)
 {
     const std::vector<std::string> fast = {
         "motor.resistance_ohm=0.133", "motor.inductance_d_h=0.000725",
@@ -380,7 +380,7 @@ void a_speed_with_too_large_a_turn_in_a_period_is_named_with_what_is_allowed()
 }
 
 // Start-up, adaptation and what the tuning leaves to the motor, key by key.
-void the_optional_settings_are_refused_outside_their_ranges()
+TEST(the_optional_settings_are_refused_outside_their_ranges)
 {
     expect_override("motor.continuous_current_a=-1",
                     "--set: motor.continuous_current_a = -1: is too "
@@ -418,7 +418,7 @@ void the_optional_settings_are_refused_outside_their_ranges()
 }
 
 // A quarter of 33.3 µs, whoever's dead time it is.
-void a_dead_time_that_does_not_fit_is_named_where_it_is_written()
+TEST(a_dead_time_that_does_not_fit_is_named_where_it_is_written)
 {
     const Folder folder;
     for (const std::string key : {"board.dead_time_s", "plant.dead_time_s", "model.dead_time_s"}) {
@@ -448,7 +448,7 @@ void expect_speed(const char *allowed, const char *reason, const std::vector<std
 
 // Of 0.95·310 V/√3 = 170.03 V the current control keeps 3/256: 168.04 V at 2·0.387 Wb are 217.1 rad/s. With i_d = −2.5 A, 25 % of
 // 10 A, 11.6 mH leave 0.358 Wb: 234.7 rad/s.
-void a_speed_whose_emf_exceeds_the_bus_is_named_with_what_is_allowed()
+TEST(a_speed_whose_emf_exceeds_the_bus_is_named_with_what_is_allowed)
 {
     const Folder folder;
     expect_speed(
@@ -464,7 +464,7 @@ void a_speed_whose_emf_exceeds_the_bus_is_named_with_what_is_allowed()
 }
 
 // With 95 % of 10 A the voltage would bear 2899 rpm. Without a capacitor 400 V/√3 at 1.15·2·0.387 Wb: 259.5 rad/s.
-void a_speed_whose_emf_overcharges_the_bus_with_open_gates_is_named_with_what_is_allowed()
+TEST(a_speed_whose_emf_overcharges_the_bus_with_open_gates_is_named_with_what_is_allowed)
 {
     const Folder folder;
     expect_speed(
@@ -474,7 +474,7 @@ void a_speed_whose_emf_overcharges_the_bus_with_open_gates_is_named_with_what_is
         {});
 }
 
-void mtpa_is_on_or_off()
+TEST(mtpa_is_on_or_off)
 {
     const char *const text = ": is a number with a fraction; allowed: a whole number, 0 to 1";
     expect_override("current_loop.most_torque=0.7",
@@ -486,7 +486,7 @@ void mtpa_is_on_or_off()
 }
 
 // K_i follows as 8 times K_p, as far as the firmware's numbers hold: not its writer's matter.
-void a_voltage_gain_is_not_refused_for_the_integral_that_follows()
+TEST(a_voltage_gain_is_not_refused_for_the_integral_that_follows)
 {
     const Folder folder;
     const std::vector<std::string> set = {"drive.method=voltage_phase",
@@ -497,7 +497,7 @@ void a_voltage_gain_is_not_refused_for_the_integral_that_follows()
 }
 
 // Softness and bandwidth of the position loop follow from the motor and from what is written of the others.
-void no_rule_breaks_what_another_key_allows()
+TEST(no_rule_breaks_what_another_key_allows)
 {
     const std::vector<std::string> open = {"position_loop.bandwidth_hz=0",
                                            "position_loop.softness_s=0"};
@@ -515,7 +515,7 @@ void no_rule_breaks_what_another_key_allows()
 }
 
 // -1 leaves these to their rules, 0 means something of its own.
-void what_is_neither_a_value_nor_left_to_a_rule_is_refused()
+TEST(what_is_neither_a_value_nor_left_to_a_rule_is_refused)
 {
     const Folder folder;
     for (const char *key :
@@ -528,7 +528,7 @@ void what_is_neither_a_value_nor_left_to_a_rule_is_refused()
     }
 }
 
-void text_that_is_not_toml_is_named_with_its_line()
+TEST(text_that_is_not_toml_is_named_with_its_line)
 {
     const Case cases[] = {
         {"motors/m.toml", "= 2.125", "2.125",
@@ -557,7 +557,7 @@ void text_that_is_not_toml_is_named_with_its_line()
     expect_all(cases);
 }
 
-void text_of_any_language_is_allowed_in_strings_and_comments()
+TEST(text_of_any_language_is_allowed_in_strings_and_comments)
 {
     const Case cases[] = {
         {"motors/m.toml", "\"m\"", "\"µ \\\" é\" # ± '", "accepted"},
@@ -569,7 +569,7 @@ void text_of_any_language_is_allowed_in_strings_and_comments()
     expect_all(cases);
 }
 
-void a_file_that_does_not_exist_is_named_with_those_that_do()
+TEST(a_file_that_does_not_exist_is_named_with_those_that_do)
 {
     const Case cases[] = {
         {"scenarios/s.toml", "motor = \"m\"", "motor = \"mm\"",
@@ -591,7 +591,7 @@ void a_file_that_does_not_exist_is_named_with_those_that_do()
                              refusal({"warn"}).c_str());
 }
 
-void a_folder_without_files_leaves_the_path()
+TEST(a_folder_without_files_leaves_the_path)
 {
     const Folder folder;
     std::filesystem::remove_all("motors");
@@ -601,7 +601,7 @@ void a_folder_without_files_leaves_the_path()
                              refusal().c_str());
 }
 
-void a_file_that_cannot_be_read_is_named()
+TEST(a_file_that_cannot_be_read_is_named)
 {
     const Folder folder;
     std::filesystem::create_directory("folder.toml");
@@ -612,7 +612,7 @@ void a_file_that_cannot_be_read_is_named()
                              refusal({"large.toml"}).c_str());
 }
 
-void command_and_load_are_checked_entry_by_entry()
+TEST(command_and_load_are_checked_entry_by_entry)
 {
     const Case cases[] = {
         {"scenarios/s.toml", "speed_rpm = 1000", "position_rad = 1",
@@ -635,7 +635,7 @@ void command_and_load_are_checked_entry_by_entry()
     expect_all(cases);
 }
 
-void faults_are_checked_word_by_word()
+TEST(faults_are_checked_word_by_word)
 {
     const std::string list = "--set: scenario.fault";
     const struct {
@@ -673,7 +673,7 @@ void faults_are_checked_word_by_word()
     }
 }
 
-void requests_are_checked_word_by_word()
+TEST(requests_are_checked_word_by_word)
 {
     const Case cases[] = {
         {"scenarios/s.toml", "[accept.ideal]", "[[scenario.request]]\ntime_s = 0\n[accept.ideal]",
@@ -694,7 +694,7 @@ void requests_are_checked_word_by_word()
 }
 
 // The base's, the file's own or an override's: what is asked for has to happen.
-void a_fault_or_request_after_the_end_is_refused()
+TEST(a_fault_or_request_after_the_end_is_refused)
 {
     const Case cases[] = {
         {"scenarios/s.toml", "[accept.ideal]",
@@ -722,7 +722,7 @@ void a_fault_or_request_after_the_end_is_refused()
     }
 }
 
-void an_entry_holds_one_value_in_si_or_percent()
+TEST(an_entry_holds_one_value_in_si_or_percent)
 {
     const Folder folder;
     const std::pair<const char *, const char *> cases[] = {
@@ -743,7 +743,7 @@ void an_entry_holds_one_value_in_si_or_percent()
     }
 }
 
-void lists_can_be_overridden()
+TEST(lists_can_be_overridden)
 {
     const Folder folder;
     const nf::Config config =
@@ -762,7 +762,7 @@ void lists_can_be_overridden()
                     "--set: scenario.faults = []: unknown key, did you mean scenario.fault?");
 }
 
-void accepted_limits_name_known_metrics_and_sets()
+TEST(accepted_limits_name_known_metrics_and_sets)
 {
     const Case cases[] = {
         {"scenarios/s.toml", "speed_error_max_rpm = 50", "speed_eror_max_rpm = 50",
@@ -782,7 +782,7 @@ void accepted_limits_name_known_metrics_and_sets()
     expect_all(cases);
 }
 
-void a_base_is_checked_like_the_scenario_itself()
+TEST(a_base_is_checked_like_the_scenario_itself)
 {
     const Case cases[] = {
         {"scenarios/s.toml", "motor = \"m\"", "base = \"ss\"",
@@ -807,7 +807,7 @@ void a_base_is_checked_like_the_scenario_itself()
     }
 }
 
-void overrides_are_refused_like_lines_of_files()
+TEST(overrides_are_refused_like_lines_of_files)
 {
     expect_override("motor.resistance_ohm=-1",
                     "--set: motor.resistance_ohm = -1: is too small; allowed: 0.001 to 50 Ω");
@@ -832,54 +832,3 @@ void overrides_are_refused_like_lines_of_files()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(the_valid_files_are_accepted);
-    RUN_TEST(an_unknown_key_is_named_with_the_nearest_known_one);
-    RUN_TEST(an_unknown_table_is_named_with_those_of_the_file);
-    RUN_TEST(a_missing_setting_is_named_with_its_table);
-    RUN_TEST(a_wrong_type_is_named);
-    RUN_TEST(a_value_out_of_range_is_named_with_the_range_and_unit);
-    RUN_TEST(numbers_that_are_none_are_named);
-    RUN_TEST(settings_that_contradict_each_other_name_both);
-    RUN_TEST(what_the_firmware_cannot_hold_is_named_with_its_line);
-    RUN_TEST(what_the_firmware_cannot_hold_is_named_with_its_limit);
-    RUN_TEST(a_gain_beyond_the_observer_is_named_with_what_it_can_be);
-    RUN_TEST(a_motor_of_ones_own_is_blamed_before_a_shipped_tuning_or_board);
-    RUN_TEST(a_board_of_ones_own_is_blamed_before_a_shipped_motor);
-    RUN_TEST(a_motor_of_little_flux_takes_the_usual_gains);
-    RUN_TEST(a_speed_with_too_large_a_turn_in_a_period_is_named_with_what_is_allowed);
-    RUN_TEST(the_optional_settings_are_refused_outside_their_ranges);
-    RUN_TEST(a_dead_time_that_does_not_fit_is_named_where_it_is_written);
-    RUN_TEST(a_speed_whose_emf_exceeds_the_bus_is_named_with_what_is_allowed);
-    RUN_TEST(a_speed_whose_emf_overcharges_the_bus_with_open_gates_is_named_with_what_is_allowed);
-    RUN_TEST(mtpa_is_on_or_off);
-    RUN_TEST(a_voltage_gain_is_not_refused_for_the_integral_that_follows);
-    RUN_TEST(no_rule_breaks_what_another_key_allows);
-    RUN_TEST(what_is_neither_a_value_nor_left_to_a_rule_is_refused);
-    RUN_TEST(text_that_is_not_toml_is_named_with_its_line);
-    RUN_TEST(text_of_any_language_is_allowed_in_strings_and_comments);
-    RUN_TEST(a_file_that_does_not_exist_is_named_with_those_that_do);
-    RUN_TEST(a_folder_without_files_leaves_the_path);
-    RUN_TEST(a_file_that_cannot_be_read_is_named);
-    RUN_TEST(command_and_load_are_checked_entry_by_entry);
-    RUN_TEST(faults_are_checked_word_by_word);
-    RUN_TEST(requests_are_checked_word_by_word);
-    RUN_TEST(a_fault_or_request_after_the_end_is_refused);
-    RUN_TEST(an_entry_holds_one_value_in_si_or_percent);
-    RUN_TEST(lists_can_be_overridden);
-    RUN_TEST(accepted_limits_name_known_metrics_and_sets);
-    RUN_TEST(a_base_is_checked_like_the_scenario_itself);
-    RUN_TEST(overrides_are_refused_like_lines_of_files);
-    return UNITY_END();
-}

@@ -6,7 +6,7 @@
 #include "numbers.h"
 #include "rules.h"
 
-#include "unity.h"
+#include "testing.h"
 
 #include <algorithm>
 
@@ -52,7 +52,7 @@ void expect_ratio(double expected, double a, double b)
 }
 
 // T_max/J: a motor of twice the inertia gets half the bandwidth, ramp and profile, with the same shape.
-void what_is_left_open_follows_the_torque_over_the_inertia()
+TEST(what_is_left_open_follows_the_torque_over_the_inertia)
 {
     const Folder folder;
     const nf::TuningSettings light = filled(OPEN);
@@ -65,7 +65,7 @@ void what_is_left_open_follows_the_torque_over_the_inertia()
     expect_ratio(1, light.position_speed_rpm, heavy.position_speed_rpm);
 }
 
-void ramp_and_profile_leave_torque_to_the_load()
+TEST(ramp_and_profile_leave_torque_to_the_load)
 {
     const Folder folder;
     const nf::TuningSettings t = filled(OPEN);
@@ -77,7 +77,7 @@ void ramp_and_profile_leave_torque_to_the_load()
     TEST_ASSERT_TRUE(t.position_speed_rpm < 1800);
 }
 
-void what_the_tuning_says_is_not_changed()
+TEST(what_the_tuning_says_is_not_changed)
 {
     const Folder folder;
     const nf::TuningSettings t = filled({});
@@ -93,7 +93,7 @@ void what_the_tuning_says_is_not_changed()
 }
 
 // 7.8 N·m at 1.5·2·0.387 N·m/A.
-void the_continuous_current_is_that_of_rated_torque_unless_written()
+TEST(the_continuous_current_is_that_of_rated_torque_unless_written)
 {
     nf::MotorSettings motor;
     motor.pole_pairs = 2;
@@ -107,7 +107,7 @@ void the_continuous_current_is_that_of_rated_torque_unless_written()
     TEST_ASSERT_EQUAL_DOUBLE(10, nf::continuous_current(motor));
 }
 
-void without_a_start_up_current_there_is_no_start_up()
+TEST(without_a_start_up_current_there_is_no_start_up)
 {
     const Folder folder;
     const startup_cfg_t c = built({}).startup;
@@ -116,7 +116,7 @@ void without_a_start_up_current_there_is_no_start_up()
 }
 
 // I_b = 40 A; 50 % of 4 A, and a tenth of 1800 rpm.
-void start_up_current_and_hand_over_are_shares_of_the_motor()
+TEST(start_up_current_and_hand_over_are_shares_of_the_motor)
 {
     const Folder folder;
     const std::vector<std::string> set = {"startup.current_pct=50", "motor.continuous_current_a=4",
@@ -136,7 +136,7 @@ void start_up_current_and_hand_over_are_shares_of_the_motor()
 }
 
 // Whatever the motor, the alignment is as long in swings of the rotor: ω_n falls with the root of the inertia.
-void the_alignment_takes_as_many_swings_of_the_rotor_for_every_inertia()
+TEST(the_alignment_takes_as_many_swings_of_the_rotor_for_every_inertia)
 {
     const Folder folder;
     const align_cfg_t light = built(START_UP).startup.align;
@@ -150,7 +150,7 @@ void the_alignment_takes_as_many_swings_of_the_rotor_for_every_inertia()
                               static_cast<double>(light.sweep_speed) * light.sweep_ticks);
 }
 
-void the_scenario_begins_after_the_start_up()
+TEST(the_scenario_begins_after_the_start_up)
 {
     const Folder folder;
     const nf::Config plain = nf::load_scenario("s");
@@ -164,7 +164,7 @@ void the_scenario_begins_after_the_start_up()
 const std::vector<std::string> BOARD_1_US = {"board.dead_time_s=1e-6", "board.device_drop_v=0.9"};
 
 // 1 µs of 100 µs; 0.9 V of 450 V.
-void the_plant_and_the_belief_have_the_dead_time_of_the_board()
+TEST(the_plant_and_the_belief_have_the_dead_time_of_the_board)
 {
     const Folder folder;
     const nf::Config config = nf::load_scenario("s", {}, BOARD_1_US);
@@ -175,7 +175,7 @@ void the_plant_and_the_belief_have_the_dead_time_of_the_board()
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.002 * 32768, told.drop_q15);
 }
 
-void a_plant_with_another_dead_time_is_believed()
+TEST(a_plant_with_another_dead_time_is_believed)
 {
     const Folder folder;
     const nf::Config config =
@@ -185,7 +185,7 @@ void a_plant_with_another_dead_time_is_believed()
     TEST_ASSERT_EQUAL_DOUBLE(0.9, config.model.device_drop_v);
 }
 
-void a_plant_may_be_better_than_its_board()
+TEST(a_plant_may_be_better_than_its_board)
 {
     const Folder folder;
     const nf::Config config = nf::load_scenario("s", {}, also(BOARD_1_US, {"plant.dead_time_s=0"}));
@@ -193,7 +193,7 @@ void a_plant_may_be_better_than_its_board()
     TEST_ASSERT_EQUAL_DOUBLE(0, config.model.dead_time_s);
 }
 
-void a_belief_of_its_own_leaves_plant_and_board_alone()
+TEST(a_belief_of_its_own_leaves_plant_and_board_alone)
 {
     const Folder folder;
     const nf::Config config = nf::load_scenario("s", {}, also(BOARD_1_US, {"model.dead_time_s=0"}));
@@ -202,7 +202,7 @@ void a_belief_of_its_own_leaves_plant_and_board_alone()
     TEST_ASSERT_EQUAL_DOUBLE(1e-6, config.board.dead_time_s);
 }
 
-void a_belief_of_minus_one_is_what_the_plant_has()
+TEST(a_belief_of_minus_one_is_what_the_plant_has)
 {
     const Folder folder;
     const std::vector<std::string> plant = {"plant.dead_time_s=1e-6", "plant.device_drop_v=0.9"};
@@ -217,7 +217,7 @@ void a_belief_of_minus_one_is_what_the_plant_has()
 }
 
 // 14 % of 4 A of I_b = 40 A.
-void the_least_current_is_there_only_where_dead_time_or_drop_is_compensated()
+TEST(the_least_current_is_there_only_where_dead_time_or_drop_is_compensated)
 {
     const Folder folder;
     const std::vector<std::string> floor = {"current_loop.floor_pct=14",
@@ -232,7 +232,7 @@ void the_least_current_is_there_only_where_dead_time_or_drop_is_compensated()
     }
 }
 
-void the_model_may_be_corrected_as_far_as_the_tuning_says()
+TEST(the_model_may_be_corrected_as_far_as_the_tuning_says)
 {
     const Folder folder;
     const model_cfg_t off = built({}).model;
@@ -253,7 +253,7 @@ int bits_lost(uint32_t before, uint32_t after)
 }
 
 // The weights keep room for the largest correction: none of them may end at 15 bits.
-void the_weights_have_room_for_the_largest_correction()
+TEST(the_weights_have_room_for_the_largest_correction)
 {
     const Folder folder;
     const nn_observer_cfg_t c =
@@ -267,7 +267,7 @@ void the_weights_have_room_for_the_largest_correction()
     TEST_ASSERT_TRUE(c.flux_q27 * (1.25 / 0.6) <= 134217727);
 }
 
-void the_gains_of_the_current_loop_have_room_for_it_too()
+TEST(the_gains_of_the_current_loop_have_room_for_it_too)
 {
     const Folder folder;
     const current_loop_cfg_t plain = built({}).current_loop;
@@ -283,7 +283,7 @@ void the_gains_of_the_current_loop_have_room_for_it_too()
     }
 }
 
-void rho_is_the_tunings_limit_and_off_by_default()
+TEST(rho_is_the_tunings_limit_and_off_by_default)
 {
     const Folder folder;
     TEST_ASSERT_EQUAL_INT32(0, built({}).observer.rho_max_q13);
@@ -291,7 +291,7 @@ void rho_is_the_tunings_limit_and_off_by_default()
 }
 
 // 1.5·2·0.387 N·m/A·5 A; |6.72 A·2.125 Ω + 377·0.387, 377·0.0116·6.72| at 1800 rpm; 3·(2·π·2·2000/60/10000)² = 0.005264.
-void a_rating_that_is_not_reached_is_noted_with_its_line()
+TEST(a_rating_that_is_not_reached_is_noted_with_its_line)
 {
     const Folder folder;
     TEST_ASSERT_TRUE(nf::load_scenario("s").scenario.notes.empty());
@@ -335,7 +335,7 @@ void a_rating_that_is_not_reached_is_noted_with_its_line()
 }
 
 // 10 kHz; a charge is not shorter than asked for.
-void charge_of_the_bootstrap_supplies_is_the_boards_and_needs_a_start_up()
+TEST(charge_of_the_bootstrap_supplies_is_the_boards_and_needs_a_start_up)
 {
     const Folder folder;
     const struct {
@@ -360,37 +360,3 @@ void charge_of_the_bootstrap_supplies_is_the_boards_and_needs_a_start_up()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(what_is_left_open_follows_the_torque_over_the_inertia);
-    RUN_TEST(ramp_and_profile_leave_torque_to_the_load);
-    RUN_TEST(what_the_tuning_says_is_not_changed);
-    RUN_TEST(the_continuous_current_is_that_of_rated_torque_unless_written);
-    RUN_TEST(without_a_start_up_current_there_is_no_start_up);
-    RUN_TEST(start_up_current_and_hand_over_are_shares_of_the_motor);
-    RUN_TEST(the_alignment_takes_as_many_swings_of_the_rotor_for_every_inertia);
-    RUN_TEST(the_scenario_begins_after_the_start_up);
-    RUN_TEST(the_plant_and_the_belief_have_the_dead_time_of_the_board);
-    RUN_TEST(a_plant_with_another_dead_time_is_believed);
-    RUN_TEST(a_plant_may_be_better_than_its_board);
-    RUN_TEST(a_belief_of_its_own_leaves_plant_and_board_alone);
-    RUN_TEST(a_belief_of_minus_one_is_what_the_plant_has);
-    RUN_TEST(the_least_current_is_there_only_where_dead_time_or_drop_is_compensated);
-    RUN_TEST(the_model_may_be_corrected_as_far_as_the_tuning_says);
-    RUN_TEST(the_weights_have_room_for_the_largest_correction);
-    RUN_TEST(the_gains_of_the_current_loop_have_room_for_it_too);
-    RUN_TEST(rho_is_the_tunings_limit_and_off_by_default);
-    RUN_TEST(a_rating_that_is_not_reached_is_noted_with_its_line);
-    RUN_TEST(charge_of_the_bootstrap_supplies_is_the_boards_and_needs_a_start_up);
-    return UNITY_END();
-}

@@ -5,7 +5,7 @@
 #include "numbers.h"
 #include "safe_state_units.h"
 
-#include "unity.h"
+#include "testing.h"
 
 #include <cmath>
 
@@ -43,14 +43,14 @@ void expect_line(const Words &set, const char *line)
     TEST_ASSERT_EQUAL_STRING(line, refusal({}, set).c_str());
 }
 
-void without_a_capacitance_the_emf_stays_below_the_highest_bus()
+TEST(without_a_capacitance_the_emf_stays_below_the_highest_bus)
 {
     const Folder folder;
     expect(400 / (ROOT_3 * 0.387), safe_speed({}));
 }
 
 // 1.5·11.6 mH·(18 A)²/1 mF = 5637.6 V²: from 200 V it is 300 V less 5637.6/400, from 310 V 355 V less 5637.6/180.
-void a_capacitor_is_charged_from_the_lowest_bus_by_emf_and_windings()
+TEST(a_capacitor_is_charged_from_the_lowest_bus_by_emf_and_windings)
 {
     const Folder folder;
     expect((300 - 14.094) / (ROOT_3 * 0.387), safe_speed({"board.bus_capacitance_f=1e-3"}));
@@ -59,7 +59,7 @@ void a_capacitor_is_charged_from_the_lowest_bus_by_emf_and_windings()
 }
 
 // The saliency adds up to half of (L_q − L_d)·I to the flux: 0.387 Wb and 5 mH·10 A/2.
-void a_salient_motor_gives_the_bus_more()
+TEST(a_salient_motor_gives_the_bus_more)
 {
     const Folder folder;
     const double square = 1.5 * 0.0166 * 324 / 1e-3;
@@ -67,7 +67,7 @@ void a_salient_motor_gives_the_bus_more()
            safe_speed({"board.bus_capacitance_f=1e-3", "motor.inductance_q_h=0.0166"}));
 }
 
-void open_gates_are_the_default_and_short_no_motor()
+TEST(open_gates_are_the_default_and_short_no_motor)
 {
     const Folder folder;
     const safe_state_cfg_t c = nf::build(loaded({})).safe_state;
@@ -85,7 +85,7 @@ Words also(Words a, const Words &b)
 // A short circuit in time leaves the 400 V less what 18 A charge in two control periods, 3.6 V. From 200 V that leaves 298.2 V less
 // 5637.6/392.8: 423.5 rad/s, 0.04235 rad a tick. 18.9 ticks are 0.8 rad, 296.8 two turns. The short circuit takes
 // 423.5·0.387/√(2.125² + 4.912²) = 30.6 A, of which the sensors see 20 A; over 19 ticks it changes by 2·20·sin 0.4023.
-void the_numbers_of_the_firmware()
+TEST(the_numbers_of_the_firmware)
 {
     const Folder folder;
     const safe_state_cfg_t c = nf::build(loaded(SHORT)).safe_state;
@@ -110,7 +110,7 @@ double acting_limit(const Words &set)
 }
 
 // Two control periods of 80 A charge 1 mF by 16 V, of 18 A by 3.6 V. Open gates ask for nothing of it.
-void a_motor_is_shorted_two_periods_of_charge_below_the_highest_bus()
+TEST(a_motor_is_shorted_two_periods_of_charge_below_the_highest_bus)
 {
     const Folder folder;
     expect(400 - 16, acting_limit(also(SHORT, {"board.trip_a=80"})));
@@ -119,7 +119,7 @@ void a_motor_is_shorted_two_periods_of_charge_below_the_highest_bus()
 }
 
 // Of the way from nominal to the fault's limit, 384 V: derating of the braking begins at half of it, and has ended at 3/4 of the rest.
-void braking_is_derated_before_the_motor_is_shorted()
+TEST(braking_is_derated_before_the_motor_is_shorted)
 {
     const Folder folder;
     const nf::Config config = loaded(also(SHORT, {"board.trip_a=80"}));
@@ -130,7 +130,7 @@ void braking_is_derated_before_the_motor_is_shorted()
     TEST_ASSERT_EQUAL_INT32(0, derating_share(&c.bus_high, static_cast<int32_t>(376 / step)));
 }
 
-void the_short_circuit_current_by_hand()
+TEST(the_short_circuit_current_by_hand)
 {
     const Folder folder;
     nf::Config config = loaded({});
@@ -147,7 +147,7 @@ void the_short_circuit_current_by_hand()
 
 const Words FAST = {"board.bus_capacitance_f=1e-3"};
 
-void a_highest_speed_beyond_open_gates_is_refused()
+TEST(a_highest_speed_beyond_open_gates_is_refused)
 {
     const Folder folder;
     expect_line(
@@ -158,7 +158,7 @@ void a_highest_speed_beyond_open_gates_is_refused()
                              refusal({}, also(FAST, {"motor.max_speed_rpm=1770"})).c_str());
 }
 
-void a_capacitor_too_small_for_the_windings_is_refused()
+TEST(a_capacitor_too_small_for_the_windings_is_refused)
 {
     const Folder folder;
     expect_line(
@@ -167,7 +167,7 @@ void a_capacitor_too_small_for_the_windings_is_refused()
         "of the motor's windings at board.overcurrent_a alone charges the bus beyond board.bus_max_v");
 }
 
-void a_short_circuit_that_trips_the_comparators_is_refused()
+TEST(a_short_circuit_that_trips_the_comparators_is_refused)
 {
     const Folder folder;
     expect_line(
@@ -178,7 +178,7 @@ void a_short_circuit_that_trips_the_comparators_is_refused()
         "accepted", refusal({}, also(FAST, {"board.safe_state=short", "board.trip_a=90"})).c_str());
 }
 
-void a_short_circuit_that_demagnetises_is_refused()
+TEST(a_short_circuit_that_demagnetises_is_refused)
 {
     const Folder folder;
     expect_line(
@@ -192,7 +192,7 @@ void a_short_circuit_that_demagnetises_is_refused()
 }
 
 // 200 A would charge less from 310 V beyond 355 V in two periods.
-void a_capacitor_too_small_to_be_caught_in_time_is_refused()
+TEST(a_capacitor_too_small_to_be_caught_in_time_is_refused)
 {
     const Folder folder;
     const std::string rest =
@@ -204,7 +204,7 @@ void a_capacitor_too_small_to_be_caught_in_time_is_refused()
                 ("--set: board.bus_capacitance_f = 0" + rest).c_str());
 }
 
-void the_capacitor_has_to_be_written()
+TEST(the_capacitor_has_to_be_written)
 {
     const Folder folder;
     expect_line(
@@ -213,7 +213,7 @@ void the_capacitor_has_to_be_written()
 }
 
 // It is never shorted by a stop or a fault.
-void a_motor_that_stays_below_that_speed_is_not_asked_for_its_short_circuit()
+TEST(a_motor_that_stays_below_that_speed_is_not_asked_for_its_short_circuit)
 {
     const Folder folder;
     TEST_ASSERT_EQUAL_STRING(
@@ -222,31 +222,3 @@ void a_motor_that_stays_below_that_speed_is_not_asked_for_its_short_circuit()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(without_a_capacitance_the_emf_stays_below_the_highest_bus);
-    RUN_TEST(a_capacitor_is_charged_from_the_lowest_bus_by_emf_and_windings);
-    RUN_TEST(a_salient_motor_gives_the_bus_more);
-    RUN_TEST(open_gates_are_the_default_and_short_no_motor);
-    RUN_TEST(the_numbers_of_the_firmware);
-    RUN_TEST(a_motor_is_shorted_two_periods_of_charge_below_the_highest_bus);
-    RUN_TEST(braking_is_derated_before_the_motor_is_shorted);
-    RUN_TEST(the_short_circuit_current_by_hand);
-    RUN_TEST(a_highest_speed_beyond_open_gates_is_refused);
-    RUN_TEST(a_capacitor_too_small_for_the_windings_is_refused);
-    RUN_TEST(a_capacitor_too_small_to_be_caught_in_time_is_refused);
-    RUN_TEST(the_capacitor_has_to_be_written);
-    RUN_TEST(a_short_circuit_that_trips_the_comparators_is_refused);
-    RUN_TEST(a_short_circuit_that_demagnetises_is_refused);
-    RUN_TEST(a_motor_that_stays_below_that_speed_is_not_asked_for_its_short_circuit);
-    return UNITY_END();
-}

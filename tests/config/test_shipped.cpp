@@ -18,7 +18,7 @@ extern "C" {
 #include "config_check.h"
 }
 
-#include "unity.h"
+#include "testing.h"
 
 #include <cmath>
 #include <cstring>
@@ -73,7 +73,7 @@ bool is_accepted(const std::string &motor, const std::string &board,
 }
 
 // Its board is its own because it shorts the motor; the other one that does may suit it too.
-void a_motor_that_weakens_its_field_is_refused_where_a_fault_opens_the_gates_or_nothing_weakens()
+TEST(a_motor_that_weakens_its_field_is_refused_where_a_fault_opens_the_gates_or_nothing_weakens)
 {
     for (const std::string &motor : WEAKENED) {
         for (const std::string &board : nf::list_boards()) {
@@ -92,7 +92,7 @@ void a_motor_that_weakens_its_field_is_refused_where_a_fault_opens_the_gates_or_
     }
 }
 
-void every_shipped_combination_fits_the_firmware()
+TEST(every_shipped_combination_fits_the_firmware)
 {
     for (const std::string &motor : nf::list_motors()) {
         for (const std::string &board : nf::list_boards()) {
@@ -107,7 +107,7 @@ void every_shipped_combination_fits_the_firmware()
     }
 }
 
-void every_shipped_imperfection_fits_the_firmware()
+TEST(every_shipped_imperfection_fits_the_firmware)
 {
     for (const std::string &name : nf::list_imperfections()) {
         const drive_cfg_t cfg =
@@ -116,7 +116,7 @@ void every_shipped_imperfection_fits_the_firmware()
     }
 }
 
-void every_shipped_scenario_fits_the_firmware()
+TEST(every_shipped_scenario_fits_the_firmware)
 {
     for (const nf::ScenarioInfo &info : nf::list_scenarios()) {
         const nf::Config config = nf::load_scenario(info.id);
@@ -126,7 +126,7 @@ void every_shipped_scenario_fits_the_firmware()
     }
 }
 
-void the_set_all_is_the_sum_of_its_parts()
+TEST(the_set_all_is_the_sum_of_its_parts)
 {
     const nf::PlantSettings plant =
         nf::load_parts("motor_a", "bench_310v", "robust", {"all"}).plant;
@@ -142,7 +142,7 @@ void the_set_all_is_the_sum_of_its_parts()
 }
 
 // But for the dead time and drop of the board, which the drive is told.
-void imperfections_of_the_plant_leave_the_firmware_alone()
+TEST(imperfections_of_the_plant_leave_the_firmware_alone)
 {
     const drive_cfg_t plain = nf::build(nf::load_parts("motor_a", "bench_310v", "robust"));
     const drive_cfg_t all =
@@ -188,7 +188,7 @@ std::string refused_for_the_chip(std::vector<std::string> set)
     return "";
 }
 
-void a_header_that_is_made_is_one_that_the_chips_binding_compiles()
+TEST(a_header_that_is_made_is_one_that_the_chips_binding_compiles)
 {
     TEST_ASSERT_EQUAL_STRING("", refused_for_the_chip({}).c_str());
     for (const nf::Field &field : nf::schema()) {
@@ -205,7 +205,7 @@ void a_header_that_is_made_is_one_that_the_chips_binding_compiles()
     }
 }
 
-void what_the_chip_cannot_do_is_refused_where_it_is_written_and_its_ends_are_not()
+TEST(what_the_chip_cannot_do_is_refused_where_it_is_written_and_its_ends_are_not)
 {
     for (const char *fits : {"board.dead_time_s=5.929e-6", "hal.adc_sampling_ns=1100"}) {
         TEST_ASSERT_EQUAL_STRING("", refused_for_the_chip({fits}).c_str());
@@ -221,7 +221,7 @@ void what_the_chip_cannot_do_is_refused_where_it_is_written_and_its_ends_are_not
 }
 
 // The timer rounds up to a tick of its clock, the drive to 2^-15 of the PWM period.
-void an_image_gives_back_the_dead_time_that_its_timer_makes()
+TEST(an_image_gives_back_the_dead_time_that_its_timer_makes)
 {
     const std::map<std::string, std::string> images = {{"g431_bench", "motor_a"},
                                                        {"b_g431b_esc1", "outrunner_24v"}};
@@ -255,7 +255,7 @@ double temperature_by_file(const nf::BoardSettings &board, double celsius)
     return low;
 }
 
-void the_temperature_of_the_board_as_sold_is_right_within_a_degree_from_0_to_100()
+TEST(the_temperature_of_the_board_as_sold_is_right_within_a_degree_from_0_to_100)
 {
     for (const char *name : {"b_g431b_esc1", "g431_bench"}) {
         const nf::BoardSettings board =
@@ -270,7 +270,7 @@ void the_temperature_of_the_board_as_sold_is_right_within_a_degree_from_0_to_100
 }
 
 // A line of two points is the straight one that it was before there could be more.
-void a_line_of_two_points_is_straight()
+TEST(a_line_of_two_points_is_straight)
 {
     const nf::BoardSettings board = nf::load_parts("motor_a", "bench_310v", "robust").board;
     for (int celsius = -50; celsius <= 150; celsius++) {
@@ -280,7 +280,7 @@ void a_line_of_two_points_is_straight()
 }
 
 // DS12589, operational amplifiers: 3 mV of offset, 2 % of gain; the bias is made by resistors of 1 %.
-void an_offset_within_the_tolerances_of_each_board_of_the_chip_is_accepted()
+TEST(an_offset_within_the_tolerances_of_each_board_of_the_chip_is_accepted)
 {
     const char *const parts[][2] = {{"outrunner_24v", "b_g431b_esc1"}, {"motor_a", "g431_bench"}};
     for (const auto &part : parts) {
@@ -293,7 +293,7 @@ void an_offset_within_the_tolerances_of_each_board_of_the_chip_is_accepted()
     }
 }
 
-void the_rows_cover_every_byte_of_the_configuration()
+TEST(the_rows_cover_every_byte_of_the_configuration)
 {
     const nf::Config config = nf::load_parts("motor_a", "bench_310v", "robust");
     std::size_t bytes = 0;
@@ -306,7 +306,7 @@ void the_rows_cover_every_byte_of_the_configuration()
     TEST_ASSERT_EQUAL_UINT(nf::describe(config, nf::build(config)).size(), names.size());
 }
 
-void the_compiled_header_is_the_run_time_configuration_byte_for_byte()
+TEST(the_compiled_header_is_the_run_time_configuration_byte_for_byte)
 {
     const drive_cfg_t a = nf::build(nf::load_parts("motor_a", "bench_310v", "published"));
     const drive_cfg_t b = nf::build(nf::load_parts("motor_b", "bench_310v", "robust", {"imp"},
@@ -315,7 +315,7 @@ void the_compiled_header_is_the_run_time_configuration_byte_for_byte()
     TEST_ASSERT_EQUAL_MEMORY(&b, generated_motor_b(), sizeof b);
 }
 
-void the_compiled_header_gives_the_numbers_their_units()
+TEST(the_compiled_header_gives_the_numbers_their_units)
 {
     const about_t &a = *about_generated_motor_a();
     TEST_ASSERT_EQUAL_STRING(
@@ -333,7 +333,7 @@ void the_compiled_header_gives_the_numbers_their_units()
                              about_generated_motor_b()->name);
 }
 
-void the_header_names_its_files_and_no_folder_of_this_machine()
+TEST(the_header_names_its_files_and_no_folder_of_this_machine)
 {
     const std::string text = nf::make_header(
         nf::load_parts("motor_a", "bench_310v", "robust", {"imp"}, {"observer.kappa=0.01"}));
@@ -346,7 +346,7 @@ void the_header_names_its_files_and_no_folder_of_this_machine()
     TEST_ASSERT_NULL(std::strstr(text.c_str(), "host_sim"));
 }
 
-void every_key_is_known_once_and_has_its_help()
+TEST(every_key_is_known_once_and_has_its_help)
 {
     std::set<std::string> names;
     for (const nf::Field &field : nf::schema()) {
@@ -359,7 +359,7 @@ void every_key_is_known_once_and_has_its_help()
 }
 
 // Paper A, table 1; paper B, section 4.
-void both_papers_motors_are_as_printed_and_run_from_310_v()
+TEST(both_papers_motors_are_as_printed_and_run_from_310_v)
 {
     const nf::Config a = nf::load_parts("motor_a", "bench_310v", "published");
     const nf::Config b = nf::load_parts("motor_b", "bench_310v", "published");
@@ -394,7 +394,7 @@ std::set<std::string> assumed(const std::string &motor)
     return keys;
 }
 
-void what_a_paper_does_not_print_of_its_motor_is_marked_as_an_assumption()
+TEST(what_a_paper_does_not_print_of_its_motor_is_marked_as_an_assumption)
 {
     const std::set<std::string> not_in_a = {"max_speed_rpm", "max_current_a",
                                             "continuous_current_a", "inertia_kg_m2",
@@ -405,37 +405,3 @@ void what_a_paper_does_not_print_of_its_motor_is_marked_as_an_assumption()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(every_shipped_combination_fits_the_firmware);
-    RUN_TEST(
-        a_motor_that_weakens_its_field_is_refused_where_a_fault_opens_the_gates_or_nothing_weakens);
-    RUN_TEST(every_shipped_imperfection_fits_the_firmware);
-    RUN_TEST(every_shipped_scenario_fits_the_firmware);
-    RUN_TEST(the_set_all_is_the_sum_of_its_parts);
-    RUN_TEST(imperfections_of_the_plant_leave_the_firmware_alone);
-    RUN_TEST(a_header_that_is_made_is_one_that_the_chips_binding_compiles);
-    RUN_TEST(what_the_chip_cannot_do_is_refused_where_it_is_written_and_its_ends_are_not);
-    RUN_TEST(an_image_gives_back_the_dead_time_that_its_timer_makes);
-    RUN_TEST(the_temperature_of_the_board_as_sold_is_right_within_a_degree_from_0_to_100);
-    RUN_TEST(a_line_of_two_points_is_straight);
-    RUN_TEST(an_offset_within_the_tolerances_of_each_board_of_the_chip_is_accepted);
-    RUN_TEST(the_rows_cover_every_byte_of_the_configuration);
-    RUN_TEST(the_compiled_header_is_the_run_time_configuration_byte_for_byte);
-    RUN_TEST(the_compiled_header_gives_the_numbers_their_units);
-    RUN_TEST(the_header_names_its_files_and_no_folder_of_this_machine);
-    RUN_TEST(every_key_is_known_once_and_has_its_help);
-    RUN_TEST(both_papers_motors_are_as_printed_and_run_from_310_v);
-    RUN_TEST(what_a_paper_does_not_print_of_its_motor_is_marked_as_an_assumption);
-    return UNITY_END();
-}

@@ -6,7 +6,7 @@
 #include "numbers.h"
 #include "speed_margin.h"
 
-#include "unity.h"
+#include "testing.h"
 
 #include <cmath>
 
@@ -38,7 +38,7 @@ constexpr double LOOP_RAD_S = 4.3 * 3870 / (60 * 3.14159265358979323846);
 constexpr double PERIOD_S = 1e-4;
 
 // The lag is 8.1·T/κ_p, and 2πf times it is 0.165.
-void the_observer_is_as_slow_as_its_speed_loop_allows()
+TEST(the_observer_is_as_slow_as_its_speed_loop_allows)
 {
     const nf::TuningSettings t = ruled();
     expect(8.1 * LOOP_RAD_S / 0.165 * PERIOD_S, t.observer_kappa_p);
@@ -48,14 +48,14 @@ void the_observer_is_as_slow_as_its_speed_loop_allows()
 }
 
 // With a hundred times J the loop would allow a rate of 43/s; the rotor turns with 377 rad/s.
-void the_observer_is_not_slower_than_the_rotor_turns()
+TEST(the_observer_is_not_slower_than_the_rotor_turns)
 {
     const nf::TuningSettings t = ruled({"motor.inertia_kg_m2=0.3"});
     expect(2 * 2 * nf::PI * 30 * PERIOD_S, t.observer_kappa_p);
 }
 
 // A tenth of J asks for κ_p = 4.3: it stays at 0.45, and the loop waits for a lag of 18 periods.
-void a_light_rotor_gets_the_speed_loop_and_ramp_that_the_lag_allows()
+TEST(a_light_rotor_gets_the_speed_loop_and_ramp_that_the_lag_allows)
 {
     const nf::TuningSettings t = ruled({"motor.inertia_kg_m2=0.0003"});
     const double lag = 18 * PERIOD_S;
@@ -66,7 +66,7 @@ void a_light_rotor_gets_the_speed_loop_and_ramp_that_the_lag_allows()
 }
 
 // At 3 µs and 310 V a leg loses 12.4 V, and the EMF at a tenth of rated speed is 14.59 V: the loop has 0.15·ω·14.59/12.4.
-void dead_time_slows_the_speed_loop_and_its_observer()
+TEST(dead_time_slows_the_speed_loop_and_its_observer)
 {
     const double omega = 2 * 2 * nf::PI * 30;
     const double rate = 0.15 * omega * (0.1 * omega * 0.387) / (4.0 / 3 * 310 * 3e-6 * 1e4);
@@ -80,7 +80,7 @@ void dead_time_slows_the_speed_loop_and_its_observer()
 }
 
 // As above, with a tenth of J: the torque asks for at least 205/s, which is more than dead time allows at the hand-over.
-void dead_time_slows_the_loop_of_a_light_rotor_at_low_speed_alone()
+TEST(dead_time_slows_the_loop_of_a_light_rotor_at_low_speed_alone)
 {
     const std::vector<std::string> light = {"board.dead_time_s=3e-6", "motor.inertia_kg_m2=0.0003"};
     const double omega = 2 * 2 * nf::PI * 30;
@@ -98,7 +98,7 @@ void dead_time_slows_the_loop_of_a_light_rotor_at_low_speed_alone()
     TEST_ASSERT_EQUAL_INT32(0, nf::build(quiet).speed_loop.soft_speed);
 }
 
-void a_speed_loop_that_is_written_faster_has_an_observer_as_fast()
+TEST(a_speed_loop_that_is_written_faster_has_an_observer_as_fast)
 {
     const nf::TuningSettings t = ruled({"speed_loop.bandwidth_hz=14.5"});
     TEST_ASSERT_EQUAL_DOUBLE(14.5, t.speed_bandwidth_hz);
@@ -106,7 +106,7 @@ void a_speed_loop_that_is_written_faster_has_an_observer_as_fast()
 }
 
 // The published law has no lag, and its least κ is twice what it is stable with.
-void the_published_law_is_damped_at_the_highest_speed()
+TEST(the_published_law_is_damped_at_the_highest_speed)
 {
     const nf::TuningSettings slow = ruled({"observer.kappa_p=0"});
     expect(0.025, slow.observer_kappa);
@@ -118,7 +118,7 @@ void the_published_law_is_damped_at_the_highest_speed()
 }
 
 // A proportional path ten times as fast as the rotor turns has 1, one of 12.5 times and more 1.25.
-void rho_is_smaller_where_the_observer_is_slow()
+TEST(rho_is_smaller_where_the_observer_is_slow)
 {
     const nf::TuningSettings t = ruled();
     expect(0.1 * t.observer_kappa_p / PERIOD_S / (2 * 2 * nf::PI * 30), t.observer_rho_max);
@@ -127,7 +127,7 @@ void rho_is_smaller_where_the_observer_is_slow()
 }
 
 // T·R/L of motor A is 0.01832 at 10 kHz, with R six times as large 0.11.
-void an_error_of_the_network_loses_a_tenth_in_a_sample()
+TEST(an_error_of_the_network_loses_a_tenth_in_a_sample)
 {
     const double winding = PERIOD_S * 2.125 / 0.0116;
     expect(0.1 - winding, ruled().observer_feedback);
@@ -135,21 +135,21 @@ void an_error_of_the_network_loses_a_tenth_in_a_sample()
 }
 
 // A rotor that turns little in a sample is seen through little feedback: three times its angle, here 0.0226.
-void the_network_forgets_no_faster_than_three_times_as_the_rotor_turns()
+TEST(the_network_forgets_no_faster_than_three_times_as_the_rotor_turns)
 {
     const double winding = PERIOD_S * 2.125 / 0.0116;
     const double turn = 2 * 2 * nf::PI * 30 * PERIOD_S;
     expect((3 * turn - winding) / 5, ruled({"board.pwm_frequency_hz=50000"}).observer_feedback);
 }
 
-void the_current_loop_has_twenty_samples_in_its_period()
+TEST(the_current_loop_has_twenty_samples_in_its_period)
 {
     expect(500, ruled().current_bandwidth_hz);
     expect(1000, ruled({"board.pwm_frequency_hz=20000"}).current_bandwidth_hz);
 }
 
 // Rated current 7.8/(3·0.387) A makes 14.28 V across R. The loss of a leg is 4/3 of 310 V·t_d·10 kHz.
-void dead_time_raises_the_least_current()
+TEST(dead_time_raises_the_least_current)
 {
     const double drop_v = 2.125 * 7.8 / (3 * 0.387);
     expect(18, ruled().current_floor_pct);
@@ -158,7 +158,7 @@ void dead_time_raises_the_least_current()
 }
 
 // The circle is 0.95·bus/√3; what 0.95 of it leaves above the EMF of 145.9 V drives i_d through ωL = 4.373 Ω at 8.4 A.
-void the_least_current_leaves_voltage_at_rated_speed()
+TEST(the_least_current_leaves_voltage_at_rated_speed)
 {
     const double omega = 2 * 2 * nf::PI * 30;
     const double spare_v = 0.95 * 0.95 * 310 / std::sqrt(3.0) - omega * 0.387;
@@ -168,7 +168,7 @@ void the_least_current_leaves_voltage_at_rated_speed()
 }
 
 // 1.5 times the hold's, within the largest current and the room that over-current leaves for a swing.
-void the_alignment_imposes_more_than_the_hold()
+TEST(the_alignment_imposes_more_than_the_hold)
 {
     const std::vector<std::string> room = {"motor.max_current_a=15", "board.overcurrent_a=18",
                                            "motor.continuous_current_a=6"};
@@ -187,7 +187,7 @@ void the_alignment_imposes_more_than_the_hold()
                               nf::build(any(tight)).startup.align.current_high);
 }
 
-void what_is_written_is_not_changed()
+TEST(what_is_written_is_not_changed)
 {
     const nf::TuningSettings t =
         ruled({"observer.kappa=0.02", "observer.kappa_p=0.3", "observer.rho_max=0.7",
@@ -209,7 +209,7 @@ void what_is_written_is_not_changed()
 
 // 0.45·ω·L, of two axes the harmonic mean; and a mean that follows within 0.6 of a radian. At 2000 Hz a sample takes off
 // 0.17 of a change with a rated speed of 3600 rpm, and with 4500 rpm it would take off 0.21.
-void the_virtual_resistance_is_a_share_of_the_reactance()
+TEST(the_virtual_resistance_is_a_share_of_the_reactance)
 {
     const double omega = 2 * 2 * nf::PI * 30;
     const nf::TuningSettings t = ruled();
@@ -231,7 +231,7 @@ double margin_deg(const nf::TuningSettings &t, nf::TorqueFilter filter)
 }
 
 // Without lag, period and current loop the PI has the open loop (2s + 1)/s² with its gain 1 at s = j·√(2 + √5): atan 4.116.
-void the_speed_loop_has_the_margin_of_its_design()
+TEST(the_speed_loop_has_the_margin_of_its_design)
 {
     nf::TuningSettings t = ruled({"drive.angle_source=sensor"});
     t.slow_ticks = 0;
@@ -243,7 +243,7 @@ void the_speed_loop_has_the_margin_of_its_design()
     TEST_ASSERT_DOUBLE_WITHIN(0.01, design - 360 * 2.058e-3, margin_deg(t, nf::TorqueFilter::none));
 }
 
-void a_torque_filter_slows_the_speed_loop_until_its_margin_is_what_it_was()
+TEST(a_torque_filter_slows_the_speed_loop_until_its_margin_is_what_it_was)
 {
     const nf::TuningSettings rigid = ruled();
     const double margin = margin_deg(rigid, nf::TorqueFilter::none);
@@ -262,7 +262,7 @@ void a_torque_filter_slows_the_speed_loop_until_its_margin_is_what_it_was()
 }
 
 // Up to the notch the loop would have to be 2.058 times as fast as its bandwidth.
-void a_notch_within_the_speed_loop_leaves_no_margin()
+TEST(a_notch_within_the_speed_loop_leaves_no_margin)
 {
     const nf::TuningSettings t = ruled({"speed_loop.notch_hz=40", "speed_loop.bandwidth_hz=19.5"});
     TEST_ASSERT_EQUAL_DOUBLE(-180, margin_deg(t, nf::TorqueFilter::as_set));
@@ -272,7 +272,7 @@ void a_notch_within_the_speed_loop_leaves_no_margin()
 }
 
 // A sensor's speed does not lag: nothing is capped.
-void a_sensor_does_not_slow_the_speed_loop()
+TEST(a_sensor_does_not_slow_the_speed_loop)
 {
     const nf::TuningSettings t = ruled({"drive.angle_source=sensor", "motor.inertia_kg_m2=0.0003"});
     expect(10 * LOOP_RAD_S, 2 * nf::PI * t.speed_bandwidth_hz);
@@ -280,37 +280,3 @@ void a_sensor_does_not_slow_the_speed_loop()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(the_observer_is_as_slow_as_its_speed_loop_allows);
-    RUN_TEST(the_observer_is_not_slower_than_the_rotor_turns);
-    RUN_TEST(a_light_rotor_gets_the_speed_loop_and_ramp_that_the_lag_allows);
-    RUN_TEST(dead_time_slows_the_speed_loop_and_its_observer);
-    RUN_TEST(dead_time_slows_the_loop_of_a_light_rotor_at_low_speed_alone);
-    RUN_TEST(a_speed_loop_that_is_written_faster_has_an_observer_as_fast);
-    RUN_TEST(the_published_law_is_damped_at_the_highest_speed);
-    RUN_TEST(rho_is_smaller_where_the_observer_is_slow);
-    RUN_TEST(an_error_of_the_network_loses_a_tenth_in_a_sample);
-    RUN_TEST(the_network_forgets_no_faster_than_three_times_as_the_rotor_turns);
-    RUN_TEST(the_current_loop_has_twenty_samples_in_its_period);
-    RUN_TEST(dead_time_raises_the_least_current);
-    RUN_TEST(the_least_current_leaves_voltage_at_rated_speed);
-    RUN_TEST(the_alignment_imposes_more_than_the_hold);
-    RUN_TEST(what_is_written_is_not_changed);
-    RUN_TEST(the_virtual_resistance_is_a_share_of_the_reactance);
-    RUN_TEST(the_speed_loop_has_the_margin_of_its_design);
-    RUN_TEST(a_torque_filter_slows_the_speed_loop_until_its_margin_is_what_it_was);
-    RUN_TEST(a_notch_within_the_speed_loop_leaves_no_margin);
-    RUN_TEST(a_sensor_does_not_slow_the_speed_loop);
-    return UNITY_END();
-}

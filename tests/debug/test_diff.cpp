@@ -15,7 +15,7 @@
 
 #include <fmt/format.h>
 
-#include "unity.h"
+#include "testing.h"
 
 using nf::debug::Comparison;
 using nf::debug::diff_tick;
@@ -23,14 +23,6 @@ using nf::debug::first_departure;
 using nf::debug::set_signal;
 using nf::debug::Span;
 using nf::debug::Timeline;
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
 
 // Each value has to come near its tolerance somewhere, or the tolerance would see nothing. Where nothing is rounded,
 // both agree to the last bits of a double: of some units that are converted there and back.
@@ -76,7 +68,7 @@ static void take_run(const char *scenario, const std::vector<std::string> &with,
     TEST_ASSERT_EQUAL_STRING_MESSAGE("", shares.worst.c_str(), scenario);
 }
 
-static void test_every_tick_of_the_scenarios_is_within_its_roundings()
+TEST(test_every_tick_of_the_scenarios_is_within_its_roundings)
 {
     Shares shares;
 
@@ -229,7 +221,7 @@ static void to_end_of_slow_period(Timeline &timeline)
     }
 }
 
-static void test_a_function_that_computes_wrongly_is_named()
+TEST(test_a_function_that_computes_wrongly_is_named)
 {
     Timeline &run = running();
     Timeline &voltage = driven_by_voltage();
@@ -267,7 +259,7 @@ static void expect_first(Timeline &timeline, const char *assignment, const char 
     TEST_ASSERT_NULL(first_departure(diff_now(timeline)));
 }
 
-static void test_a_wrong_word_is_named()
+TEST(test_a_wrong_word_is_named)
 {
     expect_first(running(), "drive.model.observer.volt_gain.raw = 9000", "model");
     expect_first(running(), "drive.model.observer.feedback_q15.raw = 9000", "model");
@@ -288,7 +280,7 @@ static void test_a_wrong_word_is_named()
     expect_first(driven_by_voltage(), "drive.voltage_drive.damping.mean_q30.q = 1", "state");
 }
 
-static void test_a_wrong_configuration_is_named_with_its_word()
+TEST(test_a_wrong_configuration_is_named_with_its_word)
 {
     const nf::Config config = nf::load_scenario("s1_robust");
     Timeline timeline(config);
@@ -303,14 +295,4 @@ static void test_a_wrong_configuration_is_named_with_its_word()
     TEST_ASSERT_EQUAL_STRING("cfg.speed_loop.pi.kp", first->quantity.c_str());
     TEST_ASSERT_EQUAL_DOUBLE(77, first->drive);
     TEST_ASSERT_EQUAL_DOUBLE(built.speed_loop.pi.kp, first->reference);
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_every_tick_of_the_scenarios_is_within_its_roundings);
-    RUN_TEST(test_a_function_that_computes_wrongly_is_named);
-    RUN_TEST(test_a_wrong_word_is_named);
-    RUN_TEST(test_a_wrong_configuration_is_named_with_its_word);
-    return UNITY_END();
 }

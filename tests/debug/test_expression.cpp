@@ -5,20 +5,12 @@
 
 #include <string>
 
-#include "unity.h"
+#include "testing.h"
 
 using nf::Tick;
 using nf::debug::ExpressionError;
 using nf::debug::parse_expression;
 using nf::debug::Value;
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
 
 // x is 3, y.z[1] is −2; no other names.
 static Value lookup(const std::string &name)
@@ -37,7 +29,7 @@ static void expect(double value, const char *text)
     TEST_ASSERT_EQUAL_DOUBLE_MESSAGE(value, parse_expression(text, lookup)(Tick{}), text);
 }
 
-static void test_values_and_precedence_are_those_of_c()
+TEST(test_values_and_precedence_are_those_of_c)
 {
     expect(7, "1 + 2*x");
     expect(9, "(1+2) * x");
@@ -60,7 +52,7 @@ static void test_values_and_precedence_are_those_of_c()
 }
 
 // Not known in a recording: what the motor does.
-static void test_what_is_not_known_is_neither_true_nor_the_same_as_anything()
+TEST(test_what_is_not_known_is_neither_true_nor_the_same_as_anything)
 {
     for (const char *text :
          {"0/0 == 1", "0/0 == 0/0", "!(0/0)", "0/0 && 1", "0/0 > 0", "0/0 <= 0"}) {
@@ -81,7 +73,7 @@ static void expect_refused(const char *text, const char *part)
                              ("'" + std::string(text) + "': " + message).c_str());
 }
 
-static void test_what_is_wrong_is_named_with_its_column()
+TEST(test_what_is_wrong_is_named_with_its_column)
 {
     expect_refused("", "column 1 of '': a value is missing");
     expect_refused("x >", "column 4");
@@ -97,14 +89,14 @@ static void test_what_is_wrong_is_named_with_its_column()
     expect_refused(std::string(5000, '-').c_str(), "nested too deeply");
 }
 
-static void test_states_and_faults_are_numbers()
+TEST(test_states_and_faults_are_numbers)
 {
     const Tick tick{};
     TEST_ASSERT_EQUAL_DOUBLE(DRIVE_STATE_RUN, nf::debug::named_value("RUN")(tick));
     TEST_ASSERT_EQUAL_DOUBLE(FAULT_OVERCURRENT, nf::debug::named_value("OVERCURRENT")(tick));
 }
 
-static void test_an_unknown_signal_lists_the_near_names()
+TEST(test_an_unknown_signal_lists_the_near_names)
 {
     std::string message;
     try {
@@ -114,15 +106,4 @@ static void test_an_unknown_signal_lists_the_near_names()
     }
     TEST_ASSERT_TRUE_MESSAGE(message.find("near: speed_estimated_rpm") != std::string::npos,
                              message.c_str());
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_values_and_precedence_are_those_of_c);
-    RUN_TEST(test_what_is_not_known_is_neither_true_nor_the_same_as_anything);
-    RUN_TEST(test_what_is_wrong_is_named_with_its_column);
-    RUN_TEST(test_states_and_faults_are_numbers);
-    RUN_TEST(test_an_unknown_signal_lists_the_near_names);
-    return UNITY_END();
 }

@@ -13,7 +13,7 @@ extern "C" {
 #include <map>
 #include <string>
 
-#include "unity.h"
+#include "testing.h"
 
 using nf::DriveMode;
 using nf::FaultEntry;
@@ -23,14 +23,6 @@ using nf::RequestEntry;
 using nf::ScriptedRun;
 using nf::debug::Session;
 using nf::debug::Timeline;
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
 
 namespace
 {
@@ -87,7 +79,7 @@ bool steps_to(Timeline &timeline, drive_state_t wanted, int64_t at_most)
     return state(timeline) == wanted;
 }
 
-void test_nothing_runs_until_a_person_asks()
+TEST(test_nothing_runs_until_a_person_asks)
 {
     const nf::Config config = machine();
     Timeline timeline(config);
@@ -100,7 +92,7 @@ void test_nothing_runs_until_a_person_asks()
 }
 
 // Broken, cleared in vain, repaired, cleared, run again, then a position.
-void test_acts_come_again_on_the_way()
+TEST(test_acts_come_again_on_the_way)
 {
     const nf::Config config = machine();
     Timeline timeline(config);
@@ -130,7 +122,7 @@ void test_acts_come_again_on_the_way()
     TEST_ASSERT_EQUAL_HEX32(at_end, hash(timeline));
 }
 
-void test_the_recent_past_alone_is_kept()
+TEST(test_the_recent_past_alone_is_kept)
 {
     const nf::Config config = machine();
     Timeline timeline(config, KEPT);
@@ -174,7 +166,7 @@ void in_slices(Session &session, const std::string &line)
     TEST_ASSERT_TRUE(slices > 1);
 }
 
-void test_a_command_in_slices_is_the_command()
+TEST(test_a_command_in_slices_is_the_command)
 {
     const nf::Config config = nf::load_scenario("s1_robust");
     for (const char *const line : {"run until speed_rpm > 900", "step 9000", "goto 0.5s"}) {
@@ -188,13 +180,3 @@ void test_a_command_in_slices_is_the_command()
 }
 
 } // namespace
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_nothing_runs_until_a_person_asks);
-    RUN_TEST(test_acts_come_again_on_the_way);
-    RUN_TEST(test_the_recent_past_alone_is_kept);
-    RUN_TEST(test_a_command_in_slices_is_the_command);
-    return UNITY_END();
-}

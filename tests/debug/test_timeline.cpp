@@ -15,19 +15,11 @@ extern "C" {
 #include <utility>
 #include <vector>
 
-#include "unity.h"
+#include "testing.h"
 
 using nf::debug::set_signal;
 using nf::debug::Span;
 using nf::debug::Timeline;
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
 
 static constexpr int64_t FIRST = 3000;
 
@@ -46,7 +38,7 @@ struct Mark {
     }
 };
 
-static void test_ten_thousand_ticks_forth_and_back_end_in_the_same_state()
+TEST(test_ten_thousand_ticks_forth_and_back_end_in_the_same_state)
 {
     // Noise and a fault in it, so that the random numbers and the script have to come back as well.
     const nf::Config config = nf::load_scenario(
@@ -76,7 +68,7 @@ static void test_ten_thousand_ticks_forth_and_back_end_in_the_same_state()
     TEST_ASSERT_TRUE(Mark(timeline) == there);
 }
 
-static void test_a_run_is_that_of_the_scenario()
+TEST(test_a_run_is_that_of_the_scenario)
 {
     const nf::Config config = nf::load_scenario("s3_robust", {"imp"});
     Timeline timeline(config);
@@ -93,7 +85,7 @@ static void test_a_run_is_that_of_the_scenario()
                             drive_words_hash(&timeline.run().sim().drive()));
 }
 
-static void test_the_ends_of_a_run_stop()
+TEST(test_the_ends_of_a_run_stop)
 {
     const nf::Config config = nf::load_scenario("s1", {}, {"scenario.duration_s=0.01"});
     Timeline timeline(config);
@@ -116,13 +108,13 @@ static void check_reach(double duration_s, int64_t farthest)
     TEST_ASSERT_TRUE(timeline.last() / static_cast<int64_t>(timeline.snapshots()) <= farthest);
 }
 
-static void test_snapshots_stay_bounded_and_near()
+TEST(test_snapshots_stay_bounded_and_near)
 {
     check_reach(10, Timeline::SPACING_MIN);
     check_reach(60, 4 * Timeline::SPACING_MIN);
 }
 
-static void test_a_run_of_10_s_steps_back_at_any_tick_in_under_100_ms()
+TEST(test_a_run_of_10_s_steps_back_at_any_tick_in_under_100_ms)
 {
     using Clock = std::chrono::steady_clock;
     const nf::Config config = nf::load_scenario("s1_robust", {}, {"scenario.duration_s=10"});
@@ -140,7 +132,7 @@ static void test_a_run_of_10_s_steps_back_at_any_tick_in_under_100_ms()
     TEST_ASSERT_TRUE_MESSAGE(longest < 0.1, std::to_string(longest).c_str());
 }
 
-static void test_what_is_set_is_repeated_on_the_way_and_ends_when_released()
+TEST(test_what_is_set_is_repeated_on_the_way_and_ends_when_released)
 {
     const nf::Config config = nf::load_scenario("s1_robust");
     Timeline timeline(config);
@@ -166,7 +158,7 @@ static void test_what_is_set_is_repeated_on_the_way_and_ends_when_released()
     TEST_ASSERT_TRUE(Mark(timeline) == untouched);
 }
 
-static void test_a_forced_count_is_read_until_it_is_released()
+TEST(test_a_forced_count_is_read_until_it_is_released)
 {
     const nf::Config config = nf::load_scenario("s1_robust");
     Timeline timeline(config);
@@ -186,7 +178,7 @@ static void test_a_forced_count_is_read_until_it_is_released()
     TEST_ASSERT_NOT_EQUAL(2101, read());
 }
 
-static void test_what_is_set_over_what_is_forced_gives_way_to_it_again()
+TEST(test_what_is_set_over_what_is_forced_gives_way_to_it_again)
 {
     const nf::Config config = nf::load_scenario("s1_robust");
     Timeline timeline(config);
@@ -202,7 +194,7 @@ static void test_what_is_set_over_what_is_forced_gives_way_to_it_again()
 
 // A scenario's own fault on a channel is there again when what a person has put over it ends, and a fault that begins or
 // ends on another channel does not uncover it.
-static void test_what_is_forced_stands_over_the_scenarios_faults_and_gives_way_to_them()
+TEST(test_what_is_forced_stands_over_the_scenarios_faults_and_gives_way_to_them)
 {
     const nf::Config config = nf::load_scenario(
         "s1_robust", {},
@@ -230,7 +222,7 @@ static void test_what_is_forced_stands_over_the_scenarios_faults_and_gives_way_t
     TEST_ASSERT_EQUAL_INT(stuck, read());
 }
 
-static void test_a_command_is_bounded_as_in_a_scenario()
+TEST(test_a_command_is_bounded_as_in_a_scenario)
 {
     const nf::Config config = nf::load_scenario("s1");
     Timeline timeline(config);
@@ -255,7 +247,7 @@ static void test_a_command_is_bounded_as_in_a_scenario()
 }
 
 // The firmware takes its own state for granted: an index, a shift, a choice beyond its range would be its end.
-static void test_a_state_that_the_firmware_cannot_come_to_is_refused()
+TEST(test_a_state_that_the_firmware_cannot_come_to_is_refused)
 {
     const nf::Config config = nf::load_scenario("s1_robust");
     Timeline timeline(config);
@@ -351,7 +343,7 @@ static void assert_is_recorded(const Timeline &timeline)
     TEST_ASSERT_EQUAL_INT(cfg.speed_shift, sim.bases().speed_shift);
 }
 
-static void test_forth_and_back_over_changes_of_the_configuration_each_tick_is_the_recorded_one()
+TEST(test_forth_and_back_over_changes_of_the_configuration_each_tick_is_the_recorded_one)
 {
     Timeline timeline(field().run);
     do {
@@ -373,7 +365,7 @@ static void test_forth_and_back_over_changes_of_the_configuration_each_tick_is_t
                           field().run.changes[1].cfg.speed_shift);
 }
 
-static void test_each_tick_around_a_change_departs_nowhere_from_its_reference()
+TEST(test_each_tick_around_a_change_departs_nowhere_from_its_reference)
 {
     Timeline timeline(field().run);
     for (const std::size_t change : {GAIN, SCALE, BACK}) {
@@ -389,7 +381,7 @@ static void test_each_tick_around_a_change_departs_nowhere_from_its_reference()
     }
 }
 
-static void test_what_is_forced_in_a_configuration_ends_with_it()
+TEST(test_what_is_forced_in_a_configuration_ends_with_it)
 {
     Timeline timeline(field().run);
     const int64_t change = timeline.first() + static_cast<int64_t>(GAIN);
@@ -408,24 +400,4 @@ static void test_what_is_forced_in_a_configuration_ends_with_it()
     TEST_ASSERT_EQUAL_INT(field().run.changes[0].cfg.current_loop.pi_d.kp, kp());
     timeline.step();
     TEST_ASSERT_EQUAL_INT(field().run.changes[0].cfg.current_loop.pi_d.kp, kp());
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_ten_thousand_ticks_forth_and_back_end_in_the_same_state);
-    RUN_TEST(test_a_run_is_that_of_the_scenario);
-    RUN_TEST(test_the_ends_of_a_run_stop);
-    RUN_TEST(test_snapshots_stay_bounded_and_near);
-    RUN_TEST(test_a_run_of_10_s_steps_back_at_any_tick_in_under_100_ms);
-    RUN_TEST(test_what_is_set_is_repeated_on_the_way_and_ends_when_released);
-    RUN_TEST(test_a_forced_count_is_read_until_it_is_released);
-    RUN_TEST(test_what_is_set_over_what_is_forced_gives_way_to_it_again);
-    RUN_TEST(test_what_is_forced_stands_over_the_scenarios_faults_and_gives_way_to_them);
-    RUN_TEST(test_a_command_is_bounded_as_in_a_scenario);
-    RUN_TEST(test_a_state_that_the_firmware_cannot_come_to_is_refused);
-    RUN_TEST(test_forth_and_back_over_changes_of_the_configuration_each_tick_is_the_recorded_one);
-    RUN_TEST(test_each_tick_around_a_change_departs_nowhere_from_its_reference);
-    RUN_TEST(test_what_is_forced_in_a_configuration_ends_with_it);
-    return UNITY_END();
 }

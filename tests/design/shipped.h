@@ -4,7 +4,7 @@
 
 #include "study.h"
 
-#include "unity.h"
+#include "testing.h"
 
 namespace test
 {

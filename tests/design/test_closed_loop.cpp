@@ -3,6 +3,7 @@
 #include "drive_gains.h"
 #include "origin.h"
 #include "shipped.h"
+#include "testing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,7 +34,7 @@ double magnitude(const Discrete &motor, const Gains &gains)
     return std::abs(slowest_pole(motor, gains));
 }
 
-void the_loop_is_the_motor_under_the_controllers_output()
+TEST(the_loop_is_the_motor_under_the_controllers_output)
 {
     const Discrete &motor = computed();
     LoopState x;
@@ -52,7 +53,7 @@ void the_loop_is_the_motor_under_the_controllers_output()
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, x[INTEGRAL] + command - x[SPEED], next[INTEGRAL]);
 }
 
-void the_controllers_step_response_is_that_of_backward_differences()
+TEST(the_controllers_step_response_is_that_of_backward_differences)
 {
     // (29): K_p + K_i·T·(n+1) at sample n of a constant error of 1.
     LoopState x = LoopState::Zero();
@@ -63,7 +64,7 @@ void the_controllers_step_response_is_that_of_backward_differences()
     }
 }
 
-void phase_states_integrate_speed_and_leave_the_motor_alone()
+TEST(phase_states_integrate_speed_and_leave_the_motor_alone)
 {
     const PhaseLoop phase = add_phase_states(computed(), PUBLISHED, 0.9);
     const Loop loop = close_loop(computed(), PUBLISHED);
@@ -81,7 +82,7 @@ void phase_states_integrate_speed_and_leave_the_motor_alone()
                           }));
 }
 
-void poles_are_those_of_a_closed_form()
+TEST(poles_are_those_of_a_closed_form)
 {
     // An integrator under PI: z² − (2 − K_p − K_i)·z + 1 − K_p, and three poles at 0.
     const Gains gains = {0.5, 0.3};
@@ -94,7 +95,7 @@ void poles_are_those_of_a_closed_form()
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0, std::abs(found[2]));
 }
 
-void the_edge_of_stability_is_that_of_a_closed_form()
+TEST(the_edge_of_stability_is_that_of_a_closed_form)
 {
     // Jury for that polynomial: 0 < K_p, 0 < K_i < 4 − 2·K_p.
     for (const double kp : {0.1, 0.5, 1.0, 1.9}) {
@@ -108,12 +109,12 @@ void the_edge_of_stability_is_that_of_a_closed_form()
     TEST_ASSERT_DOUBLE_WITHIN(2e-3, 4 - 2 * region.kp[10], region.ki_per_s[10]);
 }
 
-void a_region_without_a_stable_pair_is_empty()
+TEST(a_region_without_a_stable_pair_is_empty)
 {
     TEST_ASSERT_TRUE(stable_region(integrator(), 3, 21).kp.empty());
 }
 
-void the_papers_gains_are_stable_with_both_matrices_and_a_positive_ki()
+TEST(the_papers_gains_are_stable_with_both_matrices_and_a_positive_ki)
 {
     for (const Discrete &motor : {printed(), computed()}) {
         TEST_ASSERT_TRUE(is_stable(motor, PUBLISHED));
@@ -125,7 +126,7 @@ void the_papers_gains_are_stable_with_both_matrices_and_a_positive_ki()
 
 // The limits 0.337 and 0.168 that this is held against are the last stable points of a scan with 200 points
 // from 1e-4 to 100, evenly spaced in the logarithm; the edge itself is between there and the next point.
-void the_last_stable_ki_of_the_reference_scan_is_found_again()
+TEST(the_last_stable_ki_of_the_reference_scan_is_found_again)
 {
     const struct {
         const Discrete &motor;
@@ -145,7 +146,7 @@ void the_last_stable_ki_of_the_reference_scan_is_found_again()
     }
 }
 
-void stability_ends_at_ki_zero()
+TEST(stability_ends_at_ki_zero)
 {
     for (const double kp : {-0.5, 0.04, 0.264}) {
         TEST_ASSERT_TRUE(is_stable(computed(), {kp, 1e-4}));
@@ -153,7 +154,7 @@ void stability_ends_at_ki_zero()
     }
 }
 
-void the_edge_of_the_region_has_a_pole_on_the_unit_circle()
+TEST(the_edge_of_the_region_has_a_pole_on_the_unit_circle)
 {
     const Region region = stable_region(printed(), 0.264, 9);
     TEST_ASSERT_EQUAL_INT(9, region.kp.size());
@@ -163,7 +164,7 @@ void the_edge_of_the_region_has_a_pole_on_the_unit_circle()
     }
 }
 
-void an_unstable_pair_is_refused_with_its_eigenvalue()
+TEST(an_unstable_pair_is_refused_with_its_eigenvalue)
 {
     try {
         require_stable(printed(), OTHER_SIGN, "start");
@@ -181,12 +182,12 @@ void an_unstable_pair_is_refused_with_its_eigenvalue()
     }
 }
 
-void a_time_constant_is_that_of_an_exponential()
+TEST(a_time_constant_is_that_of_an_exponential)
 {
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 2.5, time_constant_s(std::exp(-0.01 / 2.5), 0.01));
 }
 
-void a_step_response_starts_at_rest_and_ends_where_it_settles()
+TEST(a_step_response_starts_at_rest_and_ends_where_it_settles)
 {
     const Gains gains = {0.5, 0.3};
     for (const int input : {LOAD, SUPPLY}) {
@@ -200,7 +201,7 @@ void a_step_response_starts_at_rest_and_ends_where_it_settles()
     }
 }
 
-void figures_of_a_response_are_those_of_a_closed_form()
+TEST(figures_of_a_response_are_those_of_a_closed_form)
 {
     // K_i = 0 and K_p = 0.5 halve the integrator's error at each sample.
     const Gains gains = {0.5, 0};
@@ -215,14 +216,14 @@ void figures_of_a_response_are_those_of_a_closed_form()
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, std::sqrt((1 + 0.25 + 0.0625 + 0.015625) / 4), f.rms_rad_s);
 }
 
-void the_loads_d_current_stays_as_nothing_of_the_phase_loop_reaches_the_motor()
+TEST(the_loads_d_current_stays_as_nothing_of_the_phase_loop_reaches_the_motor)
 {
     for (const Discrete &motor : {printed(), computed()}) {
         TEST_ASSERT_TRUE(settled(motor, PUBLISHED, LOAD)[I_D] > 0.3);
     }
 }
 
-void the_drives_gains_are_volts_per_speed_of_the_papers()
+TEST(the_drives_gains_are_volts_per_speed_of_the_papers)
 {
     const VoltageLoopGains gains = voltage_loop_gains(PUBLISHED, 3);
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.792, gains.kp_v_s_per_rad);
@@ -232,7 +233,7 @@ void the_drives_gains_are_volts_per_speed_of_the_papers()
                              voltage_loop_toml(gains, 0.01, "x").c_str());
 }
 
-void gains_that_the_drive_does_not_take_are_refused()
+TEST(gains_that_the_drive_does_not_take_are_refused)
 {
     try {
         (void)voltage_loop_gains({-0.603, 0.0792}, 3);
@@ -246,34 +247,3 @@ void gains_that_the_drive_does_not_take_are_refused()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(the_loop_is_the_motor_under_the_controllers_output);
-    RUN_TEST(the_controllers_step_response_is_that_of_backward_differences);
-    RUN_TEST(phase_states_integrate_speed_and_leave_the_motor_alone);
-    RUN_TEST(poles_are_those_of_a_closed_form);
-    RUN_TEST(the_edge_of_stability_is_that_of_a_closed_form);
-    RUN_TEST(a_region_without_a_stable_pair_is_empty);
-    RUN_TEST(the_papers_gains_are_stable_with_both_matrices_and_a_positive_ki);
-    RUN_TEST(the_last_stable_ki_of_the_reference_scan_is_found_again);
-    RUN_TEST(stability_ends_at_ki_zero);
-    RUN_TEST(the_edge_of_the_region_has_a_pole_on_the_unit_circle);
-    RUN_TEST(an_unstable_pair_is_refused_with_its_eigenvalue);
-    RUN_TEST(a_time_constant_is_that_of_an_exponential);
-    RUN_TEST(a_step_response_starts_at_rest_and_ends_where_it_settles);
-    RUN_TEST(figures_of_a_response_are_those_of_a_closed_form);
-    RUN_TEST(the_loads_d_current_stays_as_nothing_of_the_phase_loop_reaches_the_motor);
-    RUN_TEST(the_drives_gains_are_volts_per_speed_of_the_papers);
-    RUN_TEST(gains_that_the_drive_does_not_take_are_refused);
-    return UNITY_END();
-}

@@ -3,6 +3,7 @@
 #include "compare.h"
 #include "origin.h"
 #include "shipped.h"
+#include "testing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -86,7 +87,7 @@ void expect_refused_matrices(const char *old, const char *text, const char *mess
                              said.substr(std::min(said.size(), said.find("x.toml") + 6)).c_str());
 }
 
-void the_shipped_design_is_the_papers()
+TEST(the_shipped_design_is_the_papers)
 {
     TEST_ASSERT_EQUAL_STRING("motor B (paper B, section 4)", shipped().inputs.motor.name.c_str());
     TEST_ASSERT_EQUAL_DOUBLE(5, shipped().optimum.cost.q2);
@@ -95,7 +96,7 @@ void the_shipped_design_is_the_papers()
     TEST_ASSERT_EQUAL_DOUBLE(0.264, shipped().published.kp);
 }
 
-void overrides_reach_the_design_and_the_motor()
+TEST(overrides_reach_the_design_and_the_motor)
 {
     const DesignSettings s = read_design(
         "motor_b", {"optimum.state=integral", "optimum.input=speed", "optimum.horizon_samples=60",
@@ -110,12 +111,12 @@ void overrides_reach_the_design_and_the_motor()
                              read_design("motor_b", {"motor=motor_a"}).inputs.motor.resistance_ohm);
 }
 
-void a_design_without_published_matrices_has_one_model()
+TEST(a_design_without_published_matrices_has_one_model)
 {
     TEST_ASSERT_EQUAL_INT(1, make_models(read_design("motor_b", {"matrices=\"\""})).size());
 }
 
-void wrong_designs_get_one_line()
+TEST(wrong_designs_get_one_line)
 {
     expect_refused_design("voltage_v = 200", "voltage_v = 2e5",
                           ":8: nominal.voltage_v = 200000: is too large; allowed: 0.1 to 10000 V");
@@ -140,7 +141,7 @@ void wrong_designs_get_one_line()
         "file");
 }
 
-void wrong_overrides_get_one_line()
+TEST(wrong_overrides_get_one_line)
 {
     TEST_ASSERT_EQUAL_STRING("--set: \"kp\": is no override; allowed: section.key=value",
                              refusal([] { (void)read_design("motor_b", {"kp"}); }).c_str());
@@ -149,7 +150,7 @@ void wrong_overrides_get_one_line()
         refusal([] { (void)read_design("motor_b", {"motor.resistance_ohm=1000"}); }).c_str());
 }
 
-void published_matrices_are_read_with_their_corrections()
+TEST(published_matrices_are_read_with_their_corrections)
 {
     const PrintedMatrices m = read_matrices(shipped().matrices);
     TEST_ASSERT_EQUAL_DOUBLE(-27.64, m.model.phi(0, 3));
@@ -159,7 +160,7 @@ void published_matrices_are_read_with_their_corrections()
     TEST_ASSERT_EQUAL_DOUBLE(-4.802e4, m.corrections[0].printed);
 }
 
-void wrong_matrices_get_one_line()
+TEST(wrong_matrices_get_one_line)
 {
     expect_refused_matrices("printed = -4.802e4", "printed = -4.8e4",
                             ":18: correction.printed = -48000: is not the entry of the matrix; "
@@ -182,7 +183,7 @@ const Comparison &row_of(const std::vector<Comparison> &rows, const std::string 
     return *found;
 }
 
-void the_comparison_shows_print_and_computation_side_by_side()
+TEST(the_comparison_shows_print_and_computation_side_by_side)
 {
     std::vector<ModelStudy> studies;
     for (const Model &m : make_models(shipped())) {
@@ -203,25 +204,3 @@ void the_comparison_shows_print_and_computation_side_by_side()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(the_shipped_design_is_the_papers);
-    RUN_TEST(overrides_reach_the_design_and_the_motor);
-    RUN_TEST(a_design_without_published_matrices_has_one_model);
-    RUN_TEST(wrong_designs_get_one_line);
-    RUN_TEST(wrong_overrides_get_one_line);
-    RUN_TEST(published_matrices_are_read_with_their_corrections);
-    RUN_TEST(wrong_matrices_get_one_line);
-    RUN_TEST(the_comparison_shows_print_and_computation_side_by_side);
-    return UNITY_END();
-}

@@ -2,6 +2,7 @@
 // Motor equations, their linearisation and its discretisation.
 #include "discretise.h"
 #include "shipped.h"
+#include "testing.h"
 
 #include <cmath>
 
@@ -42,7 +43,7 @@ void expect_near(const Eigen::MatrixXd &expected, const Eigen::MatrixXd &actual,
     TEST_ASSERT_DOUBLE_WITHIN(share * size, 0, (expected - actual).cwiseAbs().maxCoeff());
 }
 
-void the_nominal_point_is_the_papers()
+TEST(the_nominal_point_is_the_papers)
 {
     TEST_ASSERT_EQUAL_DOUBLE(251.2, nominal().speed_rad_s);
     TEST_ASSERT_EQUAL_DOUBLE(0.11, nominal().inertia_kg_m2);
@@ -50,7 +51,7 @@ void the_nominal_point_is_the_papers()
     TEST_ASSERT_EQUAL_DOUBLE(3, machine().torque_factor); // two pole pairs
 }
 
-void steady_voltages_and_currents_are_each_others_inverse()
+TEST(steady_voltages_and_currents_are_each_others_inverse)
 {
     const Currents i = steady_currents(machine(), {95, -24}, 251.2);
     const Voltages v = steady_voltages(machine(), i, 251.2);
@@ -58,7 +59,7 @@ void steady_voltages_and_currents_are_each_others_inverse()
     TEST_ASSERT_DOUBLE_WITHIN(100 * ROUNDING, -24, v.d_v);
 }
 
-void without_resistance_torque_by_angle_is_torque_by_currents()
+TEST(without_resistance_torque_by_angle_is_torque_by_currents)
 {
     Machine ideal = machine();
     ideal.resistance_ohm = 0;
@@ -70,7 +71,7 @@ void without_resistance_torque_by_angle_is_torque_by_currents()
     }
 }
 
-void a_point_that_is_held_does_not_move()
+TEST(a_point_that_is_held_does_not_move)
 {
     const Machine m = machine();
     const Currents i = {4.197, -0.1465};
@@ -81,7 +82,7 @@ void a_point_that_is_held_does_not_move()
                               rate.cwiseAbs().maxCoeff()); // volts over millihenries
 }
 
-void f_is_the_derivative_of_the_motor_equations_by_the_state()
+TEST(f_is_the_derivative_of_the_motor_equations_by_the_state)
 {
     const Drive drive = {nominal().voltage_v, 3, nominal().speed_rad_s};
     MotorMatrix differences;
@@ -94,7 +95,7 @@ void f_is_the_derivative_of_the_motor_equations_by_the_state()
     expect_near(differences, linearise(machine(), nominal()).f, DIFFERENCES);
 }
 
-void g_is_the_derivative_by_load_and_supply_where_the_voltage_follows_the_supply_along_q()
+TEST(g_is_the_derivative_by_load_and_supply_where_the_voltage_follows_the_supply_along_q)
 {
     const MotorInputs g = linearise(machine(), nominal()).g;
     const auto rate = [](double load_nm, double supply_rad_s) {
@@ -112,7 +113,7 @@ void g_is_the_derivative_by_load_and_supply_where_the_voltage_follows_the_supply
     expect_near(differences, g, DIFFERENCES);
 }
 
-void the_exponential_is_eigens()
+TEST(the_exponential_is_eigens)
 {
     for (const double time_s : {1e-4, 0.01, 0.1}) {
         const Eigen::MatrixXd a = linearise(machine(), nominal()).f * time_s;
@@ -122,7 +123,7 @@ void the_exponential_is_eigens()
     }
 }
 
-void the_exponential_of_a_rotation_is_sine_and_cosine()
+TEST(the_exponential_of_a_rotation_is_sine_and_cosine)
 {
     const double angle = 2.512;
     Eigen::Matrix2d turn;
@@ -132,7 +133,7 @@ void the_exponential_of_a_rotation_is_sine_and_cosine()
     expect_near(expected, exponential(turn), ROUNDING);
 }
 
-void the_exponential_of_a_nilpotent_matrix_ends_after_its_terms()
+TEST(the_exponential_of_a_nilpotent_matrix_ends_after_its_terms)
 {
     Eigen::Matrix3d a;
     a << 0, 2, 3, 0, 0, 5, 0, 0, 0;
@@ -140,7 +141,7 @@ void the_exponential_of_a_nilpotent_matrix_ends_after_its_terms()
     expect_near(expected, exponential(a), ROUNDING);
 }
 
-void theta_is_the_integral_of_the_response_to_a_held_input()
+TEST(theta_is_the_integral_of_the_response_to_a_held_input)
 {
     const Continuous c = linearise(machine(), nominal());
     const Discrete d = discretise(c, 0.01);
@@ -148,7 +149,7 @@ void theta_is_the_integral_of_the_response_to_a_held_input()
     expect_near((d.phi - MotorMatrix::Identity()) * c.g, c.f * d.theta, 1e-11);
 }
 
-void two_half_samples_make_a_sample()
+TEST(two_half_samples_make_a_sample)
 {
     const Continuous c = linearise(machine(), nominal());
     const Discrete half = discretise(c, 0.005);
@@ -158,28 +159,3 @@ void two_half_samples_make_a_sample()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(the_nominal_point_is_the_papers);
-    RUN_TEST(steady_voltages_and_currents_are_each_others_inverse);
-    RUN_TEST(without_resistance_torque_by_angle_is_torque_by_currents);
-    RUN_TEST(a_point_that_is_held_does_not_move);
-    RUN_TEST(f_is_the_derivative_of_the_motor_equations_by_the_state);
-    RUN_TEST(g_is_the_derivative_by_load_and_supply_where_the_voltage_follows_the_supply_along_q);
-    RUN_TEST(the_exponential_is_eigens);
-    RUN_TEST(the_exponential_of_a_rotation_is_sine_and_cosine);
-    RUN_TEST(the_exponential_of_a_nilpotent_matrix_ends_after_its_terms);
-    RUN_TEST(theta_is_the_integral_of_the_response_to_a_held_input);
-    RUN_TEST(two_half_samples_make_a_sample);
-    return UNITY_END();
-}

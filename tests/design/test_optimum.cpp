@@ -3,6 +3,7 @@
 #include "barrier.h"
 #include "conjugate_gradient.h"
 #include "shipped.h"
+#include "testing.h"
 
 #include <cmath>
 #include <cstring>
@@ -29,7 +30,7 @@ void expect_same(const Eigen::Vector2d &expected, const Eigen::Vector2d &actual)
     TEST_ASSERT_DOUBLE_WITHIN(GRADIENT_SHARE * expected.norm(), 0, (expected - actual).norm());
 }
 
-void the_cost_is_the_sum_along_the_response()
+TEST(the_cost_is_the_sum_along_the_response)
 {
     CostSettings settings;
     settings.horizon_samples = 40;
@@ -51,7 +52,7 @@ void the_cost_is_the_sum_along_the_response()
     }
 }
 
-void gains_of_zero_leave_the_whole_speed_command_as_error()
+TEST(gains_of_zero_leave_the_whole_speed_command_as_error)
 {
     CostSettings settings;
     settings.input = SUPPLY;
@@ -61,7 +62,7 @@ void gains_of_zero_leave_the_whole_speed_command_as_error()
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 40 * 0.01 * 1.5 + 0.7, cost(computed(), settings, {0, 0}));
 }
 
-void the_adjoint_gradient_is_that_of_differences()
+TEST(the_adjoint_gradient_is_that_of_differences)
 {
     CostSettings settings;
     settings.q1 = 1.5;
@@ -84,7 +85,7 @@ void the_adjoint_gradient_is_that_of_differences()
     }
 }
 
-void the_barrier_is_the_logarithm_over_pairs_of_poles()
+TEST(the_barrier_is_the_logarithm_over_pairs_of_poles)
 {
     const auto all = poles(close_loop(computed(), PUBLISHED).a);
     const double rho = 1.01;
@@ -97,7 +98,7 @@ void the_barrier_is_the_logarithm_over_pairs_of_poles()
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, -std::log(product.real()), barrier(computed(), PUBLISHED, rho));
 }
 
-void the_barriers_gradient_is_that_of_differences()
+TEST(the_barriers_gradient_is_that_of_differences)
 {
     for (const Gains &gains : PAIRS) {
         // Far enough from the poles for differences: the slope of a logarithm grows without end.
@@ -107,7 +108,7 @@ void the_barriers_gradient_is_that_of_differences()
     }
 }
 
-void the_barrier_grows_towards_the_edge_of_stability()
+TEST(the_barrier_grows_towards_the_edge_of_stability)
 {
     const double edge = *largest_ki_per_s(computed(), 0.1);
     double before = barrier(computed(), {0.1, 0.5 * edge}, 1);
@@ -124,7 +125,7 @@ Objective everywhere(std::function<double(const Eigen::VectorXd &)> value,
     return {std::move(value), std::move(gradient), [](const Eigen::VectorXd &) { return true; }};
 }
 
-void a_quadratic_of_three_variables_takes_three_steps()
+TEST(a_quadratic_of_three_variables_takes_three_steps)
 {
     Eigen::Matrix3d h;
     h << 4, 1, 0, 1, 3, 1, 0, 1, 10;
@@ -138,7 +139,7 @@ void a_quadratic_of_three_variables_takes_three_steps()
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, (d.at - at).norm());
 }
 
-void a_curved_valley_is_followed_to_its_end()
+TEST(a_curved_valley_is_followed_to_its_end)
 {
     const Objective rosenbrock = everywhere(
         [](const Eigen::VectorXd &x) {
@@ -153,7 +154,7 @@ void a_curved_valley_is_followed_to_its_end()
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, (d.at - Eigen::Vector2d(1, 1)).norm());
 }
 
-void a_search_never_asks_beyond_what_is_allowed()
+TEST(a_search_never_asks_beyond_what_is_allowed)
 {
     // The minimum is at 2; allowed is what is below 1.
     Objective f = everywhere(
@@ -171,7 +172,7 @@ void a_search_never_asks_beyond_what_is_allowed()
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1, d.at[0]);
 }
 
-void the_iterations_are_bounded()
+TEST(the_iterations_are_bounded)
 {
     const Objective f = everywhere([](const Eigen::VectorXd &x) { return std::cosh(x[0]); },
                                    [](const Eigen::VectorXd &x) -> Eigen::VectorXd {
@@ -186,7 +187,7 @@ void the_iterations_are_bounded()
 constexpr double REFERENCE_KP = 0.28;
 constexpr double TEN_PERCENT = 0.1;
 
-void least_cost_without_regard_to_stability_has_the_references_kp_and_is_unstable()
+TEST(least_cost_without_regard_to_stability_has_the_references_kp_and_is_unstable)
 {
     CostSettings settings = shipped().optimum.cost;
     for (const int horizon : {30, 60}) {
@@ -198,7 +199,7 @@ void least_cost_without_regard_to_stability_has_the_references_kp_and_is_unstabl
     }
 }
 
-void the_stable_optimum_is_within_a_tenth_of_the_references_kp()
+TEST(the_stable_optimum_is_within_a_tenth_of_the_references_kp)
 {
     CostSettings settings = shipped().optimum.cost;
     const double slowest_s = shipped().optimum.slowest_time_constant_s;
@@ -212,7 +213,7 @@ void the_stable_optimum_is_within_a_tenth_of_the_references_kp()
     }
 }
 
-void no_pair_on_a_grid_that_meets_the_demand_costs_less_than_the_optimum()
+TEST(no_pair_on_a_grid_that_meets_the_demand_costs_less_than_the_optimum)
 {
     const CostSettings &settings = shipped().optimum.cost;
     const double rho = std::exp(-0.01 / 36);
@@ -230,7 +231,7 @@ void no_pair_on_a_grid_that_meets_the_demand_costs_less_than_the_optimum()
     TEST_ASSERT_TRUE(o.cost > 0.95 * least); // the grid is finer than that
 }
 
-void the_stable_optimum_does_not_depend_on_the_start()
+TEST(the_stable_optimum_does_not_depend_on_the_start)
 {
     const CostSettings &settings = shipped().optimum.cost;
     for (const Gains &start : {ARBITRARY, PUBLISHED, Gains{0.2, 0.1}}) {
@@ -240,7 +241,7 @@ void the_stable_optimum_does_not_depend_on_the_start()
     }
 }
 
-void every_combination_of_state_and_input_ends_stable_with_a_positive_kp()
+TEST(every_combination_of_state_and_input_ends_stable_with_a_positive_kp)
 {
     CostSettings settings;
     for (int state = 0; state < STATE_COUNT; state++) {
@@ -256,7 +257,7 @@ void every_combination_of_state_and_input_ends_stable_with_a_positive_kp()
     }
 }
 
-void an_unstable_start_is_refused()
+TEST(an_unstable_start_is_refused)
 {
     try {
         (void)stable_optimum(computed(), shipped().optimum.cost, OTHER_SIGN, 36);
@@ -266,7 +267,7 @@ void an_unstable_start_is_refused()
     }
 }
 
-void a_start_that_the_drive_does_not_take_is_refused()
+TEST(a_start_that_the_drive_does_not_take_is_refused)
 {
     try {
         (void)stable_optimum(computed(), shipped().optimum.cost, {-0.1, 0.01}, 36);
@@ -278,7 +279,7 @@ void a_start_that_the_drive_does_not_take_is_refused()
     }
 }
 
-void a_demand_beyond_all_gains_is_refused_with_the_best_there_is()
+TEST(a_demand_beyond_all_gains_is_refused_with_the_best_there_is)
 {
     try {
         (void)stable_optimum(computed(), shipped().optimum.cost, ARBITRARY, 0.5);
@@ -290,35 +291,3 @@ void a_demand_beyond_all_gains_is_refused_with_the_best_there_is()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(the_cost_is_the_sum_along_the_response);
-    RUN_TEST(gains_of_zero_leave_the_whole_speed_command_as_error);
-    RUN_TEST(the_adjoint_gradient_is_that_of_differences);
-    RUN_TEST(the_barrier_is_the_logarithm_over_pairs_of_poles);
-    RUN_TEST(the_barriers_gradient_is_that_of_differences);
-    RUN_TEST(the_barrier_grows_towards_the_edge_of_stability);
-    RUN_TEST(a_quadratic_of_three_variables_takes_three_steps);
-    RUN_TEST(a_curved_valley_is_followed_to_its_end);
-    RUN_TEST(a_search_never_asks_beyond_what_is_allowed);
-    RUN_TEST(the_iterations_are_bounded);
-    RUN_TEST(least_cost_without_regard_to_stability_has_the_references_kp_and_is_unstable);
-    RUN_TEST(the_stable_optimum_is_within_a_tenth_of_the_references_kp);
-    RUN_TEST(no_pair_on_a_grid_that_meets_the_demand_costs_less_than_the_optimum);
-    RUN_TEST(the_stable_optimum_does_not_depend_on_the_start);
-    RUN_TEST(every_combination_of_state_and_input_ends_stable_with_a_positive_kp);
-    RUN_TEST(an_unstable_start_is_refused);
-    RUN_TEST(a_start_that_the_drive_does_not_take_is_refused);
-    RUN_TEST(a_demand_beyond_all_gains_is_refused_with_the_best_there_is);
-    return UNITY_END();
-}

@@ -67,12 +67,13 @@ CITING = """/*
  */
 const char NO_COMMENT[] = "paper B (8)"; // (9)
 """
-UNITY_TESTS = """int main(void)
+UNITY_TESTS = """TEST(test_one)
 {
-    RUN_TEST(test_one); // RUN_TEST(test_in_a_comment);
-    RUN_TEST(
-        test_over_lines);
-    puts("RUN_TEST(test_in_a_string)");
+    puts("TEST(test_in_a_string)"); // TEST(test_in_a_comment)
+}
+TEST(
+    test_over_lines)
+{
 }
 """
 PYTHON_TESTS = '''

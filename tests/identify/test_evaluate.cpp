@@ -9,14 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "unity.h"
-
-void setUp()
-{
-}
-void tearDown()
-{
-}
+#include "testing.h"
 
 namespace
 {
@@ -94,7 +87,7 @@ void expect_remark(const char *begin, const Result &result)
                                                           : result.remarks.front().c_str());
 }
 
-void test_a_known_motor_is_found_without_a_remark()
+TEST(test_a_known_motor_is_found_without_a_remark)
 {
     const Result found = result_of();
     TEST_ASSERT_DOUBLE_WITHIN(FITTED * OHM, OHM, found.motor.resistance_ohm);
@@ -107,7 +100,7 @@ void test_a_known_motor_is_found_without_a_remark()
 }
 
 // The change from sample to sample is 2/√π of the deviation; 40 A are 2^adc_bits counts.
-void test_the_noise_is_in_counts()
+TEST(test_the_noise_is_in_counts)
 {
     const nf::Config config = plate();
     const double count_a = 40 / std::exp2(config.board.adc_bits);
@@ -117,7 +110,7 @@ void test_the_noise_is_in_counts()
     TEST_ASSERT_TRUE(found.noise_bar_lsb > 0);
 }
 
-void test_a_disagreement_of_the_two_ways_to_the_flux_is_said()
+TEST(test_a_disagreement_of_the_two_ways_to_the_flux_is_said)
 {
     Turning t;
     t.coasting_wb = 1.05 * WB;
@@ -130,7 +123,7 @@ void test_a_disagreement_of_the_two_ways_to_the_flux_is_said()
                   found);
 }
 
-void test_a_rotor_that_stops_too_fast_is_said()
+TEST(test_a_rotor_that_stops_too_fast_is_said)
 {
     Turning t;
     t.coast_windows = 2;
@@ -139,7 +132,7 @@ void test_a_rotor_that_stops_too_fast_is_said()
                   result_of(t));
 }
 
-void test_a_flux_that_changes_with_the_speed_is_said()
+TEST(test_a_flux_that_changes_with_the_speed_is_said)
 {
     Turning t;
     t.slow_wb = 1.2 * WB;
@@ -151,7 +144,7 @@ void test_a_flux_that_changes_with_the_speed_is_said()
     expect_remark("φ rises with the speed, 0.16 Wb at 477 rpm", result_of(t));
 }
 
-void test_a_highest_speed_beyond_the_bus_is_lowered()
+TEST(test_a_highest_speed_beyond_the_bus_is_lowered)
 {
     nf::Config config = plate();
     config.motor.max_speed_rpm = 9000;
@@ -163,7 +156,7 @@ void test_a_highest_speed_beyond_the_bus_is_lowered()
         found.remarks.front().find(": above it the EMF exceeds the bus voltage"));
 }
 
-void test_records_of_another_board_are_refused()
+TEST(test_records_of_another_board_are_refused)
 {
     nf::Config config = plate();
     config.board.bus_full_scale_v = 500;
@@ -177,7 +170,7 @@ void test_records_of_another_board_are_refused()
     }
 }
 
-void test_the_table_and_the_json_have_a_row_each()
+TEST(test_the_table_and_the_json_have_a_row_each)
 {
     const Result found = result_of();
     const std::string table = table_text(found, std::nullopt);
@@ -197,17 +190,3 @@ void test_the_table_and_the_json_have_a_row_each()
 }
 
 } // namespace
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_known_motor_is_found_without_a_remark);
-    RUN_TEST(test_the_noise_is_in_counts);
-    RUN_TEST(test_a_disagreement_of_the_two_ways_to_the_flux_is_said);
-    RUN_TEST(test_a_rotor_that_stops_too_fast_is_said);
-    RUN_TEST(test_a_flux_that_changes_with_the_speed_is_said);
-    RUN_TEST(test_a_highest_speed_beyond_the_bus_is_lowered);
-    RUN_TEST(test_records_of_another_board_are_refused);
-    RUN_TEST(test_the_table_and_the_json_have_a_row_each);
-    return UNITY_END();
-}

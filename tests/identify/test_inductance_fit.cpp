@@ -3,14 +3,7 @@
 #include "config.h"
 #include "known_motor.h"
 
-#include "unity.h"
-
-void setUp()
-{
-}
-void tearDown()
-{
-}
+#include "testing.h"
 
 namespace
 {
@@ -76,7 +69,7 @@ Records bursts(int axes)
     return records;
 }
 
-void test_pulses_of_a_winding_without_loss_change_the_current_by_their_impulse_over_l()
+TEST(test_pulses_of_a_winding_without_loss_change_the_current_by_their_impulse_over_l)
 {
     Legs lossless = legs();
     lossless.loss_v.value = 0;
@@ -88,7 +81,7 @@ void test_pulses_of_a_winding_without_loss_change_the_current_by_their_impulse_o
 }
 
 // What the legs lose of a current that never changes its sign is the same in each pulse: it is held, and cancels.
-void test_the_loss_of_a_large_bias_cancels()
+TEST(test_the_loss_of_a_large_bias_cancels)
 {
     Legs hard = legs();
     hard.knee_a.value = 1e-6;
@@ -98,7 +91,7 @@ void test_the_loss_of_a_large_bias_cancels()
     TEST_ASSERT_DOUBLE_WITHIN(FITTED * expected, expected, modelled_change(r, hard, D_H));
 }
 
-void test_l_over_the_current_is_found()
+TEST(test_l_over_the_current_is_found)
 {
     const Inductances found = fit_inductances(bursts(3), legs(), CONTINUOUS_A);
     TEST_ASSERT_DOUBLE_WITHIN(FITTED * D_H, D_H, found.d_h.value);
@@ -115,7 +108,7 @@ void test_l_over_the_current_is_found()
 }
 
 // The bar of L_q is that of the curve where it is stated: the last of its points, but for what the curve does not follow.
-void test_the_deviation_is_that_at_the_stated_current()
+TEST(test_the_deviation_is_that_at_the_stated_current)
 {
     Records records = bursts(3);
     for (std::size_t k = 0; k < records.all.size(); k++) {
@@ -129,14 +122,14 @@ void test_the_deviation_is_that_at_the_stated_current()
     TEST_ASSERT_TRUE(found.d_over_current[1].h.std < found.d_h.std);
 }
 
-void test_a_current_beyond_the_pulses_is_theirs()
+TEST(test_a_current_beyond_the_pulses_is_theirs)
 {
     const Inductances found = fit_inductances(bursts(3), legs(), 100);
     TEST_ASSERT_TRUE(found.current_a < 6);
 }
 
 // A rotor that moves makes the change larger by a third of its stiffness times the square of the quarter over L.
-void test_the_rotor_that_moves_is_taken_off_by_the_quarter_of_each_burst()
+TEST(test_the_rotor_that_moves_is_taken_off_by_the_quarter_of_each_burst)
 {
     const double quarter_s = 2 * PERIOD_S;
     const double rotor_h_s2 = HALF_ROTOR * Q_H / (quarter_s * quarter_s);
@@ -146,7 +139,7 @@ void test_the_rotor_that_moves_is_taken_off_by_the_quarter_of_each_burst()
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, still.d_h.value, moving.d_h.value);
 }
 
-void test_too_few_bursts_are_refused()
+TEST(test_too_few_bursts_are_refused)
 {
     try {
         fit_inductances(bursts(1), legs(), CONTINUOUS_A);
@@ -159,16 +152,3 @@ void test_too_few_bursts_are_refused()
 }
 
 } // namespace
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_pulses_of_a_winding_without_loss_change_the_current_by_their_impulse_over_l);
-    RUN_TEST(test_the_loss_of_a_large_bias_cancels);
-    RUN_TEST(test_l_over_the_current_is_found);
-    RUN_TEST(test_the_deviation_is_that_at_the_stated_current);
-    RUN_TEST(test_a_current_beyond_the_pulses_is_theirs);
-    RUN_TEST(test_the_rotor_that_moves_is_taken_off_by_the_quarter_of_each_burst);
-    RUN_TEST(test_too_few_bursts_are_refused);
-    return UNITY_END();
-}

@@ -4,14 +4,7 @@
 
 #include <cmath>
 
-#include "unity.h"
-
-void setUp()
-{
-}
-void tearDown()
-{
-}
+#include "testing.h"
 
 namespace
 {
@@ -22,7 +15,7 @@ constexpr double ROUNDED = 1e-12;
 constexpr double STEPPED = 1e-6; // derivatives by differences of 1e-6
 
 // 1, 2, 3: the mean is 2, its standard deviation 1/√3.
-void test_a_mean_has_its_standard_deviation()
+TEST(test_a_mean_has_its_standard_deviation)
 {
     const Fit fit = fit_linear(Eigen::MatrixXd::Ones(3, 1), Eigen::Vector3d(1, 2, 3));
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDED, 2, fit.value[0]);
@@ -30,7 +23,7 @@ void test_a_mean_has_its_standard_deviation()
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDED, 1, fit.rms);
 }
 
-void test_a_line_without_scatter_is_exact()
+TEST(test_a_line_without_scatter_is_exact)
 {
     Eigen::MatrixXd rows(4, 2);
     rows << 1, 0, 1, 1, 1, 2, 1, 3;
@@ -40,7 +33,7 @@ void test_a_line_without_scatter_is_exact()
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDED, 0, fit.std[1]);
 }
 
-void test_a_curve_is_found_from_far()
+TEST(test_a_curve_is_found_from_far)
 {
     const auto residuals = [](const Eigen::VectorXd &p) {
         Eigen::VectorXd r(8);
@@ -55,7 +48,7 @@ void test_a_curve_is_found_from_far()
 }
 
 // A parameter that nothing depends on does not spoil the others.
-void test_a_parameter_without_effect_stays()
+TEST(test_a_parameter_without_effect_stays)
 {
     const auto residuals = [](const Eigen::VectorXd &p) {
         return Eigen::VectorXd(Eigen::Vector3d(p[0] - 1, p[0] - 1, p[0] - 1));
@@ -66,13 +59,3 @@ void test_a_parameter_without_effect_stays()
 }
 
 } // namespace
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_mean_has_its_standard_deviation);
-    RUN_TEST(test_a_line_without_scatter_is_exact);
-    RUN_TEST(test_a_curve_is_found_from_far);
-    RUN_TEST(test_a_parameter_without_effect_stays);
-    return UNITY_END();
-}

@@ -5,14 +5,7 @@
 
 #include <random>
 
-#include "unity.h"
-
-void setUp()
-{
-}
-void tearDown()
-{
-}
+#include "testing.h"
 
 namespace
 {
@@ -34,7 +27,7 @@ Legs fitted(const Rest &rest)
     return fit_legs(records);
 }
 
-void test_the_legs_of_a_known_motor_are_found()
+TEST(test_the_legs_of_a_known_motor_are_found)
 {
     Rest rest;
     rest.mismatch = MISMATCH;
@@ -47,7 +40,7 @@ void test_the_legs_of_a_known_motor_are_found()
     TEST_ASSERT_DOUBLE_WITHIN(FITTED * BUS_V, BUS_V, found.bus_v);
 }
 
-void test_the_resistance_is_that_of_the_beginning_of_a_winding_that_warms()
+TEST(test_the_resistance_is_that_of_the_beginning_of_a_winding_that_warms)
 {
     Rest rest;
     rest.warming = WARMING;
@@ -59,7 +52,7 @@ void test_the_resistance_is_that_of_the_beginning_of_a_winding_that_warms()
 }
 
 // It does not show against what differs between the axes: R is that in the middle, and the bound has the rest of it.
-void test_a_small_warming_is_in_the_bound()
+TEST(test_a_small_warming_is_in_the_bound)
 {
     Rest rest;
     rest.warming = 0.008;
@@ -70,7 +63,7 @@ void test_a_small_warming_is_in_the_bound()
 }
 
 // No winding cools down below its temperature at the beginning.
-void test_a_resistance_that_falls_is_no_warming()
+TEST(test_a_resistance_that_falls_is_no_warming)
 {
     Rest rest;
     rest.warming = -0.03;
@@ -85,7 +78,7 @@ double noise_v()
     return normal(engine);
 }
 
-void test_noise_is_in_the_standard_deviation()
+TEST(test_noise_is_in_the_standard_deviation)
 {
     Rest rest;
     rest.noise_v = noise_v;
@@ -97,7 +90,7 @@ void test_noise_is_in_the_standard_deviation()
     TEST_ASSERT_TRUE(found.resistance_ohm.std < 3 * NOISE_V / std::sqrt(42.0) / (LARGEST_A / 4));
 }
 
-void test_too_few_levels_are_refused()
+TEST(test_too_few_levels_are_refused)
 {
     Rest rest;
     rest.levels = 3;
@@ -111,7 +104,7 @@ void test_too_few_levels_are_refused()
     }
 }
 
-void test_the_ripple_widens_the_bounds()
+TEST(test_the_ripple_widens_the_bounds)
 {
     Legs rippling = legs();
     add_ripple_bounds(rippling, D_H);
@@ -123,7 +116,7 @@ void test_the_ripple_widens_the_bounds()
 }
 
 // As many volts at each level: the loss has them all, R what they are of its largest voltage.
-void test_rounding_widens_the_bounds()
+TEST(test_rounding_widens_the_bounds)
 {
     constexpr double shift_a = 0.01;
     Legs rounded = legs();
@@ -134,7 +127,7 @@ void test_rounding_widens_the_bounds()
 }
 
 // knee.h: half of the slope of an ideal diode's step, and half of the loss at the knee.
-void test_a_leg_loses_half_at_its_knee()
+TEST(test_a_leg_loses_half_at_its_knee)
 {
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0, lost_share(0));
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.5, lost_share(1));
@@ -142,7 +135,7 @@ void test_a_leg_loses_half_at_its_knee()
 }
 
 // On the axis of a phase the others carry half of the current.
-void test_the_loss_on_an_axis_is_that_of_three_legs()
+TEST(test_the_loss_on_an_axis_is_that_of_three_legs)
 {
     const double expected = 2.0 / 3 * (legs().lost_v(4.0) + legs().lost_v(2.0));
     const std::complex<double> lost = legs().lost_v(std::complex<double>(4, 0));
@@ -151,7 +144,7 @@ void test_the_loss_on_an_axis_is_that_of_three_legs()
 }
 
 // 4/π of the loss is the fundamental of a square wave; a knee far below the current takes little of it.
-void test_the_turning_loss_of_hard_legs_is_that_of_a_square_wave()
+TEST(test_the_turning_loss_of_hard_legs_is_that_of_a_square_wave)
 {
     constexpr double angles = 0.01; // 48 of them, and a knee of 1/1000
     Legs hard = legs();
@@ -161,20 +154,3 @@ void test_the_turning_loss_of_hard_legs_is_that_of_a_square_wave()
 }
 
 } // namespace
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_the_legs_of_a_known_motor_are_found);
-    RUN_TEST(test_the_resistance_is_that_of_the_beginning_of_a_winding_that_warms);
-    RUN_TEST(test_a_small_warming_is_in_the_bound);
-    RUN_TEST(test_a_resistance_that_falls_is_no_warming);
-    RUN_TEST(test_noise_is_in_the_standard_deviation);
-    RUN_TEST(test_too_few_levels_are_refused);
-    RUN_TEST(test_the_ripple_widens_the_bounds);
-    RUN_TEST(test_rounding_widens_the_bounds);
-    RUN_TEST(test_a_leg_loses_half_at_its_knee);
-    RUN_TEST(test_the_loss_on_an_axis_is_that_of_three_legs);
-    RUN_TEST(test_the_turning_loss_of_hard_legs_is_that_of_a_square_wave);
-    return UNITY_END();
-}

@@ -6,14 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "unity.h"
-
-void setUp()
-{
-}
-void tearDown()
-{
-}
+#include "testing.h"
 
 namespace
 {
@@ -58,7 +51,7 @@ std::string with_number(std::size_t which, const std::string &number)
     return line;
 }
 
-void test_a_record_is_in_si_units()
+TEST(test_a_record_is_in_si_units)
 {
     const Records records = read_records({"> identify", FIRST, STILL}, "log");
     TEST_ASSERT_EQUAL_size_t(1, records.all.size());
@@ -74,26 +67,26 @@ void test_a_record_is_in_si_units()
     TEST_ASSERT_EQUAL_INT(4, records.scales.pole_pairs);
 }
 
-void test_carriage_returns_and_other_lines_are_skipped()
+TEST(test_carriage_returns_and_other_lines_are_skipped)
 {
     const Records records =
         read_records({"", "hello = world", FIRST + "\r", "the shaft turns", STILL + "\r"}, "log");
     TEST_ASSERT_EQUAL_size_t(1, records.all.size());
 }
 
-void test_the_last_of_several_identifications_counts()
+TEST(test_the_last_of_several_identifications_counts)
 {
     const Lines twice = {FIRST, STILL, "identify refused: phase a is open", FIRST, STILL, STILL};
     TEST_ASSERT_EQUAL_size_t(2, read_records(twice, "log").all.size());
 }
 
-void test_no_record_is_refused()
+TEST(test_no_record_is_refused)
 {
     expect_refused("log: no record of an identification in it", {});
     expect_refused("log: no record of an identification in it", {"hello", FIRST});
 }
 
-void test_what_the_drive_has_refused_is_said()
+TEST(test_what_the_drive_has_refused_is_said)
 {
     expect_refused("log:3: identify refused: phase a is open",
                    {FIRST, STILL, "identify refused: phase a is open\r"});
@@ -102,19 +95,19 @@ void test_what_the_drive_has_refused_is_said()
                    {"identify refused: the drive is not READY"});
 }
 
-void test_another_version_is_refused_whatever_follows()
+TEST(test_another_version_is_refused_whatever_follows)
 {
     expect_refused("log:1: records of version 2, this program reads version 1",
                    {"identify 2 100000000", STILL});
     expect_refused("log:1: records of version 0, this program reads version 1", {"identify 0"});
 }
 
-void test_a_record_before_the_scales_is_refused()
+TEST(test_a_record_before_the_scales_is_refused)
 {
     expect_refused("log:1: a record without the line `identify 1 …` before it", {STILL});
 }
 
-void test_a_line_with_too_few_or_too_many_numbers_is_refused()
+TEST(test_a_line_with_too_few_or_too_many_numbers_is_refused)
 {
     expect_refused("log:1: 4 numbers, expected 5: the line is not complete",
                    {"identify 1 100000000 20000000 400000000 4"});
@@ -124,20 +117,20 @@ void test_a_line_with_too_few_or_too_many_numbers_is_refused()
                    {FIRST, "= still 1 8192"});
 }
 
-void test_what_is_no_whole_number_is_refused()
+TEST(test_what_is_no_whole_number_is_refused)
 {
     expect_refused("log:2: \"8.5\" is not a whole number", {FIRST, with_number(1, "8.5")});
     expect_refused("log:2: \"1e3\" is not a whole number", {FIRST, with_number(1, "1e3")});
 }
 
-void test_an_unknown_kind_is_refused()
+TEST(test_an_unknown_kind_is_refused)
 {
     expect_refused("log:2: a record of the kind \"stil\", expected one of pulse, catch, still, "
                    "burst, spin, ramp, hold, coast",
                    {FIRST, "= stil" + STILL.substr(7)});
 }
 
-void test_scales_beyond_their_range_are_refused()
+TEST(test_scales_beyond_their_range_are_refused)
 {
     expect_refused("log:1: the tick in ps is 0, expected 1 to 2147483647",
                    {"identify 1 0 20000000 400000000 4 2"});
@@ -153,7 +146,7 @@ void test_scales_beyond_their_range_are_refused()
                    {"identify 1 100000000 20000000 400000000 4 -1"});
 }
 
-void test_numbers_of_a_record_beyond_their_range_are_refused()
+TEST(test_numbers_of_a_record_beyond_their_range_are_refused)
 {
     expect_refused("log:2: the axis is 3, expected 0 to 2", {FIRST, with_number(0, "3")});
     expect_refused("log:2: the quarter of the pulses in ticks is 65, expected 1 to 64",
@@ -167,21 +160,3 @@ void test_numbers_of_a_record_beyond_their_range_are_refused()
 }
 
 } // namespace
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_record_is_in_si_units);
-    RUN_TEST(test_carriage_returns_and_other_lines_are_skipped);
-    RUN_TEST(test_the_last_of_several_identifications_counts);
-    RUN_TEST(test_no_record_is_refused);
-    RUN_TEST(test_what_the_drive_has_refused_is_said);
-    RUN_TEST(test_another_version_is_refused_whatever_follows);
-    RUN_TEST(test_a_record_before_the_scales_is_refused);
-    RUN_TEST(test_a_line_with_too_few_or_too_many_numbers_is_refused);
-    RUN_TEST(test_what_is_no_whole_number_is_refused);
-    RUN_TEST(test_an_unknown_kind_is_refused);
-    RUN_TEST(test_scales_beyond_their_range_are_refused);
-    RUN_TEST(test_numbers_of_a_record_beyond_their_range_are_refused);
-    return UNITY_END();
-}

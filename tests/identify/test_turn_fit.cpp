@@ -3,14 +3,7 @@
 #include "config.h"
 #include "turning_motor.h"
 
-#include "unity.h"
-
-void setUp()
-{
-}
-void tearDown()
-{
-}
+#include "testing.h"
 
 namespace
 {
@@ -26,7 +19,7 @@ Flux flux_of(const Turning &t)
     return fit_flux(turning_records(t), legs(), inductances());
 }
 
-void test_both_ways_find_the_flux()
+TEST(test_both_ways_find_the_flux)
 {
     const Flux found = flux_of({});
     TEST_ASSERT_DOUBLE_WITHIN(EXACT, WB, found.turning_wb.value);
@@ -37,7 +30,7 @@ void test_both_ways_find_the_flux()
 }
 
 // A wrong L makes the same of a current at each of its sizes: the line through both has none of it.
-void test_a_wrong_l_cancels()
+TEST(test_a_wrong_l_cancels)
 {
     Inductances wrong = inductances();
     wrong.q_h.value *= 1.02;
@@ -48,7 +41,7 @@ void test_a_wrong_l_cancels()
 }
 
 // Two that agree by luck are as unsure as each of them.
-void test_ways_that_agree_keep_their_bound()
+TEST(test_ways_that_agree_keep_their_bound)
 {
     const Flux found = flux_of({});
     const double least = std::min(found.turning_wb.bound, found.coasting_wb.bound);
@@ -56,7 +49,7 @@ void test_ways_that_agree_keep_their_bound()
     TEST_ASSERT_TRUE(found.wb.bound >= least);
 }
 
-void test_a_disagreement_beyond_the_bars_widens_the_bound()
+TEST(test_a_disagreement_beyond_the_bars_widens_the_bound)
 {
     Turning t;
     t.coasting_wb = 1.08 * WB;
@@ -68,7 +61,7 @@ void test_a_disagreement_beyond_the_bars_widens_the_bound()
 }
 
 // It is not hidden: coasting windows are compared with each other, not with the spin.
-void test_a_large_disagreement_is_seen_and_the_spin_alone_counts()
+TEST(test_a_large_disagreement_is_seen_and_the_spin_alone_counts)
 {
     Turning t;
     t.coasting_wb = 1.4 * WB;
@@ -79,7 +72,7 @@ void test_a_large_disagreement_is_seen_and_the_spin_alone_counts()
     TEST_ASSERT_DOUBLE_WITHIN(EXACT, WB, found.wb.value);
 }
 
-void test_a_window_of_a_rotor_that_stands_is_left_out()
+TEST(test_a_window_of_a_rotor_that_stands_is_left_out)
 {
     Records records = turning_records();
     records.all.back().voltage_v *= 0.1;
@@ -88,7 +81,7 @@ void test_a_window_of_a_rotor_that_stands_is_left_out()
 }
 
 // The frame has not found the rotor before the end.
-void test_a_rotor_that_stops_at_once_has_not_coasted()
+TEST(test_a_rotor_that_stops_at_once_has_not_coasted)
 {
     Turning t;
     t.coast_windows = 3;
@@ -98,7 +91,7 @@ void test_a_rotor_that_stops_at_once_has_not_coasted()
     TEST_ASSERT_DOUBLE_WITHIN(EXACT, WB, found.wb.value);
 }
 
-void test_the_flux_over_the_speed_is_that_of_the_three_spins()
+TEST(test_the_flux_over_the_speed_is_that_of_the_three_spins)
 {
     Turning t;
     t.slow_wb = 0.9 * WB;
@@ -112,7 +105,7 @@ void test_the_flux_over_the_speed_is_that_of_the_three_spins()
     TEST_ASSERT_TRUE(found.over_speed[0].wb.bound > 3 * found.over_speed[2].wb.bound);
 }
 
-void test_inertia_and_friction_are_found()
+TEST(test_inertia_and_friction_are_found)
 {
     const Records records = turning_records();
     const Shaft found = fit_shaft(records, fit_flux(records, legs(), inductances()));
@@ -132,7 +125,7 @@ std::string refusal_of(const Records &records)
     return "";
 }
 
-void test_records_that_end_too_early_are_refused()
+TEST(test_records_that_end_too_early_are_refused)
 {
     Records records = turning_records();
     records.all.resize(1);
@@ -149,19 +142,3 @@ void test_records_that_end_too_early_are_refused()
 }
 
 } // namespace
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_both_ways_find_the_flux);
-    RUN_TEST(test_a_wrong_l_cancels);
-    RUN_TEST(test_ways_that_agree_keep_their_bound);
-    RUN_TEST(test_a_disagreement_beyond_the_bars_widens_the_bound);
-    RUN_TEST(test_a_large_disagreement_is_seen_and_the_spin_alone_counts);
-    RUN_TEST(test_a_window_of_a_rotor_that_stands_is_left_out);
-    RUN_TEST(test_a_rotor_that_stops_at_once_has_not_coasted);
-    RUN_TEST(test_the_flux_over_the_speed_is_that_of_the_three_spins);
-    RUN_TEST(test_inertia_and_friction_are_found);
-    RUN_TEST(test_records_that_end_too_early_are_refused);
-    return UNITY_END();
-}

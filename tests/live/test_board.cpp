@@ -15,15 +15,7 @@
 extern "C" {
 #include "config_guard.h"
 #include "drive_words.h"
-#include "unity.h"
-}
-
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
+#include "testing.h"
 }
 
 namespace
@@ -64,7 +56,7 @@ void assert_has(const std::string &expected, const std::string &said)
     TEST_ASSERT_TRUE_MESSAGE(said.find(expected) != std::string::npos, said.c_str());
 }
 
-void until_somebody_commands_each_tick_is_that_of_the_scenario()
+TEST(until_somebody_commands_each_tick_is_that_of_the_scenario)
 {
     const nf::Config config = bench();
     SimulatedBoard board(config);
@@ -80,7 +72,7 @@ void until_somebody_commands_each_tick_is_that_of_the_scenario()
     TEST_ASSERT_TRUE(board.follows_script());
 }
 
-void a_question_leaves_the_script_in_command_and_a_command_ends_that()
+TEST(a_question_leaves_the_script_in_command_and_a_command_ends_that)
 {
     const nf::Config config = bench();
     SimulatedBoard board(config);
@@ -95,7 +87,7 @@ void a_question_leaves_the_script_in_command_and_a_command_ends_that()
     assert_has("ok\r\n", text(board.take()));
 }
 
-void the_script_clears_a_fault_itself()
+TEST(the_script_clears_a_fault_itself)
 {
     const nf::Config config = bench();
     nf::Config failing = config;
@@ -111,7 +103,7 @@ void the_script_clears_a_fault_itself()
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, board.run().sim().drive().state);
 }
 
-void what_is_stored_is_what_the_next_start_begins_with()
+TEST(what_is_stored_is_what_the_next_start_begins_with)
 {
     const nf::Config config = bench();
     SimulatedBoard board(config);
@@ -135,7 +127,7 @@ void what_is_stored_is_what_the_next_start_begins_with()
     assert_has("configuration: the stored one", text(again.take()));
 }
 
-void a_client_of_the_port_speaks_with_the_board()
+TEST(a_client_of_the_port_speaks_with_the_board)
 {
     const nf::Config config = bench();
     SimulatedBoard board(config);
@@ -179,7 +171,7 @@ private:
     std::vector<uint8_t> bytes_;
 };
 
-void a_bad_line_spoils_as_many_bytes_as_it_is_told()
+TEST(a_bad_line_spoils_as_many_bytes_as_it_is_told)
 {
     constexpr int BYTES = 100000;
     constexpr int EXPECTED = 3 * BYTES / 100;
@@ -195,15 +187,3 @@ void a_bad_line_spoils_as_many_bytes_as_it_is_told()
 }
 
 } // namespace
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(until_somebody_commands_each_tick_is_that_of_the_scenario);
-    RUN_TEST(a_question_leaves_the_script_in_command_and_a_command_ends_that);
-    RUN_TEST(the_script_clears_a_fault_itself);
-    RUN_TEST(what_is_stored_is_what_the_next_start_begins_with);
-    RUN_TEST(a_client_of_the_port_speaks_with_the_board);
-    RUN_TEST(a_bad_line_spoils_as_many_bytes_as_it_is_told);
-    return UNITY_END();
-}

@@ -6,7 +6,7 @@
 #include <random>
 
 extern "C" {
-#include "unity.h"
+#include "testing.h"
 }
 
 namespace
@@ -65,7 +65,7 @@ Message answer_to(const Message &question, const std::string &verdict)
             Bytes(verdict.begin(), verdict.end())};
 }
 
-void a_frame_has_no_zero_within_and_is_read_back()
+TEST(a_frame_has_no_zero_within_and_is_read_back)
 {
     std::mt19937 random(1);
     for (std::size_t length = 0; length <= LINK_MESSAGE_BYTES_MAX - 2; length++) {
@@ -83,7 +83,7 @@ void a_frame_has_no_zero_within_and_is_read_back()
     }
 }
 
-void a_changed_dropped_or_doubled_byte_loses_the_frame_and_not_the_next()
+TEST(a_changed_dropped_or_doubled_byte_loses_the_frame_and_not_the_next)
 {
     const Message message{LINK_FRAMES, 0, Bytes(100, 3)};
     const Bytes good = frame_of(message);
@@ -102,7 +102,7 @@ void a_changed_dropped_or_doubled_byte_loses_the_frame_and_not_the_next()
     }
 }
 
-void any_bytes_are_read_without_a_message_of_their_own()
+TEST(any_bytes_are_read_without_a_message_of_their_own)
 {
     std::mt19937 random(2);
     FrameReader reader;
@@ -115,7 +115,7 @@ void any_bytes_are_read_without_a_message_of_their_own()
     }
 }
 
-void a_question_without_an_answer_is_asked_again_with_its_tag()
+TEST(a_question_without_an_answer_is_asked_again_with_its_tag)
 {
     FakeBoard board;
     board.answer = [&](const Message &question) {
@@ -130,7 +130,7 @@ void a_question_without_an_answer_is_asked_again_with_its_tag()
     TEST_ASSERT_EQUAL(1, client.repeats());
 }
 
-void a_board_that_never_answers_is_said_after_all_tries()
+TEST(a_board_that_never_answers_is_said_after_all_tries)
 {
     FakeBoard board;
     Client client(board, TIMING, {});
@@ -144,7 +144,7 @@ void a_board_that_never_answers_is_said_after_all_tries()
     TEST_ASSERT_EQUAL(TIMING.tries, board.questions.size());
 }
 
-void an_answer_to_a_question_before_is_none()
+TEST(an_answer_to_a_question_before_is_none)
 {
     FakeBoard board;
     board.answer = [&](const Message &question) {
@@ -157,7 +157,7 @@ void an_answer_to_a_question_before_is_none()
     TEST_ASSERT_EQUAL_STRING("in time", client.store().c_str());
 }
 
-void what_the_board_says_meanwhile_goes_to_the_listener()
+TEST(what_the_board_says_meanwhile_goes_to_the_listener)
 {
     FakeBoard board;
     std::string text;
@@ -172,7 +172,7 @@ void what_the_board_says_meanwhile_goes_to_the_listener()
     TEST_ASSERT_EQUAL_STRING("hi", text.c_str());
 }
 
-void a_question_that_the_board_does_not_know_is_said()
+TEST(a_question_that_the_board_does_not_know_is_said)
 {
     FakeBoard board;
     board.answer = [&](const Message &question) {
@@ -188,7 +188,7 @@ void a_question_that_the_board_does_not_know_is_said()
     }
 }
 
-void a_piece_of_the_ring_is_asked_for_once()
+TEST(a_piece_of_the_ring_is_asked_for_once)
 {
     FakeBoard board;
     Client client(board, TIMING, {});
@@ -205,19 +205,4 @@ extern "C" void setUp()
 
 extern "C" void tearDown()
 {
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(a_frame_has_no_zero_within_and_is_read_back);
-    RUN_TEST(a_changed_dropped_or_doubled_byte_loses_the_frame_and_not_the_next);
-    RUN_TEST(any_bytes_are_read_without_a_message_of_their_own);
-    RUN_TEST(a_question_without_an_answer_is_asked_again_with_its_tag);
-    RUN_TEST(a_board_that_never_answers_is_said_after_all_tries);
-    RUN_TEST(an_answer_to_a_question_before_is_none);
-    RUN_TEST(what_the_board_says_meanwhile_goes_to_the_listener);
-    RUN_TEST(a_question_that_the_board_does_not_know_is_said);
-    RUN_TEST(a_piece_of_the_ring_is_asked_for_once);
-    return UNITY_END();
 }

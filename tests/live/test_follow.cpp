@@ -14,6 +14,7 @@
 extern "C" {
 #include "config_check.h"
 #include "config_guard.h"
+#include "testing.h"
 }
 
 #include <algorithm>
@@ -157,7 +158,7 @@ private:
     nf::TickSink &other_;
 };
 
-void a_minute_of_start_run_load_position_and_fault_is_shown_bit_for_bit()
+TEST(a_minute_of_start_run_load_position_and_fault_is_shown_bit_for_bit)
 {
     Bench bench(scripted("60"));
     const nf::DriveImage power_up = {bench.board.run().sim().cfg(), bench.board.run().sim().drive(),
@@ -235,7 +236,7 @@ void assert_gaps_are_those_named(const Bench &bench)
                bench.follower.broken());
 }
 
-void a_line_that_spoils_one_byte_in_a_hundred_shows_nothing_wrong()
+TEST(a_line_that_spoils_one_byte_in_a_hundred_shows_nothing_wrong)
 {
     constexpr double THIRD = 0.01 / 3;
     constexpr double FOLLOWED_S = 20;
@@ -294,7 +295,7 @@ private:
     nf::live::Channel &channel_;
 };
 
-void after_a_cut_the_gap_is_named_and_it_is_in_step_within_a_second()
+TEST(after_a_cut_the_gap_is_named_and_it_is_in_step_within_a_second)
 {
     constexpr double CUT_S = 0.5; // longer than the ring
     const nf::Config config = scripted("60");
@@ -351,7 +352,7 @@ std::optional<config_block_t> neighbour(const config_block_t &block, const nf::C
     return std::nullopt;
 }
 
-void the_configuration_in_force_may_be_given_again()
+TEST(the_configuration_in_force_may_be_given_again)
 {
     Bench bench(scripted("60"));
     bench.follower.connect();
@@ -362,7 +363,7 @@ void the_configuration_in_force_may_be_given_again()
     TEST_ASSERT_EQUAL(0, bench.shown.wrong);
 }
 
-void each_setting_that_may_change_in_run_does_under_load_and_the_others_are_refused_by_name()
+TEST(each_setting_that_may_change_in_run_does_under_load_and_the_others_are_refused_by_name)
 {
     constexpr double BETWEEN_S = 0.01; // several changes may be in a segment
     Bench bench(scripted("60"));
@@ -451,7 +452,7 @@ struct SlowLine {
 // 115200 baud carry half of the ticks. The board keeps the state that is read; behind it a segment of 304 entries, 660 bytes, has to
 // come within 0.1 s, which such a line carries too.
 // 16 ms is what a common USB adapter collects bytes for.
-void a_line_whose_bytes_come_late_is_followed_without_a_gap()
+TEST(a_line_whose_bytes_come_late_is_followed_without_a_gap)
 {
     constexpr double IN_STEP_S = 2;
     constexpr double FOLLOWED_S = 2;
@@ -478,7 +479,7 @@ void a_line_whose_bytes_come_late_is_followed_without_a_gap()
     }
 }
 
-void at_115200_baud_some_of_each_second_is_shown_with_any_ring()
+TEST(at_115200_baud_some_of_each_second_is_shown_with_any_ring)
 {
     for (const int entries : {1216, 4096}) {
         constexpr std::size_t SOME = 20; // one tick in so many
@@ -491,7 +492,7 @@ void at_115200_baud_some_of_each_second_is_shown_with_any_ring()
     }
 }
 
-void a_line_that_carries_no_segment_in_time_is_told()
+TEST(a_line_that_carries_no_segment_in_time_is_told)
 {
     const SlowLine slow(1216, 19200);
     TEST_ASSERT_EQUAL(0, slow.shown.wrong);
@@ -516,7 +517,7 @@ void leave_alone(Bench &bench, double seconds)
 
 constexpr double SETTLES_S = 2; // from power-up to a motor that the script has in RUN
 
-void a_speed_before_the_command_in_force_is_known_is_refused_and_the_motor_runs_on()
+TEST(a_speed_before_the_command_in_force_is_known_is_refused_and_the_motor_runs_on)
 {
     Bench bench(scripted("60"));
     leave_alone(bench, SETTLES_S);
@@ -532,7 +533,7 @@ void a_speed_before_the_command_in_force_is_known_is_refused_and_the_motor_runs_
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, bench.log.states.back());
 }
 
-void a_stop_before_the_command_in_force_is_known_stops()
+TEST(a_stop_before_the_command_in_force_is_known_stops)
 {
     Bench bench(scripted("60"));
     leave_alone(bench, SETTLES_S);
@@ -543,7 +544,7 @@ void a_stop_before_the_command_in_force_is_known_stops()
     TEST_ASSERT_EQUAL(0, told(bench).request);
 }
 
-void a_speed_does_not_start_a_motor_that_the_board_has_stopped()
+TEST(a_speed_does_not_start_a_motor_that_the_board_has_stopped)
 {
     constexpr double TIMEOUT_S = 0.4;
     constexpr double SILENCE_S = 20; // a ramp to rest is in it
@@ -562,7 +563,7 @@ void a_speed_does_not_start_a_motor_that_the_board_has_stopped()
     TEST_ASSERT_EQUAL(0, told(bench).request);
 }
 
-void a_speed_does_not_end_a_measurement_and_a_stop_does()
+TEST(a_speed_does_not_end_a_measurement_and_a_stop_does)
 {
     Bench bench(scripted("60", {"scenario.load=[]"}));
     bench.follower.connect();
@@ -581,7 +582,7 @@ void a_speed_does_not_end_a_measurement_and_a_stop_does()
     TEST_ASSERT_EQUAL(0, told(bench).request);
 }
 
-void a_fault_whose_recording_is_kept_is_said_with_its_advice()
+TEST(a_fault_whose_recording_is_kept_is_said_with_its_advice)
 {
     constexpr double BEHIND_THE_FAULT_S =
         55; // the fault is at 50 s of the script, which begins behind power-up
@@ -610,7 +611,7 @@ nf::replay::Recording recorded(Bench &bench)
     return recording;
 }
 
-void a_fault_that_was_shown_is_in_the_recording_also_when_the_motor_runs_again()
+TEST(a_fault_that_was_shown_is_in_the_recording_also_when_the_motor_runs_again)
 {
     constexpr double FAULT_S = 3; // behind power-up at the latest
     constexpr double SETS_S = 0.3;
@@ -648,7 +649,7 @@ void a_fault_that_was_shown_is_in_the_recording_also_when_the_motor_runs_again()
                           recording.run.first());
 }
 
-void what_was_shown_can_be_recorded_when_the_board_has_gone()
+TEST(what_was_shown_can_be_recorded_when_the_board_has_gone)
 {
     Bench bench(scripted("60"));
     bench.follower.connect();
@@ -663,7 +664,7 @@ void what_was_shown_can_be_recorded_when_the_board_has_gone()
     TEST_ASSERT_EQUAL(shown, recording.last());
 }
 
-void a_fault_that_came_while_nobody_was_heard_is_recorded_from_the_board()
+TEST(a_fault_that_came_while_nobody_was_heard_is_recorded_from_the_board)
 {
     constexpr double SILENCE_S = 3; // the line goes back to the console, and the fault comes
     Bench bench(
@@ -680,7 +681,7 @@ void a_fault_that_came_while_nobody_was_heard_is_recorded_from_the_board()
     TEST_ASSERT_TRUE_MESSAGE(bench.follower.shadow().is_in_step(), bench.all_said().c_str());
 }
 
-void a_key_of_the_image_is_refused_and_a_refused_key_is_named()
+TEST(a_key_of_the_image_is_refused_and_a_refused_key_is_named)
 {
     Bench bench(scripted("60"));
     bench.follower.connect();
@@ -702,28 +703,4 @@ extern "C" void setUp()
 
 extern "C" void tearDown()
 {
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(a_minute_of_start_run_load_position_and_fault_is_shown_bit_for_bit);
-    RUN_TEST(a_line_that_spoils_one_byte_in_a_hundred_shows_nothing_wrong);
-    RUN_TEST(after_a_cut_the_gap_is_named_and_it_is_in_step_within_a_second);
-    RUN_TEST(a_line_whose_bytes_come_late_is_followed_without_a_gap);
-    RUN_TEST(at_115200_baud_some_of_each_second_is_shown_with_any_ring);
-    RUN_TEST(a_line_that_carries_no_segment_in_time_is_told);
-    RUN_TEST(a_speed_before_the_command_in_force_is_known_is_refused_and_the_motor_runs_on);
-    RUN_TEST(a_stop_before_the_command_in_force_is_known_stops);
-    RUN_TEST(a_speed_does_not_start_a_motor_that_the_board_has_stopped);
-    RUN_TEST(a_speed_does_not_end_a_measurement_and_a_stop_does);
-    RUN_TEST(a_fault_whose_recording_is_kept_is_said_with_its_advice);
-    RUN_TEST(a_fault_that_was_shown_is_in_the_recording_also_when_the_motor_runs_again);
-    RUN_TEST(what_was_shown_can_be_recorded_when_the_board_has_gone);
-    RUN_TEST(a_fault_that_came_while_nobody_was_heard_is_recorded_from_the_board);
-    RUN_TEST(a_key_of_the_image_is_refused_and_a_refused_key_is_named);
-    RUN_TEST(the_configuration_in_force_may_be_given_again);
-    RUN_TEST(
-        each_setting_that_may_change_in_run_does_under_load_and_the_others_are_refused_by_name);
-    return UNITY_END();
 }

@@ -3,7 +3,7 @@
 #include "stream.h"
 
 extern "C" {
-#include "unity.h"
+#include "testing.h"
 }
 
 namespace
@@ -45,7 +45,7 @@ void assert_missing(const std::optional<Missing> &missing, uint32_t segment, uin
     TEST_ASSERT_EQUAL(count, missing->count);
 }
 
-void a_segment_is_taken_once_it_is_whole_and_its_end_is_announced()
+TEST(a_segment_is_taken_once_it_is_whole_and_its_end_is_announced)
 {
     Stream stream(ROOM);
     stream.add(begin(7, 0));
@@ -59,7 +59,7 @@ void a_segment_is_taken_once_it_is_whole_and_its_end_is_announced()
     TEST_ASSERT_FALSE(stream.missing().has_value());
 }
 
-void a_hole_is_asked_for_in_pieces_that_a_bad_line_lets_through()
+TEST(a_hole_is_asked_for_in_pieces_that_a_bad_line_lets_through)
 {
     Stream stream(ROOM);
     stream.add(begin(7, 0));
@@ -70,7 +70,7 @@ void a_hole_is_asked_for_in_pieces_that_a_bad_line_lets_through()
     assert_missing(stream.missing(), 7, 21, 9);
 }
 
-void entries_come_in_any_order_and_more_than_once()
+TEST(entries_come_in_any_order_and_more_than_once)
 {
     Stream stream(ROOM);
     stream.add(begin(8, 40));
@@ -85,7 +85,7 @@ void entries_come_in_any_order_and_more_than_once()
     }
 }
 
-void a_lost_announcement_makes_one_stretch_of_two_segments()
+TEST(a_lost_announcement_makes_one_stretch_of_two_segments)
 {
     Stream stream(ROOM);
     stream.add(begin(7, 0));
@@ -101,7 +101,7 @@ void a_lost_announcement_makes_one_stretch_of_two_segments()
     TEST_ASSERT_EQUAL(9, stretch->end.number);
 }
 
-void a_segment_of_which_nothing_came_is_asked_for()
+TEST(a_segment_of_which_nothing_came_is_asked_for)
 {
     Stream stream(ROOM);
     stream.add(begin(7, 0));
@@ -112,7 +112,7 @@ void a_segment_of_which_nothing_came_is_asked_for()
     assert_missing(stream.missing(), 8, 0, Stream::PIECE);
 }
 
-void what_the_ring_has_no_more_of_is_lost()
+TEST(what_the_ring_has_no_more_of_is_lost)
 {
     Stream stream(ROOM);
     stream.add(begin(7, 0));
@@ -123,7 +123,7 @@ void what_the_ring_has_no_more_of_is_lost()
     TEST_ASSERT_TRUE(stream.is_lost(7));
 }
 
-void what_is_forgotten_does_not_come_back()
+TEST(what_is_forgotten_does_not_come_back)
 {
     Stream stream(ROOM);
     stream.add(begin(7, 0));
@@ -135,7 +135,7 @@ void what_is_forgotten_does_not_come_back()
     TEST_ASSERT_EQUAL(8, stream.newest_after(0)->number);
 }
 
-void entries_beyond_the_end_of_a_segment_are_none()
+TEST(entries_beyond_the_end_of_a_segment_are_none)
 {
     Stream stream(ROOM);
     stream.add(begin(7, 0));
@@ -151,18 +151,4 @@ extern "C" void setUp()
 
 extern "C" void tearDown()
 {
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(a_segment_is_taken_once_it_is_whole_and_its_end_is_announced);
-    RUN_TEST(a_hole_is_asked_for_in_pieces_that_a_bad_line_lets_through);
-    RUN_TEST(entries_come_in_any_order_and_more_than_once);
-    RUN_TEST(a_lost_announcement_makes_one_stretch_of_two_segments);
-    RUN_TEST(a_segment_of_which_nothing_came_is_asked_for);
-    RUN_TEST(what_the_ring_has_no_more_of_is_lost);
-    RUN_TEST(what_is_forgotten_does_not_come_back);
-    RUN_TEST(entries_beyond_the_end_of_a_segment_are_none);
-    return UNITY_END();
 }

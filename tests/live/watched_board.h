@@ -11,7 +11,7 @@
 
 extern "C" {
 #include "drive_words.h"
-#include "unity.h"
+#include "testing.h"
 }
 
 // What the board's control interrupt has done.

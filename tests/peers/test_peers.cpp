@@ -5,7 +5,7 @@
 #include "peer.h"
 #include "replace.h"
 
-#include "unity.h"
+#include "testing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,14 +25,6 @@ using nf::peers::J;
 using nf::peers::Model;
 using nf::peers::Peer;
 using nf::peers::turn;
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
 
 namespace
 {
@@ -129,7 +121,7 @@ Errors largest_errors(nf::peers::Estimator &estimator, const Model &m, const Tri
 // From an eighth of a turn and a fifth of the speed off. The estimators let the EMF act in the middle of a period, and the
 // resistance with one current. That turns the EMF by ωT·(T/τ)/12, and the drop moves it by as much again at most where R·i is
 // below the EMF. An angle that wrong, with the current's ripple, is a speed that wrong within the fastest settling, 10 ms.
-void test_each_estimator_finds_speed_and_angle_of_an_ideal_motor()
+TEST(test_each_estimator_finds_speed_and_angle_of_an_ideal_motor)
 {
     for (const Peer &peer : all()) {
         for (const Model *m : {&MOTOR_A, &MOTOR_B}) {
@@ -188,7 +180,7 @@ double bandwidth_hz(const nf::Config &config)
 // The drive's own observer in double precision with the same gains at every speed, in its own place: the place is fair. The speed loop reads the speed a tick later
 // there, which is 2πf·T of a figure in a transient. Else what differs is the roundings of both runs: as noise, and as an offset. The
 // drive rounds the current error down, by up to a step of its signals in each axis, which turns the angle by (1 + ρ)·L/φ times the step.
-void test_the_drives_own_law_in_that_place_gives_the_drives_own_figures()
+TEST(test_the_drives_own_law_in_that_place_gives_the_drives_own_figures)
 {
     constexpr int BITS = 14;
     const std::pair<const char *, const char *> runs[] = {
@@ -221,7 +213,7 @@ void test_the_drives_own_law_in_that_place_gives_the_drives_own_figures()
 
 // All that the drive does with an estimate, from the start of a rotor at any angle to the position loop. With noise some lose the
 // rotor in S3.
-void test_each_estimator_serves_the_drive()
+TEST(test_each_estimator_serves_the_drive)
 {
     const std::pair<const char *, const char *> runs[] = {{"s1_robust", "all"},
                                                           {"s3_robust", "ideal"}};
@@ -235,7 +227,7 @@ void test_each_estimator_serves_the_drive()
     }
 }
 
-void test_a_sensor_leaves_nothing_to_estimate()
+TEST(test_a_sensor_leaves_nothing_to_estimate)
 {
     const nf::Config config = nf::load_scenario("s4");
     try {
@@ -266,7 +258,7 @@ void expect_refusal(const std::string &text, const std::string &message)
     TEST_ASSERT_EQUAL_STRING((path.string() + message).c_str(), found.c_str());
 }
 
-void test_a_wrong_file_is_named_with_its_line_and_what_is_allowed()
+TEST(test_a_wrong_file_is_named_with_its_line_and_what_is_allowed)
 {
     const std::string kinds = "luenberger, sliding_mode, flux, kalman, neural";
     const std::string head = "estimator = \"neural\"\n[gain]\nkappa = 0.025\nkappa_p = 0.4\n";
@@ -288,14 +280,3 @@ void test_a_wrong_file_is_named_with_its_line_and_what_is_allowed()
 }
 
 } // namespace
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_each_estimator_finds_speed_and_angle_of_an_ideal_motor);
-    RUN_TEST(test_the_drives_own_law_in_that_place_gives_the_drives_own_figures);
-    RUN_TEST(test_each_estimator_serves_the_drive);
-    RUN_TEST(test_a_sensor_leaves_nothing_to_estimate);
-    RUN_TEST(test_a_wrong_file_is_named_with_its_line_and_what_is_allowed);
-    return UNITY_END();
-}

@@ -2,7 +2,7 @@
 /* What the proof has in place of some functions gives what they give. */
 #include "fx.h"
 #include "proof_port.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <stdint.h>
 
@@ -12,15 +12,7 @@
 static proof_word_t *const saturations[COUNT] = {fx_sat14, fx_sat15, fx_sat16, fx_sat27,
                                                  fx_sat28, fx_sat30, fx_usat15};
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
-static void test_each_saturation_is_that_of_the_proof_around_every_limit_and_over_the_range(void)
+TEST(test_each_saturation_is_that_of_the_proof_around_every_limit_and_over_the_range)
 {
     for (uint32_t k = 0U; k < COUNT; k++) {
         for (uint64_t x = 0U; x <= UINT32_MAX; x += STEP * 101U) {
@@ -39,7 +31,7 @@ static void test_each_saturation_is_that_of_the_proof_around_every_limit_and_ove
     }
 }
 
-static void test_words_are_read_as_the_proof_reads_them(void)
+TEST(test_words_are_read_as_the_proof_reads_them)
 {
     for (uint64_t x = 0U; x <= UINT32_MAX; x += STEP * 11U) {
         const uint32_t word = (uint32_t)x;
@@ -58,7 +50,7 @@ static void check_long_word(uint64_t word)
     TEST_ASSERT_EQUAL_UINT64(word, fx_unsigned64(fx_signed64(word)));
 }
 
-static void test_long_words_are_read_as_the_proof_reads_them(void)
+TEST(test_long_words_are_read_as_the_proof_reads_them)
 {
     uint64_t seed = 1U;
 
@@ -76,7 +68,7 @@ static void test_long_words_are_read_as_the_proof_reads_them(void)
     TEST_ASSERT_EQUAL_INT64(-1, proof_signed64(UINT64_MAX));
 }
 
-static void test_zeros_are_counted_as_the_proof_counts_them(void)
+TEST(test_zeros_are_counted_as_the_proof_counts_them)
 {
     for (uint64_t x = 1U; x <= UINT32_MAX; x += STEP * 1001U) {
         TEST_ASSERT_EQUAL_UINT32(fx_leading_zeros((uint32_t)x), proof_leading_zeros((uint32_t)x));
@@ -86,7 +78,7 @@ static void test_zeros_are_counted_as_the_proof_counts_them(void)
     }
 }
 
-static void test_products_and_low_pass_are_those_of_the_proof(void)
+TEST(test_products_and_low_pass_are_those_of_the_proof)
 {
     uint32_t seed = 1U;
 
@@ -104,15 +96,4 @@ static void test_products_and_low_pass_are_those_of_the_proof(void)
         TEST_ASSERT_EQUAL_INT32(fx_approach(fx_asr(a, 1U), b, shift),
                                 proof_approach(fx_asr(a, 1U), b, shift));
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_each_saturation_is_that_of_the_proof_around_every_limit_and_over_the_range);
-    RUN_TEST(test_words_are_read_as_the_proof_reads_them);
-    RUN_TEST(test_long_words_are_read_as_the_proof_reads_them);
-    RUN_TEST(test_zeros_are_counted_as_the_proof_counts_them);
-    RUN_TEST(test_products_and_low_pass_are_those_of_the_proof);
-    return UNITY_END();
 }

@@ -4,6 +4,7 @@
 #include "twin_current_loop.h"
 
 #include "figure.h"
+#include "testing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,14 +25,6 @@ static constexpr double INTEGRAL_LSB_PER_STEP = 1.0 / 2048.0;
 static constexpr double ROOT_LSB = 1.0;
 
 static constexpr double LEAST_SHARE = 0.15;
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
 
 static double lsb(const Setup &s, double volt)
 {
@@ -79,7 +72,7 @@ static void compare_without_limit(const nf::MotorSettings &motor)
                  LEAST_SHARE);
 }
 
-static void test_voltage_without_limit_stays_within_the_roundings_of_the_twin()
+TEST(test_voltage_without_limit_stays_within_the_roundings_of_the_twin)
 {
     compare_without_limit(nf::reference::motor_a());
     compare_without_limit(nf::reference::motor_b());
@@ -88,7 +81,7 @@ static void test_voltage_without_limit_stays_within_the_roundings_of_the_twin()
 // At the circle v_q = √(limit² − v_d²): an error of v_d counts |v_d/v_q| times. The cut sets the
 // integral to what makes the sum equal to that bound, so the roundings of the sum enter the integral once and
 // are replaced, not added, by the next cut; away from the circle the integral keeps them.
-static void test_voltage_at_the_circle_stays_within_the_roundings_of_the_twin()
+TEST(test_voltage_at_the_circle_stays_within_the_roundings_of_the_twin)
 {
     constexpr int STEPS = 2000;
     const Setup s(nf::reference::motor_a(), nf::reference::board(), nf::reference::tuning());
@@ -125,12 +118,4 @@ static void test_voltage_at_the_circle_stays_within_the_roundings_of_the_twin()
     TEST_ASSERT_INT_WITHIN(STEPS * 4 / 10, STEPS / 2, cuts);
     figure_check("current loop at the circle beside its twin, LSB", worst,
                  2.0 * sum + ROOT_LSB + steepest * sum, LEAST_SHARE);
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_voltage_without_limit_stays_within_the_roundings_of_the_twin);
-    RUN_TEST(test_voltage_at_the_circle_stays_within_the_roundings_of_the_twin);
-    return UNITY_END();
 }

@@ -5,6 +5,7 @@
 #include "twin_modulator.h"
 
 #include "figure.h"
+#include "testing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,14 +34,6 @@ static compare_t compared(const modulator_t &mod, const modulator_cfg_t &cfg, ab
     return out;
 }
 
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
 static double line_difference(const Eigen::Vector3d &a, const Eigen::Vector3d &b)
 {
     double worst = 0;
@@ -51,7 +44,7 @@ static double line_difference(const Eigen::Vector3d &a, const Eigen::Vector3d &b
     return worst;
 }
 
-static void test_duties_of_a_settled_bus_stay_within_the_roundings_of_the_twin()
+TEST(test_duties_of_a_settled_bus_stay_within_the_roundings_of_the_twin)
 {
     const nf::reference::Setup s(nf::reference::motor_a(), nf::reference::board(),
                                  nf::reference::tuning());
@@ -92,7 +85,7 @@ static void test_duties_of_a_settled_bus_stay_within_the_roundings_of_the_twin()
                  LEAST_SHARE);
 }
 
-static void test_too_long_vectors_are_cut_like_the_twin()
+TEST(test_too_long_vectors_are_cut_like_the_twin)
 {
     // No bus in it: a ratio beyond the hexagon, |α|, |β| ≤ 1, each duty cut at 0 and 1.
     // β·√3/2 rounded down 1.1, α/2 0.5, half the sum 1.05: 2.65 of Q15; counts ½. Where
@@ -128,7 +121,7 @@ static void test_too_long_vectors_are_cut_like_the_twin()
 static constexpr double PHASE_LSB = 1.6;
 static constexpr double LONGEST_RATIO = 0.577;
 
-static void test_dead_time_given_back_stays_within_the_roundings_of_the_twin()
+TEST(test_dead_time_given_back_stays_within_the_roundings_of_the_twin)
 {
     nf::ModelScales losses;
     losses.dead_time_s = 2e-6;
@@ -179,13 +172,4 @@ static void test_dead_time_given_back_stays_within_the_roundings_of_the_twin()
     }
     figure_check("duties with dead-time compensation beside their twin, LSB of Q15", worst, bound,
                  LEAST_SHARE);
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_duties_of_a_settled_bus_stay_within_the_roundings_of_the_twin);
-    RUN_TEST(test_too_long_vectors_are_cut_like_the_twin);
-    RUN_TEST(test_dead_time_given_back_stays_within_the_roundings_of_the_twin);
-    return UNITY_END();
 }

@@ -4,6 +4,7 @@
 #include "twin_motion_loop.h"
 
 #include "figure.h"
+#include "testing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,14 +16,6 @@ using nf::reference::STEPS_PER_TURN;
 using nf::reference::TWO_PI;
 
 static constexpr double LEAST_SHARE = 0.1;
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
 
 static Setup setup_a()
 {
@@ -36,7 +29,7 @@ static torque_range_t torque_range(const Setup &s)
 
 // Current demand in LSB of I_b: proportional part, integral and feed-forward rounded down, 3; the error rounded
 // down to its Q15 counts K_p, and K_i·T in each step into the integral, which nothing contracts.
-static void test_current_demand_stays_within_the_roundings_of_the_twin()
+TEST(test_current_demand_stays_within_the_roundings_of_the_twin)
 {
     constexpr int STEPS = 60;
     const Setup s = setup_a();
@@ -72,7 +65,7 @@ static void test_current_demand_stays_within_the_roundings_of_the_twin()
 }
 
 // Saturated demands are equal but for the roundings inside the limit, so the limit itself must agree.
-static void test_saturated_demand_equals_the_twin()
+TEST(test_saturated_demand_equals_the_twin)
 {
     const Setup s = setup_a();
     speed_loop_t loop{};
@@ -145,7 +138,7 @@ static void run_profile(const Setup &s, Seeded &seeded, ProfileErrors &worst)
     }
 }
 
-static void test_profile_stays_within_the_roundings_of_the_twin()
+TEST(test_profile_stays_within_the_roundings_of_the_twin)
 {
     const Setup s = setup_a();
     const position_loop_cfg_t &c = s.cfg.position_loop;
@@ -166,13 +159,4 @@ static void test_profile_stays_within_the_roundings_of_the_twin()
     figure_check("speed reference beside its twin, steps", worst.reference_steps,
                  bound.speed_steps + gain * (1.0 + bound.position_units * unit / 65536.0) + 1.0,
                  LEAST_SHARE);
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_current_demand_stays_within_the_roundings_of_the_twin);
-    RUN_TEST(test_saturated_demand_equals_the_twin);
-    RUN_TEST(test_profile_stays_within_the_roundings_of_the_twin);
-    return UNITY_END();
 }

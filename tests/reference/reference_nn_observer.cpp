@@ -9,6 +9,7 @@
 #include "twin_nn_observer.h"
 
 #include "figure.h"
+#include "testing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -34,14 +35,6 @@ using nf::twin::Vector;
 static constexpr double LEAST_SHARE = 0.02;
 // Without feedback the error of the tick before is not taken.
 static const Vector NO_ERROR = Vector::Zero();
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
 // Σ |F^k·G|·r, until nothing is added any more.
 template <typename State, typename Input>
 static auto worst_sum(const State &f, const Input &g,
@@ -176,7 +169,7 @@ static void check_network(const char *name, const Setup &s, double top_speed)
     figure_check(name, share, 1.0, LEAST_SHARE);
 }
 
-static void test_network_stays_within_the_contracted_roundings_of_the_twin()
+TEST(test_network_stays_within_the_contracted_roundings_of_the_twin)
 {
     check_network("network of motor A beside its twin, share of the bound",
                   {nf::reference::motor_a(), nf::reference::board(), nf::reference::tuning()},
@@ -364,13 +357,13 @@ static void check_running(const char *name, const nf::MotorSettings &motor,
     figure_check(text, share.current, 1.0, LEAST_SHARE);
 }
 
-static void test_trained_network_stays_within_the_contracted_roundings_of_the_twin()
+TEST(test_trained_network_stays_within_the_contracted_roundings_of_the_twin)
 {
     check_running("motor A", nf::reference::motor_a(), nf::reference::tuning(), 377.0, 10000);
     check_running("motor B", nf::reference::motor_b(), nf::reference::tuning(), 251.0, 20000);
 }
 
-static void test_momentum_stays_within_the_contracted_roundings_of_the_twin()
+TEST(test_momentum_stays_within_the_contracted_roundings_of_the_twin)
 {
     nf::TuningSettings tuning = nf::reference::tuning();
 
@@ -378,7 +371,7 @@ static void test_momentum_stays_within_the_contracted_roundings_of_the_twin()
     check_running("motor A with momentum", nf::reference::motor_a(), tuning, 377.0, 10000);
 }
 
-static void test_fed_back_error_stays_within_the_contracted_roundings_of_the_twin()
+TEST(test_fed_back_error_stays_within_the_contracted_roundings_of_the_twin)
 {
     nf::TuningSettings tuning = nf::reference::tuning();
 
@@ -390,7 +383,7 @@ static void test_fed_back_error_stays_within_the_contracted_roundings_of_the_twi
     check_running("motor B with feedback", nf::reference::motor_b(), tuning, 251.0, 20000);
 }
 
-static void test_turned_error_stays_within_the_contracted_roundings_of_the_twin()
+TEST(test_turned_error_stays_within_the_contracted_roundings_of_the_twin)
 {
     nf::TuningSettings tuning = nf::reference::tuning();
 
@@ -400,7 +393,7 @@ static void test_turned_error_stays_within_the_contracted_roundings_of_the_twin(
 }
 
 // ρ in units of 2^-13: rounded towards zero, 1; corner and speed in units of 1024 steps, 1 each.
-static void test_rho_stays_within_the_roundings_of_the_twin()
+TEST(test_rho_stays_within_the_roundings_of_the_twin)
 {
     nf::TuningSettings tuning = nf::reference::tuning();
     tuning.observer_rho_max = 2;
@@ -425,7 +418,7 @@ static void test_rho_stays_within_the_roundings_of_the_twin()
 // The weights of (14)–(16) are the first order of the rotation's: with Δ = ω·T the largest difference of a step is
 //     |R(−Δ)·z − (1 + Δ·J)·z| ≤ Δ²/2·|z|   and   |R(−Δ/2)·c − c| ≤ Δ/2·|c|,
 // c the change by resistance and voltage in a period, itself of first order in T.
-static void test_paper_weights_are_those_of_the_network_to_first_order()
+TEST(test_paper_weights_are_those_of_the_network_to_first_order)
 {
     const Setup s(nf::reference::motor_a(), nf::reference::board(), nf::reference::tuning());
     NnObserver twin(nf::reference::observer_params(s));
@@ -536,7 +529,7 @@ static double unknown_to_the_network(const NnObserver &twin, const NnObserver::P
 // At 0.7 rad in a period the observer, trained and with its own angle in the loop, holds the motor's state: constant
 // errors count by the closed loop's steady gain, roundings by their worst sum. Forward Euler, as
 // printed, stretches the state by √((1 − T/τ)² + 0.49) = 1.2 in each period and is lost.
-static void test_state_is_kept_at_the_largest_turn_in_a_period_and_euler_diverges()
+TEST(test_state_is_kept_at_the_largest_turn_in_a_period_and_euler_diverges)
 {
     const double current_q = 4;
     const Setup s(fast_motor(), nf::reference::board(), nf::reference::tuning());
@@ -587,18 +580,4 @@ static void test_state_is_kept_at_the_largest_turn_in_a_period_and_euler_diverge
         (steady.cwiseAbs() * Vector::Constant(constant) + noise).head<2>().maxCoeff();
     TEST_ASSERT_TRUE(printed.norm() > 1e6);
     figure_check("state at 0.7 rad in a period beside the motor, A", worst, bound, LEAST_SHARE);
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_network_stays_within_the_contracted_roundings_of_the_twin);
-    RUN_TEST(test_trained_network_stays_within_the_contracted_roundings_of_the_twin);
-    RUN_TEST(test_momentum_stays_within_the_contracted_roundings_of_the_twin);
-    RUN_TEST(test_fed_back_error_stays_within_the_contracted_roundings_of_the_twin);
-    RUN_TEST(test_turned_error_stays_within_the_contracted_roundings_of_the_twin);
-    RUN_TEST(test_rho_stays_within_the_roundings_of_the_twin);
-    RUN_TEST(test_paper_weights_are_those_of_the_network_to_first_order);
-    RUN_TEST(test_state_is_kept_at_the_largest_turn_in_a_period_and_euler_diverges);
-    return UNITY_END();
 }

@@ -5,6 +5,7 @@
 #include "twin_phase_compensator.h"
 
 #include "figure.h"
+#include "testing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -36,16 +37,8 @@ static double gain()
     return twin_params().gain;
 }
 
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
 // A current that swings about the q axis, as after a load step, at any angle of a rotor that turns.
-static void test_leads_stay_within_the_roundings_of_the_twin()
+TEST(test_leads_stay_within_the_roundings_of_the_twin)
 {
     constexpr int STEPS = 20000;
     for (const bool forwards : {true, false}) {
@@ -84,7 +77,7 @@ static void test_leads_stay_within_the_roundings_of_the_twin()
 
 // (43) takes i_d to 0 where (42) leaves a rest: the twin in a loop with a motor at constant speed and torque, for
 // which i_d falls in proportion to the lead.
-static void test_the_accumulated_angle_ends_without_i_d()
+TEST(test_the_accumulated_angle_ends_without_i_d)
 {
     constexpr double LEAD_RAD = 0.16;
     constexpr double I_Q = 3000;
@@ -106,12 +99,4 @@ static void test_the_accumulated_angle_ends_without_i_d()
     // i_d is rounded to an LSB: half of one is not seen.
     TEST_ASSERT_DOUBLE_WITHIN(0.5 / SLOPE + 1e-6, LEAD_RAD,
                               firmware_lead * TWO_PI / STEPS_PER_TURN);
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_leads_stay_within_the_roundings_of_the_twin);
-    RUN_TEST(test_the_accumulated_angle_ends_without_i_d);
-    return UNITY_END();
 }

@@ -4,6 +4,7 @@
 #include "twin_pi.h"
 
 #include "figure.h"
+#include "testing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,15 +26,7 @@ static nf::twin::Pi::Params twin_params()
     return nf::reference::pi_params(CFG, nf::reference::Q15, nf::reference::Q15);
 }
 
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-static void test_unlimited_steps_stay_within_the_roundings_of_the_twin()
+TEST(test_unlimited_steps_stay_within_the_roundings_of_the_twin)
 {
     constexpr int STEPS = 2000;
     Seeded seeded(1);
@@ -57,7 +50,7 @@ static void test_unlimited_steps_stay_within_the_roundings_of_the_twin()
 
 // With limits the two may disagree in a step whether the output has reached one. Such a step moves one
 // integral and not the other, by K_i·T·|e|: added to the bound when it happens, seen in the integrals.
-static void test_limited_steps_stay_within_the_roundings_of_the_twin()
+TEST(test_limited_steps_stay_within_the_roundings_of_the_twin)
 {
     Seeded seeded(2);
     double worst = 0;
@@ -89,7 +82,7 @@ static void test_limited_steps_stay_within_the_roundings_of_the_twin()
 
 // A feed-forward against the integral keeps the output off its limit, so that the integral reaches its own: ±1 as
 // in the twin, which ends the rounding errors gathered on the way. The upper end is one unit short of 1.
-static void test_saturated_integral_equals_the_twin()
+TEST(test_saturated_integral_equals_the_twin)
 {
     for (const int32_t sign : {1, -1}) {
         pi_t pi;
@@ -107,7 +100,7 @@ static void test_saturated_integral_equals_the_twin()
 }
 
 // An integral that a shrunk limit leaves outside is frozen in both until the error turns.
-static void test_integral_beyond_a_shrunk_limit_equals_the_twin()
+TEST(test_integral_beyond_a_shrunk_limit_equals_the_twin)
 {
     for (const int32_t sign : {1, -1}) {
         pi_t pi;
@@ -127,14 +120,4 @@ static void test_integral_beyond_a_shrunk_limit_equals_the_twin()
         TEST_ASSERT_DOUBLE_WITHIN(10 * INTEGRAL_LSB_PER_STEP, twin.integral(),
                                   pi.integral_q26 / 2048.0);
     }
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_unlimited_steps_stay_within_the_roundings_of_the_twin);
-    RUN_TEST(test_limited_steps_stay_within_the_roundings_of_the_twin);
-    RUN_TEST(test_saturated_integral_equals_the_twin);
-    RUN_TEST(test_integral_beyond_a_shrunk_limit_equals_the_twin);
-    return UNITY_END();
 }

@@ -5,6 +5,7 @@
 #include "twin_rotor_position.h"
 
 #include "figure.h"
+#include "testing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,15 +21,7 @@ static constexpr int STEPS = 200000;
 // wrap; 1.3e-15 rad a step = 9.1e-7 units of 2^-32 turn, not contracted.
 static constexpr double TWIN_UNITS_PER_STEP = 9.1e-7;
 
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-static void test_position_equals_the_twin_to_the_last_unit()
+TEST(test_position_equals_the_twin_to_the_last_unit)
 {
     Seeded seeded(1);
     rotor_position_t position;
@@ -52,11 +45,4 @@ static void test_position_equals_the_twin_to_the_last_unit()
     TEST_ASSERT_TRUE(STEPS * TWIN_UNITS_PER_STEP < 0.5);
     // Its own roundings are random: their root of sum of squares is a small share of the worst case.
     figure_check("position beside its twin, 2^-32 turn", worst, STEPS * TWIN_UNITS_PER_STEP, 1e-4);
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_position_equals_the_twin_to_the_last_unit);
-    return UNITY_END();
 }

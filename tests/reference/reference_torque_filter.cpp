@@ -4,6 +4,7 @@
 #include "torque_filter_units.h"
 
 #include "figure.h"
+#include "testing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -58,7 +59,7 @@ double bound_lsb(const torque_filter_cfg_t &cfg)
 }
 
 // Steps, a swing and noise.
-void test_currents_stay_within_the_roundings_of_the_twin()
+TEST(test_currents_stay_within_the_roundings_of_the_twin)
 {
     constexpr int STEPS = 20000;
     double worst = 0;
@@ -108,7 +109,7 @@ Complex measured(const torque_filter_cfg_t &cfg, double hz)
 // roundings average out. A thousandth holds all of it.
 constexpr double RESPONSE = 1e-3;
 
-void test_the_response_is_that_of_the_design()
+TEST(test_the_response_is_that_of_the_design)
 {
     for (const nf::TuningSettings &tuning : EXAMPLES) {
         const torque_filter_cfg_t cfg = cfg_of(tuning);
@@ -122,7 +123,7 @@ void test_the_response_is_that_of_the_design()
 
 // A design by other formulas: an analogue notch (s² + ω²)/(s² + k·ω·s + ω²) by the bilinear transform with the tangent of
 // half of the centre's turn, k by that of the band.
-void test_the_design_is_the_analogue_notch_through_the_bilinear_transform()
+TEST(test_the_design_is_the_analogue_notch_through_the_bilinear_transform)
 {
     for (const double notch_hz : {25.0, 100.0, 240.0, 450.0}) {
         const nf::TuningSettings tuning = tuning_of(notch_hz, 30, 0);
@@ -140,20 +141,3 @@ void test_the_design_is_the_analogue_notch_through_the_bilinear_transform()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_currents_stay_within_the_roundings_of_the_twin);
-    RUN_TEST(test_the_response_is_that_of_the_design);
-    RUN_TEST(test_the_design_is_the_analogue_notch_through_the_bilinear_transform);
-    return UNITY_END();
-}

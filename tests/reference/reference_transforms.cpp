@@ -5,6 +5,7 @@
 #include "twin_transforms.h"
 
 #include "figure.h"
+#include "testing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,20 +26,12 @@ static constexpr double PARK_LSB = 0.773 * 1.41422 + 1.0 + 0.5;
 static constexpr double LEAST_SHARE = 0.4;
 static constexpr int CASES = 200000;
 
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
 static double radians(angle_t angle)
 {
     return angle / STEPS_PER_TURN * TWO_PI;
 }
 
-static void test_clarke_stays_within_its_bound_of_the_twin()
+TEST(test_clarke_stays_within_its_bound_of_the_twin)
 {
     Seeded seeded(1);
     double worst = 0;
@@ -63,7 +56,7 @@ static Vector seeded_vector(Seeded &seeded)
     return {std::trunc(v.x()), std::trunc(v.y())};
 }
 
-static void test_park_stays_within_its_bound_of_the_twin()
+TEST(test_park_stays_within_its_bound_of_the_twin)
 {
     Seeded seeded(2);
     double worst = 0;
@@ -80,7 +73,7 @@ static void test_park_stays_within_its_bound_of_the_twin()
     figure_check("Park beside its twin, LSB", worst, PARK_LSB, LEAST_SHARE);
 }
 
-static void test_inverse_park_stays_within_its_bound_of_the_twin()
+TEST(test_inverse_park_stays_within_its_bound_of_the_twin)
 {
     Seeded seeded(3);
     double worst = 0;
@@ -95,13 +88,4 @@ static void test_inverse_park_stays_within_its_bound_of_the_twin()
         worst = std::max({worst, std::abs(r.alpha - exact.x()), std::abs(r.beta - exact.y())});
     }
     figure_check("inverse Park beside its twin, LSB", worst, PARK_LSB, LEAST_SHARE);
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_clarke_stays_within_its_bound_of_the_twin);
-    RUN_TEST(test_park_stays_within_its_bound_of_the_twin);
-    RUN_TEST(test_inverse_park_stays_within_its_bound_of_the_twin);
-    return UNITY_END();
 }

@@ -5,6 +5,7 @@
 #include "twin_virtual_resistance.h"
 
 #include "figure.h"
+#include "testing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,7 +36,7 @@ nf::twin::VirtualResistance::Params twin_params()
 }
 
 // A vector that swings about a mean that jumps, with noise.
-void test_voltages_stay_within_the_roundings_of_the_twin()
+TEST(test_voltages_stay_within_the_roundings_of_the_twin)
 {
     constexpr int STEPS = 20000;
     Seeded seeded(1);
@@ -108,7 +109,7 @@ double measured_decay(const virtual_resistance_cfg_t &cfg, double omega, double 
 
 // A voltage is that of the last sample: half a period late, which turns it by half of ω·T = 0.025 rad. The last current is 180
 // LSB, so roundings make a hundredth of its logarithm. A twentieth holds both.
-void test_it_damps_the_currents_own_mode_as_the_equations_say()
+TEST(test_it_damps_the_currents_own_mode_as_the_equations_say)
 {
     constexpr double SHARE = 0.05;
     const nf::MotorSettings motor = motor_b();
@@ -135,19 +136,3 @@ void test_it_damps_the_currents_own_mode_as_the_equations_say()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_voltages_stay_within_the_roundings_of_the_twin);
-    RUN_TEST(test_it_damps_the_currents_own_mode_as_the_equations_say);
-    return UNITY_END();
-}

@@ -5,7 +5,7 @@
 #include "paper_a.h"
 #include "scenario.h"
 
-#include "unity.h"
+#include "testing.h"
 
 #include <Eigen/Eigenvalues>
 
@@ -19,14 +19,6 @@ using paper_a::Settings;
 using paper_a::turned;
 using paper_a::TWO_PI;
 using paper_a::Vector;
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
 
 namespace
 {
@@ -185,7 +177,7 @@ void compare(const char *name, const Script &script, const Course &course)
     TEST_ASSERT_DOUBLE_WITHIN(tolerance.angle_deg, paper.angle_deg, firmware.angle_deg);
 }
 
-void test_errors_of_the_published_tuning_are_those_of_the_paper()
+TEST(test_errors_of_the_published_tuning_are_those_of_the_paper)
 {
     compare("s1", s1, S1);
     compare("s2", s2, {-0.8, 0.1, 1.0, 0});
@@ -237,7 +229,7 @@ double limit_of_stability(double low, double high, bool newer_speed, double spee
 // At standstill e_q and ω̂ are a system of their own. With δ = T/τ its determinant is 1 − δ with the newer speed, and
 // 1 − δ + κ with the printed one: the swing decays by the winding alone, or grows. With speed the forward difference of (14)
 // stretches by (ωT)²/2 in a sample, and coupling to the angle is of the same order.
-void test_swing_decays_by_the_winding_with_the_newer_speed_and_grows_with_the_printed_one()
+TEST(test_swing_decays_by_the_winding_with_the_newer_speed_and_grows_with_the_printed_one)
 {
     const double kappa = 0.025;
     const double period = Settings().period;
@@ -255,7 +247,7 @@ void test_swing_decays_by_the_winding_with_the_newer_speed_and_grows_with_the_pr
     }
 }
 
-void test_printed_index_is_stable_up_to_a_kappa_of_t_over_tau()
+TEST(test_printed_index_is_stable_up_to_a_kappa_of_t_over_tau)
 {
     for (const double speed : {0.0, 0.1 * RATED_RAD_S, 0.5 * RATED_RAD_S, RATED_RAD_S}) {
         const double turn = speed * Settings().period;
@@ -266,7 +258,7 @@ void test_printed_index_is_stable_up_to_a_kappa_of_t_over_tau()
 
 // A small error in continuous time, with a = 1/τ and K = κ/T²: s⁴ + 2a·s³ + (a² + ω² + K)·s² + Ka·s + Kω² = 0. After Routh it
 // is stable for K > 2(ω² − a²). Sampling adds terms that are by ωT and T/τ smaller.
-void test_a_kappa_without_proportional_path_has_a_lower_limit_that_grows_with_speed()
+TEST(test_a_kappa_without_proportional_path_has_a_lower_limit_that_grows_with_speed)
 {
     for (const double speed : {0.8 * RATED_RAD_S, RATED_RAD_S, 1.5 * RATED_RAD_S}) {
         const double turn = speed * Settings().period;
@@ -283,21 +275,10 @@ void test_a_kappa_without_proportional_path_has_a_lower_limit_that_grows_with_sp
 
 // In the drive, κ = 0.025: with the printed index it runs away at the first step of the speed; else it has a quarter of a
 // degree.
-void test_drive_with_the_printed_index_loses_the_rotor()
+TEST(test_drive_with_the_printed_index_loses_the_rotor)
 {
     TEST_ASSERT_TRUE(largest_errors(settings(0.025, false), s1, S1).angle_deg > 90);
     TEST_ASSERT_TRUE(largest_errors(settings(0.025, true), s1, S1).angle_deg < 1);
 }
 
 } // namespace
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_errors_of_the_published_tuning_are_those_of_the_paper);
-    RUN_TEST(test_swing_decays_by_the_winding_with_the_newer_speed_and_grows_with_the_printed_one);
-    RUN_TEST(test_printed_index_is_stable_up_to_a_kappa_of_t_over_tau);
-    RUN_TEST(test_a_kappa_without_proportional_path_has_a_lower_limit_that_grows_with_speed);
-    RUN_TEST(test_drive_with_the_printed_index_loses_the_rotor);
-    return UNITY_END();
-}

@@ -12,7 +12,7 @@
 extern "C" {
 #include "config_guard.h"
 #include "drive_words.h"
-#include "unity.h"
+#include "testing.h"
 }
 
 #include <algorithm>
@@ -181,7 +181,7 @@ void assert_genuine(const Recording &recording)
     TEST_ASSERT_EQUAL_HEX32(recording.header.end_hash, result.end_hash);
 }
 
-void a_run_comes_out_bit_for_bit()
+TEST(a_run_comes_out_bit_for_bit)
 {
     const Recording recording = nf::replay::read(recorded());
     assert_genuine(recording);
@@ -190,7 +190,7 @@ void a_run_comes_out_bit_for_bit()
     assert_contains("ADC_SATURATED", summary(recording, nf::replay::replay(recording)));
 }
 
-void text_of_a_console_around_it_does_not_matter()
+TEST(text_of_a_console_around_it_does_not_matter)
 {
     std::vector<std::string> lines = lines_of(recorded());
     lines.insert(lines.begin(), {"neurofoc", "READY, speed 0 of 0 rpm", ""});
@@ -202,7 +202,7 @@ void text_of_a_console_around_it_does_not_matter()
 }
 
 // As terminals log: a time in front, blanks and the end of a line behind.
-void what_a_logger_adds_to_its_lines_does_not_matter()
+TEST(what_a_logger_adds_to_its_lines_does_not_matter)
 {
     for (const char *const prefix :
          {"[2024-05-01 12:00:00.123] ", "12:00:00.123 -> ", "user@host:~$ ", "[~] ", "\t"}) {
@@ -217,7 +217,7 @@ void what_a_logger_adds_to_its_lines_does_not_matter()
     }
 }
 
-void damage_behind_what_a_logger_adds_is_named()
+TEST(damage_behind_what_a_logger_adds_is_named)
 {
     std::vector<std::string> lines = lines_of(recorded());
     for (std::string &line : lines) {
@@ -233,7 +233,7 @@ void damage_behind_what_a_logger_adds_is_named()
                     refusal_of(joined(lines)));
 }
 
-void of_several_the_last_whole_one_counts()
+TEST(of_several_the_last_whole_one_counts)
 {
     const std::string &whole = recorded();
     const std::string half = whole.substr(0, whole.rfind('\n', whole.size() / 2)); // whole lines
@@ -242,7 +242,7 @@ void of_several_the_last_whole_one_counts()
     assert_contains("cut off", refusal_of(half + '\n' + half));
 }
 
-void a_later_damaged_one_is_told()
+TEST(a_later_damaged_one_is_told)
 {
     const std::string &whole = recorded();
     const std::vector<std::string> all = lines_of(whole);
@@ -268,7 +268,7 @@ void a_later_damaged_one_is_told()
                     summary(recording, nf::replay::replay(recording)));
 }
 
-void what_is_no_recording_is_refused()
+TEST(what_is_no_recording_is_refused)
 {
     assert_contains("no recording", refusal_of(std::string()));
     assert_contains("no recording", refusal_of("READY\r\nok\r\n"));
@@ -279,7 +279,7 @@ void what_is_no_recording_is_refused()
     assert_contains("its CRC is", refusal_of("~" + std::string(RECORDER_LINE_CHARACTERS - 1, 'A')));
 }
 
-void ticks_go_on_where_the_drives_count_wraps()
+TEST(ticks_go_on_where_the_drives_count_wraps)
 {
     nf::RecordedRun run{};
     run.image.state.tick = 0xFFFFFFF0U;
@@ -289,7 +289,7 @@ void ticks_go_on_where_the_drives_count_wraps()
     TEST_ASSERT_EQUAL_INT64(0xFFFFFFE0LL, run.tick_of(0xFFFFFFE0U)); // before the first
 }
 
-void a_missing_line_is_named()
+TEST(a_missing_line_is_named)
 {
     std::vector<std::string> lines = lines_of(recorded());
     lines.erase(lines.begin() + 7);
@@ -325,7 +325,7 @@ std::string mutated(std::mt19937 &random, int kind)
 }
 
 // Whatever happens to a file, it is refused in one line or it is still the same.
-void damage_is_refused()
+TEST(damage_is_refused)
 {
     std::mt19937 random(1);
     int refused = 0;
@@ -341,7 +341,7 @@ void damage_is_refused()
     TEST_ASSERT_GREATER_THAN_INT(MUTATIONS * 9 / 10, refused);
 }
 
-void what_the_header_says_is_checked()
+TEST(what_the_header_says_is_checked)
 {
     const std::vector<uint32_t> good = words_of(recorded());
     struct Case {
@@ -379,7 +379,7 @@ void what_the_header_says_is_checked()
                     refusal_of(std::vector<uint32_t>(good.begin(), good.begin() + 9)));
 }
 
-void a_damaged_configuration_is_refused()
+TEST(a_damaged_configuration_is_refused)
 {
     std::vector<uint32_t> words = words_of(recorded());
     words[CONFIG] ^= 4;
@@ -398,7 +398,7 @@ void assert_changes(const Recording &recording, const std::vector<Given> &expect
     }
 }
 
-void a_run_comes_out_bit_for_bit_through_a_change_of_its_configuration()
+TEST(a_run_comes_out_bit_for_bit_through_a_change_of_its_configuration)
 {
     const int64_t tick = last_tick() - 400;
     for (const char *const set : {KAPPA, SLOW_TICKS}) {
@@ -415,7 +415,7 @@ void a_run_comes_out_bit_for_bit_through_a_change_of_its_configuration()
     }
 }
 
-void a_change_may_come_before_any_frame_of_a_segment()
+TEST(a_change_may_come_before_any_frame_of_a_segment)
 {
     constexpr int64_t SEGMENT = RING / RECORDER_SEGMENTS; // ticks at most
     for (int64_t tick = last_tick() - 2 * SEGMENT; tick < last_tick() - SEGMENT; tick += 5) {
@@ -426,7 +426,7 @@ void a_change_may_come_before_any_frame_of_a_segment()
     }
 }
 
-void of_one_configuration_and_back_both_changes_come_out()
+TEST(of_one_configuration_and_back_both_changes_come_out)
 {
     const std::vector<Given> given = {{last_tick() - 500, {KAPPA}}, {last_tick() - 300, {}}};
     const std::string text = recorded_with(given);
@@ -437,7 +437,7 @@ void of_one_configuration_and_back_both_changes_come_out()
 }
 
 // The configuration of what was before is no longer there.
-void of_three_configurations_the_history_begins_with_the_second()
+TEST(of_three_configurations_the_history_begins_with_the_second)
 {
     constexpr int64_t SEGMENT = RING / RECORDER_SEGMENTS;
     const int64_t first = last_tick() - 2 * SEGMENT;
@@ -449,7 +449,7 @@ void of_three_configurations_the_history_begins_with_the_second()
     assert_genuine(recording);
 }
 
-void a_recording_of_which_no_configuration_is_left_is_refused_with_the_reason()
+TEST(a_recording_of_which_no_configuration_is_left_is_refused_with_the_reason)
 {
     const std::string text =
         recorded_with({{last_tick() - 500, {KAPPA}}, {last_tick() - 300, {SLOW_TICKS}}});
@@ -457,7 +457,7 @@ void a_recording_of_which_no_configuration_is_left_is_refused_with_the_reason()
                     refusal_of(text));
 }
 
-void a_summary_says_when_the_configuration_changes()
+TEST(a_summary_says_when_the_configuration_changes)
 {
     const std::string text = recorded_with({{100, {KAPPA}}});
     const Recording recording = nf::replay::read(text);
@@ -488,14 +488,14 @@ Changed changed_recording()
     return {words, entries + words[ENTRIES] * ENTRY_WORDS, entry};
 }
 
-void a_damaged_further_configuration_is_refused()
+TEST(a_damaged_further_configuration_is_refused)
 {
     Changed changed = changed_recording();
     changed.words[changed.further] ^= 4;
     assert_contains("further configuration was damaged", refusal_of(changed.words));
 }
 
-void a_further_configuration_that_no_firmware_takes_is_refused_by_its_setting()
+TEST(a_further_configuration_that_no_firmware_takes_is_refused_by_its_setting)
 {
     Changed changed = changed_recording();
     drive_cfg_t cfg{};
@@ -507,7 +507,7 @@ void a_further_configuration_that_no_firmware_takes_is_refused_by_its_setting()
                     refusal_of(changed.words));
 }
 
-void a_change_to_a_configuration_that_is_not_there_is_refused_by_its_entry()
+TEST(a_change_to_a_configuration_that_is_not_there_is_refused_by_its_entry)
 {
     Changed changed = changed_recording();
     const std::size_t entries = STATE + changed.words[4];
@@ -517,7 +517,7 @@ void a_change_to_a_configuration_that_is_not_there_is_refused_by_its_entry()
     TEST_ASSERT_EQUAL_STRING(expected.c_str(), refusal_of(changed.words).c_str());
 }
 
-void a_further_configuration_that_is_cut_off_is_refused()
+TEST(a_further_configuration_that_is_cut_off_is_refused)
 {
     const Changed changed = changed_recording();
     const auto begin = changed.words.begin();
@@ -526,7 +526,7 @@ void a_further_configuration_that_is_cut_off_is_refused()
                         begin, begin + static_cast<std::ptrdiff_t>(changed.further) + 9)));
 }
 
-void a_state_that_is_none_is_refused()
+TEST(a_state_that_is_none_is_refused)
 {
     const std::vector<uint32_t> good = words_of(recorded());
     int refused = 0;
@@ -555,14 +555,14 @@ void forge(const std::vector<uint32_t> &good)
     }
 }
 
-void forged_words_do_no_harm()
+TEST(forged_words_do_no_harm)
 {
     forge(words_of(recorded()));
     forge(changed_recording().words);
 }
 
 // A forger's configuration with its CRC, in force from any frame on.
-void a_forged_change_runs_or_is_refused()
+TEST(a_forged_change_runs_or_is_refused)
 {
     const Changed good = changed_recording();
     const uint32_t genuine = crc_with({KAPPA});
@@ -584,7 +584,7 @@ void a_forged_change_runs_or_is_refused()
 }
 
 // A frame may be any: the drive is total.
-void forged_frames_run_and_depart()
+TEST(forged_frames_run_and_depart)
 {
     const std::vector<uint32_t> good = words_of(recorded());
     const std::size_t entries = STATE + good[4];
@@ -600,7 +600,7 @@ void forged_frames_run_and_depart()
     }
 }
 
-void another_output_is_named_with_its_tick()
+TEST(another_output_is_named_with_its_tick)
 {
     const std::vector<uint32_t> good = words_of(recorded());
     const std::size_t entry = STATE + good[4] + 400 * ENTRY_WORDS;
@@ -623,7 +623,7 @@ void another_output_is_named_with_its_tick()
     assert_contains("departs at tick", summary(after, result));
 }
 
-void another_end_is_named()
+TEST(another_end_is_named)
 {
     const std::vector<uint32_t> good = words_of(recorded());
     struct Case {
@@ -671,7 +671,7 @@ void assert_rounded_once(double expected, double found, double scale_in_units)
     TEST_ASSERT_DOUBLE_WITHIN(tolerance, expected, found);
 }
 
-void a_recorded_speed_is_that_of_the_run_for_all_pole_pairs_and_pwm_frequencies()
+TEST(a_recorded_speed_is_that_of_the_run_for_all_pole_pairs_and_pwm_frequencies)
 {
     nf::Config config = nf::load_scenario("s1");
     const nf::Field &pairs = *nf::find_field("motor.pole_pairs");
@@ -689,7 +689,7 @@ void a_recorded_speed_is_that_of_the_run_for_all_pole_pairs_and_pwm_frequencies(
     }
 }
 
-void a_recorded_current_and_voltage_are_those_of_the_run_for_all_full_scales()
+TEST(a_recorded_current_and_voltage_are_those_of_the_run_for_all_full_scales)
 {
     nf::Config config = nf::load_scenario("s1");
     for (const double current_a : range_of("board.current_full_scale_a")) {
@@ -706,7 +706,7 @@ void a_recorded_current_and_voltage_are_those_of_the_run_for_all_full_scales()
     }
 }
 
-void scales_are_those_of_the_configuration()
+TEST(scales_are_those_of_the_configuration)
 {
     const nf::Config config = nf::load_scenario("s1");
     const nf::Bases expected = nf::make_bases(config.motor, config.board);
@@ -718,48 +718,3 @@ void scales_are_those_of_the_configuration()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(a_run_comes_out_bit_for_bit);
-    RUN_TEST(text_of_a_console_around_it_does_not_matter);
-    RUN_TEST(what_a_logger_adds_to_its_lines_does_not_matter);
-    RUN_TEST(damage_behind_what_a_logger_adds_is_named);
-    RUN_TEST(of_several_the_last_whole_one_counts);
-    RUN_TEST(a_later_damaged_one_is_told);
-    RUN_TEST(what_is_no_recording_is_refused);
-    RUN_TEST(ticks_go_on_where_the_drives_count_wraps);
-    RUN_TEST(a_missing_line_is_named);
-    RUN_TEST(damage_is_refused);
-    RUN_TEST(what_the_header_says_is_checked);
-    RUN_TEST(a_damaged_configuration_is_refused);
-    RUN_TEST(a_run_comes_out_bit_for_bit_through_a_change_of_its_configuration);
-    RUN_TEST(a_change_may_come_before_any_frame_of_a_segment);
-    RUN_TEST(of_one_configuration_and_back_both_changes_come_out);
-    RUN_TEST(of_three_configurations_the_history_begins_with_the_second);
-    RUN_TEST(a_recording_of_which_no_configuration_is_left_is_refused_with_the_reason);
-    RUN_TEST(a_summary_says_when_the_configuration_changes);
-    RUN_TEST(a_damaged_further_configuration_is_refused);
-    RUN_TEST(a_further_configuration_that_no_firmware_takes_is_refused_by_its_setting);
-    RUN_TEST(a_change_to_a_configuration_that_is_not_there_is_refused_by_its_entry);
-    RUN_TEST(a_further_configuration_that_is_cut_off_is_refused);
-    RUN_TEST(a_state_that_is_none_is_refused);
-    RUN_TEST(forged_words_do_no_harm);
-    RUN_TEST(a_forged_change_runs_or_is_refused);
-    RUN_TEST(forged_frames_run_and_depart);
-    RUN_TEST(another_output_is_named_with_its_tick);
-    RUN_TEST(another_end_is_named);
-    RUN_TEST(scales_are_those_of_the_configuration);
-    RUN_TEST(a_recorded_speed_is_that_of_the_run_for_all_pole_pairs_and_pwm_frequencies);
-    RUN_TEST(a_recorded_current_and_voltage_are_those_of_the_run_for_all_full_scales);
-    return UNITY_END();
-}

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "testing.h"
 #include <fmt/format.h> // before Unity, whose macros it does not bear
-#include <unity.h>
 
 namespace nf
 {

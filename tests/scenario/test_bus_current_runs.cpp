@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "testing.h"
 #include <fmt/format.h>
-#include <unity.h>
 
 namespace
 {
@@ -122,7 +122,7 @@ void near(double wanted, double found, double share, const std::string &text)
     TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(share * std::fabs(wanted), wanted, found, text.c_str());
 }
 
-void test_the_bus_current_stays_at_its_limits_motoring_and_braking()
+TEST(test_the_bus_current_stays_at_its_limits_motoring_and_braking)
 {
     const Run runs[] = {{"s1_robust", 1800, 0, 4, 1.2, 0.5},
                         {"s1_odrive_d5065", 5000, 2500, 0.5, 6, 2},
@@ -153,18 +153,3 @@ void test_the_bus_current_stays_at_its_limits_motoring_and_braking()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_the_bus_current_stays_at_its_limits_motoring_and_braking);
-    return UNITY_END();
-}

@@ -22,8 +22,8 @@ extern "C" {
 #include <variant>
 #include <vector>
 
+#include "testing.h"
 #include <fmt/format.h>
-#include <unity.h>
 
 namespace
 {
@@ -275,7 +275,7 @@ const std::map<std::string, std::string> BASES = {
     {"board.timer_clock_hz", "modulator.timer_counts"},
     {"speed_loop.slow_ticks", "slow_ticks"}};
 
-void motor_a_takes_every_key_that_may_change_in_run()
+TEST(motor_a_takes_every_key_that_may_change_in_run)
 {
     const Outcome outcome = change_one_by_one(MOTOR_A);
     expect_taken(outcome, GAINS_AND_LIMITS);
@@ -283,20 +283,20 @@ void motor_a_takes_every_key_that_may_change_in_run()
     expect_refused(outcome, BASES);
 }
 
-void a_servo_takes_every_key_that_may_change_in_run()
+TEST(a_servo_takes_every_key_that_may_change_in_run)
 {
     const Outcome outcome = change_one_by_one(SERVO);
     expect_taken(outcome, GAINS_AND_LIMITS);
 }
 
-void a_voltage_drive_takes_its_own_keys()
+TEST(a_voltage_drive_takes_its_own_keys)
 {
     const Outcome outcome = change_one_by_one(VOLTAGE);
     expect_taken(outcome, {"voltage_loop.kp_v_s_per_rad", "phase_compensator.gain"});
 }
 
 // Up to the tick that takes it a change is not there; the tick is one that reads the slow inputs.
-void until_its_tick_a_change_does_nothing()
+TEST(until_its_tick_a_change_does_nothing)
 {
     const nf::Config config = load(MOTOR_A);
     drive_cfg_t faster = nf::build(config);
@@ -316,7 +316,7 @@ void until_its_tick_a_change_does_nothing()
 }
 
 // The inputs of a run, and between them what changed: a drive without a motor repeats it.
-void a_replay_with_the_same_changes_ends_in_the_same_state()
+TEST(a_replay_with_the_same_changes_ends_in_the_same_state)
 {
     const nf::Config config = load(SERVO);
     const drive_cfg_t as_it_is = nf::build(config);
@@ -344,22 +344,3 @@ void a_replay_with_the_same_changes_ends_in_the_same_state()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(motor_a_takes_every_key_that_may_change_in_run);
-    RUN_TEST(a_servo_takes_every_key_that_may_change_in_run);
-    RUN_TEST(a_voltage_drive_takes_its_own_keys);
-    RUN_TEST(until_its_tick_a_change_does_nothing);
-    RUN_TEST(a_replay_with_the_same_changes_ends_in_the_same_state);
-    return UNITY_END();
-}

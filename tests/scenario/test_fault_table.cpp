@@ -22,8 +22,8 @@ extern "C" {
 #include <string>
 #include <vector>
 
+#include "testing.h"
 #include <fmt/format.h>
-#include <unity.h>
 
 namespace
 {
@@ -556,7 +556,7 @@ std::vector<std::string> sensor_table()
     return lines;
 }
 
-void test_what_is_found_is_latched_with_its_numbers_in_its_time()
+TEST(test_what_is_found_is_latched_with_its_numbers_in_its_time)
 {
     const drive_cfg_t cfg = nf::build(config_of(settings(HELD, 1)));
     for (const Cell &one : cells()) {
@@ -575,7 +575,7 @@ void test_what_is_found_is_latched_with_its_numbers_in_its_time()
 }
 
 // rpm of 1000: what is left of the jump after seconds.
-void test_what_is_not_found_has_a_reason_and_leaves_the_drive_in_control()
+TEST(test_what_is_not_found_has_a_reason_and_leaves_the_drive_in_control)
 {
     constexpr double SETTLED_RPM = 5;
     for (const Cell &one : cells()) {
@@ -594,7 +594,7 @@ void test_what_is_not_found_has_a_reason_and_leaves_the_drive_in_control()
 
 // What the drive lets pass the identification refuses, or it comes to its end. Then the gates are open, and nothing turns the
 // shaft.
-void test_what_the_drive_does_not_find_in_probe_ends_the_identification_with_open_gates()
+TEST(test_what_the_drive_does_not_find_in_probe_ends_the_identification_with_open_gates)
 {
     for (const Cell &one : cells()) {
         const std::string text = label(*one.fault, one.place, one.found);
@@ -609,7 +609,7 @@ void test_what_the_drive_does_not_find_in_probe_ends_the_identification_with_ope
 
 // A tick of the whole bus on one winding takes the current beyond its limit by 2/3·310 V·0.1 ms/11.6 mH. What a sensor
 // that stands still does not show the comparators do; without them the table says how far it got.
-void test_current_and_speed_stay_within_their_limits_until_the_gates_open()
+TEST(test_current_and_speed_stay_within_their_limits_until_the_gates_open)
 {
     constexpr double TICK_A = 1.8;
     const nf::Config config = config_of(settings(HELD, 1));
@@ -634,7 +634,7 @@ int64_t sensor_bound(const Found &found, const drive_cfg_t &cfg)
                                          : (int64_t{3} << cfg.supervision.mean_shift) * round;
 }
 
-void test_a_wrong_angle_sensor_is_found_in_motion_and_else_leaves_the_drive_in_control()
+TEST(test_a_wrong_angle_sensor_is_found_in_motion_and_else_leaves_the_drive_in_control)
 {
     constexpr double SETTLED_RPM = 5;
     const drive_cfg_t cfg = nf::build(config_of({"drive.angle_source=sensor"}));
@@ -654,7 +654,7 @@ void test_a_wrong_angle_sensor_is_found_in_motion_and_else_leaves_the_drive_in_c
 }
 
 // What is printed with a fault leads to what really is wrong, whichever fault an open wire or a current sensor ends in.
-void test_the_advice_of_a_fault_names_what_it_was_made_by()
+TEST(test_the_advice_of_a_fault_names_what_it_was_made_by)
 {
     const std::map<Kind, const char *> causes = {{Kind::wire, "wire"}, {Kind::sensor, "sensor"}};
     for (const Cell &one : cells()) {
@@ -668,7 +668,7 @@ void test_the_advice_of_a_fault_names_what_it_was_made_by()
     }
 }
 
-void test_the_table_of_the_design_is_the_measured_one()
+TEST(test_the_table_of_the_design_is_the_measured_one)
 {
     std::ifstream file(NF_DESIGN_FILE);
     const std::string design((std::istreambuf_iterator<char>(file)), {});
@@ -682,14 +682,6 @@ void test_the_table_of_the_design_is_the_measured_one()
 
 } // namespace
 
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
 int main(int argc, char **argv)
 {
     if (argc > 1 && std::strcmp(argv[1], "--measure") == 0) {
@@ -701,13 +693,5 @@ int main(int argc, char **argv)
         }
         return 0;
     }
-    UNITY_BEGIN();
-    RUN_TEST(test_what_is_found_is_latched_with_its_numbers_in_its_time);
-    RUN_TEST(test_what_is_not_found_has_a_reason_and_leaves_the_drive_in_control);
-    RUN_TEST(test_what_the_drive_does_not_find_in_probe_ends_the_identification_with_open_gates);
-    RUN_TEST(test_current_and_speed_stay_within_their_limits_until_the_gates_open);
-    RUN_TEST(test_a_wrong_angle_sensor_is_found_in_motion_and_else_leaves_the_drive_in_control);
-    RUN_TEST(test_the_advice_of_a_fault_names_what_it_was_made_by);
-    RUN_TEST(test_the_table_of_the_design_is_the_measured_one);
-    return UNITY_END();
+    return testing_main(argc, argv);
 }

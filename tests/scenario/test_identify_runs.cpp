@@ -9,20 +9,13 @@
 #include "plate.h"
 #include "truth.h"
 
-#include "unity.h"
+#include "testing.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <string>
 #include <vector>
-
-void setUp()
-{
-}
-void tearDown()
-{
-}
 
 namespace
 {
@@ -106,7 +99,7 @@ void check(const nf::Config &config, const Measurement &measurement)
         result.lost_time_s);
 }
 
-void test_random_motors_are_measured_within_the_errors_that_are_asked_for()
+TEST(test_random_motors_are_measured_within_the_errors_that_are_asked_for)
 {
     for (const char *const motor : MOTORS) {
         const nf::Config config = nf::load_scenario(motor);
@@ -175,7 +168,7 @@ private:
     double said_rpm_ = 0;
 };
 
-void test_the_shaft_turns_no_further_and_no_faster_than_was_said_before()
+TEST(test_the_shaft_turns_no_further_and_no_faster_than_was_said_before)
 {
     for (const char *const name : MACHINES) {
         const nf::Config config = nf::load_scenario(name);
@@ -189,7 +182,7 @@ void test_the_shaft_turns_no_further_and_no_faster_than_was_said_before()
     }
 }
 
-void test_the_phase_currents_stay_below_the_largest_one_that_was_said()
+TEST(test_the_phase_currents_stay_below_the_largest_one_that_was_said)
 {
     for (const char *const name : MACHINES) {
         const nf::Config config = nf::load_scenario(name);
@@ -221,7 +214,7 @@ void test_the_phase_currents_stay_below_the_largest_one_that_was_said()
 
 // ---- wiring ----
 
-void test_an_open_phase_is_refused_by_its_name()
+TEST(test_an_open_phase_is_refused_by_its_name)
 {
     const char *const names[] = {"phase a is open", "phase b is open", "phase c is open"};
     for (const char *const machine : MACHINES) {
@@ -236,7 +229,7 @@ void test_an_open_phase_is_refused_by_its_name()
     }
 }
 
-void test_no_motor_at_all_is_refused()
+TEST(test_no_motor_at_all_is_refused)
 {
     for (const char *const machine : MACHINES) {
         expect_refused("is the motor connected?", nf::load_scenario(machine), machine,
@@ -258,7 +251,7 @@ void exchange_sensors(nf::Simulation &sim, const nf::Config &config, int a_sees,
     sim.seam().hal.ib = {true, count(b_sees)};
 }
 
-void test_two_exchanged_phases_are_refused_by_their_names()
+TEST(test_two_exchanged_phases_are_refused_by_their_names)
 {
     const struct {
         const char *why;
@@ -278,7 +271,7 @@ void test_two_exchanged_phases_are_refused_by_their_names()
 }
 
 // Wires in a circle, and a sensor with its sign exchanged.
-void test_three_exchanged_phases_and_a_reversed_sensor_are_refused()
+TEST(test_three_exchanged_phases_and_a_reversed_sensor_are_refused)
 {
     for (const char *const machine : MACHINES) {
         const nf::Config config = nf::load_scenario(machine);
@@ -295,7 +288,7 @@ void test_three_exchanged_phases_and_a_reversed_sensor_are_refused()
 
 // ---- windings ----
 
-void test_a_winding_with_shorted_turns_is_refused_by_its_name()
+TEST(test_a_winding_with_shorted_turns_is_refused_by_its_name)
 {
     for (const char *const machine : MACHINES) {
         expect_refused("is the winding shorted: phase a",
@@ -310,7 +303,7 @@ void test_a_winding_with_shorted_turns_is_refused_by_its_name()
     }
 }
 
-void test_a_bad_contact_is_refused_by_its_phase()
+TEST(test_a_bad_contact_is_refused_by_its_phase)
 {
     for (const char *const machine : MACHINES) {
         const double ohm = nf::identify::truth_of(nf::load_scenario(machine)).resistance_ohm * 0.4;
@@ -325,7 +318,7 @@ void test_a_bad_contact_is_refused_by_its_phase()
 
 const char *const BLOCKED = "the rotor does not turn with the current: is it blocked, braked";
 
-void test_a_blocked_rotor_is_refused()
+TEST(test_a_blocked_rotor_is_refused)
 {
     for (const char *const machine : MACHINES) {
         expect_refused(BLOCKED, nf::load_scenario(machine), machine,
@@ -334,7 +327,7 @@ void test_a_blocked_rotor_is_refused()
 }
 
 // Its friction is twice the torque of the continuous current.
-void test_a_braked_rotor_is_refused()
+TEST(test_a_braked_rotor_is_refused)
 {
     for (const char *const machine : MACHINES) {
         const nf::Config config = nf::load_scenario(machine);
@@ -350,7 +343,7 @@ void test_a_braked_rotor_is_refused()
 }
 
 // One and a half times the torque of the continuous current, which cannot hold it.
-void test_a_rotor_that_its_load_turns_is_refused()
+TEST(test_a_rotor_that_its_load_turns_is_refused)
 {
     for (const char *const machine : MACHINES) {
         const nf::Config config = nf::load_scenario(machine);
@@ -364,7 +357,7 @@ void test_a_rotor_that_its_load_turns_is_refused()
 
 // Coasting at half of the rated speed: its EMF drives a current through the closed switches. The lightest of the machines is
 // braked by that before it is of any importance.
-void test_a_rotor_that_turns_already_is_refused()
+TEST(test_a_rotor_that_turns_already_is_refused)
 {
     for (const char *const machine :
          {"s1", "zoo:outrunner:401@31:user", "zoo:industrial:405@31:user"}) {
@@ -379,7 +372,7 @@ void test_a_rotor_that_turns_already_is_refused()
 // ---- before it begins ----
 
 // Its sensor is off by more than the calibration accepts: the drive never becomes READY.
-void test_a_fault_before_the_start_is_refused_at_once_with_its_name()
+TEST(test_a_fault_before_the_start_is_refused_at_once_with_its_name)
 {
     const nf::Config config = nf::load_scenario("s1", {}, {"plant.adc_offset_lsb=[1500,0]"});
     const Outcome outcome = measured(config);
@@ -391,7 +384,7 @@ void test_a_fault_before_the_start_is_refused_at_once_with_its_name()
 
 // ---- name plate and board ----
 
-void test_a_current_too_small_for_the_board_is_refused_with_the_one_it_takes()
+TEST(test_a_current_too_small_for_the_board_is_refused_with_the_one_it_takes)
 {
     for (const char *const machine : MACHINES) {
         const nf::Config config = nf::load_scenario(machine);
@@ -405,7 +398,7 @@ void test_a_current_too_small_for_the_board_is_refused_with_the_one_it_takes()
     }
 }
 
-void test_a_name_plate_with_the_current_that_is_said_is_not_refused_for_it()
+TEST(test_a_name_plate_with_the_current_that_is_said_is_not_refused_for_it)
 {
     const nf::Config config = nf::load_scenario("s1", {}, {"motor.continuous_current_a=0.235"});
     const Outcome outcome = measured(config);
@@ -414,7 +407,7 @@ void test_a_name_plate_with_the_current_that_is_said_is_not_refused_for_it()
 }
 
 // Motor A with its bus, and a name plate that asks for more than eight times of what that reaches.
-void test_a_bus_too_low_for_the_speed_is_refused()
+TEST(test_a_bus_too_low_for_the_speed_is_refused)
 {
     for (const char *const rpm : {"18000", "30000", "60000"}) {
         expect_refused("the bus voltage is too low to turn the motor at 1/8 of its highest speed",
@@ -426,7 +419,7 @@ void test_a_bus_too_low_for_the_speed_is_refused()
 }
 
 // Contacts that take half of the bus with the continuous current, more than it has for a phase beside the winding.
-void test_a_bus_too_low_for_the_current_is_refused()
+TEST(test_a_bus_too_low_for_the_current_is_refused)
 {
     for (const char *const machine : MACHINES) {
         const nf::Config real = nf::load_scenario(machine);
@@ -439,7 +432,7 @@ void test_a_bus_too_low_for_the_current_is_refused()
 }
 
 // A mean change from sample to sample of a tenth of the continuous current.
-void test_noise_as_large_as_the_current_is_refused()
+TEST(test_noise_as_large_as_the_current_is_refused)
 {
     for (const char *const machine : MACHINES) {
         const nf::Config config = nf::load_scenario(machine);
@@ -454,28 +447,3 @@ void test_noise_as_large_as_the_current_is_refused()
 }
 
 } // namespace
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_random_motors_are_measured_within_the_errors_that_are_asked_for);
-    RUN_TEST(test_the_shaft_turns_no_further_and_no_faster_than_was_said_before);
-    RUN_TEST(test_the_phase_currents_stay_below_the_largest_one_that_was_said);
-    RUN_TEST(test_an_open_phase_is_refused_by_its_name);
-    RUN_TEST(test_no_motor_at_all_is_refused);
-    RUN_TEST(test_two_exchanged_phases_are_refused_by_their_names);
-    RUN_TEST(test_three_exchanged_phases_and_a_reversed_sensor_are_refused);
-    RUN_TEST(test_a_winding_with_shorted_turns_is_refused_by_its_name);
-    RUN_TEST(test_a_bad_contact_is_refused_by_its_phase);
-    RUN_TEST(test_a_blocked_rotor_is_refused);
-    RUN_TEST(test_a_braked_rotor_is_refused);
-    RUN_TEST(test_a_rotor_that_its_load_turns_is_refused);
-    RUN_TEST(test_a_rotor_that_turns_already_is_refused);
-    RUN_TEST(test_a_fault_before_the_start_is_refused_at_once_with_its_name);
-    RUN_TEST(test_a_current_too_small_for_the_board_is_refused_with_the_one_it_takes);
-    RUN_TEST(test_a_name_plate_with_the_current_that_is_said_is_not_refused_for_it);
-    RUN_TEST(test_a_bus_too_low_for_the_speed_is_refused);
-    RUN_TEST(test_a_bus_too_low_for_the_current_is_refused);
-    RUN_TEST(test_noise_as_large_as_the_current_is_refused);
-    return UNITY_END();
-}

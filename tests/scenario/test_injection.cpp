@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "testing.h"
 #include <fmt/format.h>
-#include <unity.h>
 
 namespace
 {
@@ -84,7 +84,7 @@ struct Case {
 
 // What is seen at once is in the frame of its tick; what the plant has to turn into currents first is in
 // the next, or in one of the slow period's.
-void test_each_fault_changes_the_frame_and_none_before_it()
+TEST(test_each_fault_changes_the_frame_and_none_before_it)
 {
     const Case cases[] = {
         {"what = 'adc_a_stuck', value = 3", 0},
@@ -122,7 +122,7 @@ void test_each_fault_changes_the_frame_and_none_before_it()
     }
 }
 
-void test_a_channel_that_is_stuck_keeps_what_it_read_last_until_it_recovers()
+TEST(test_a_channel_that_is_stuck_keeps_what_it_read_last_until_it_recovers)
 {
     const std::vector<Row> rows = run_with("what = 'adc_a_stuck', until_s = 0.601");
     const uint16_t last = rows[AT - 1].in.adc_ia;
@@ -132,7 +132,7 @@ void test_a_channel_that_is_stuck_keeps_what_it_read_last_until_it_recovers()
     TEST_ASSERT_NOT_EQUAL_UINT16(last, rows[AT + 10].in.adc_ia);
 }
 
-void test_an_angle_sensor_that_is_stuck_keeps_its_count_and_one_that_slips_adds_to_it()
+TEST(test_an_angle_sensor_that_is_stuck_keeps_its_count_and_one_that_slips_adds_to_it)
 {
     const std::vector<Row> stuck = run_with("what = 'angle_stuck', until_s = 0.601");
     for (std::size_t k = AT; k < AT + 10; k++) {
@@ -147,7 +147,7 @@ void test_an_angle_sensor_that_is_stuck_keeps_its_count_and_one_that_slips_adds_
 }
 
 // 12 bits over ±20 A and 450 V.
-void test_a_value_in_si_is_what_an_ideal_sensor_reads()
+TEST(test_a_value_in_si_is_what_an_ideal_sensor_reads)
 {
     TEST_ASSERT_EQUAL_UINT16(2048 + 307, run_with("what = 'adc_a_stuck', value = 3")[AT].in.adc_ia);
     TEST_ASSERT_EQUAL_UINT16(2048 - 307,
@@ -158,7 +158,7 @@ void test_a_value_in_si_is_what_an_ideal_sensor_reads()
     TEST_ASSERT_EQUAL_UINT16(0, run_with("what = 'adc_b_low'")[AT].in.adc_ib);
 }
 
-void test_overcurrent_flows_in_at_a_and_out_at_b_for_one_tick()
+TEST(test_overcurrent_flows_in_at_a_and_out_at_b_for_one_tick)
 {
     const std::vector<Row> rows = run_with("what = 'overcurrent', value = 15");
     TEST_ASSERT_EQUAL_UINT16(2048 + 1536, rows[AT].in.adc_ia);
@@ -167,7 +167,7 @@ void test_overcurrent_flows_in_at_a_and_out_at_b_for_one_tick()
 }
 
 // A: what is left of 5 A by roundings.
-void test_an_open_phase_carries_no_current()
+TEST(test_an_open_phase_carries_no_current)
 {
     constexpr double NOTHING_A = 1e-9;
     const char *const faults[] = {"what = 'phase_a_open'", "what = 'phase_b_open'",
@@ -180,7 +180,7 @@ void test_an_open_phase_carries_no_current()
     }
 }
 
-void test_the_supply_jumps_and_comes_back()
+TEST(test_the_supply_jumps_and_comes_back)
 {
     const std::vector<Row> rows = run_with("what = 'bus_voltage', value = 250, until_s = 0.602");
     TEST_ASSERT_EQUAL_UINT16(2276, rows[AT].in.adc_bus); // 250 of 450 V
@@ -189,7 +189,7 @@ void test_the_supply_jumps_and_comes_back()
 }
 
 // The plant's sensor and the number that a limit is made of are one description.
-void test_the_temperature_reads_as_the_board_file_says()
+TEST(test_the_temperature_reads_as_the_board_file_says)
 {
     const Config config = nf::load_scenario("s2");
     const std::vector<Row> rows = run_with("what = 'temperature', value = 90");
@@ -200,7 +200,7 @@ void test_the_temperature_reads_as_the_board_file_says()
     TEST_ASSERT_EQUAL_UINT16(rows[AT].in.adc_temperature, rows.back().in.adc_temperature);
 }
 
-void test_a_blocked_rotor_stands_at_once_and_turns_again_when_released()
+TEST(test_a_blocked_rotor_stands_at_once_and_turns_again_when_released)
 {
     const std::vector<Row> rows = run_with("what = 'rotor_blocked', until_s = 0.605");
     TEST_ASSERT_TRUE(rows[AT - 1].truth.omega_mech_rad_s > 180);
@@ -210,7 +210,7 @@ void test_a_blocked_rotor_stands_at_once_and_turns_again_when_released()
     TEST_ASSERT_FALSE(rows[AT + 51].truth.omega_mech_rad_s == 0.0);
 }
 
-void test_the_rotor_jumps_by_the_angle()
+TEST(test_the_rotor_jumps_by_the_angle)
 {
     constexpr double DEG = 3.14159265358979323846 / 180.0;
     const std::vector<Row> rows = run_with("what = 'rotor_jump', value = 60");
@@ -218,7 +218,7 @@ void test_the_rotor_jumps_by_the_angle()
                               rows[AT].truth.theta_mech_rad - healthy()[AT].truth.theta_mech_rad);
 }
 
-void test_a_break_opens_the_gates_whatever_the_drive_wants_and_says_so()
+TEST(test_a_break_opens_the_gates_whatever_the_drive_wants_and_says_so)
 {
     const std::vector<Row> rows = run_with("what = 'break_input'");
     TEST_ASSERT_TRUE(rows[AT - 1].gates_on);
@@ -228,7 +228,7 @@ void test_a_break_opens_the_gates_whatever_the_drive_wants_and_says_so()
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, rows[AT].state);
 }
 
-void test_a_late_tick_leaves_a_rest_duty_and_the_next_frame_says_so()
+TEST(test_a_late_tick_leaves_a_rest_duty_and_the_next_frame_says_so)
 {
     const std::vector<Row> rows = run_with("what = 'late_isr'");
     const uint32_t rest = 170000000 / 10000 / 2 / 2;
@@ -240,7 +240,7 @@ void test_a_late_tick_leaves_a_rest_duty_and_the_next_frame_says_so()
     TEST_ASSERT_EQUAL_UINT16(0, rows[AT + 2].in.flags);
 }
 
-void test_late_ticks_may_last()
+TEST(test_late_ticks_may_last)
 {
     const std::vector<Row> rows = run_with("what = 'late_isr', until_s = 0.6005");
     for (std::size_t k = AT + 1; k <= AT + 5; k++) {
@@ -249,7 +249,7 @@ void test_late_ticks_may_last()
     TEST_ASSERT_EQUAL_UINT16(0, rows[AT + 6].in.flags);
 }
 
-void test_a_bit_of_the_configuration_flips()
+TEST(test_a_bit_of_the_configuration_flips)
 {
     const std::vector<Row> rows =
         run_with(fmt::format("what = 'config_corrupt', value = {}", CFG_BYTE));
@@ -257,7 +257,7 @@ void test_a_bit_of_the_configuration_flips()
     TEST_ASSERT_EQUAL_UINT8(rows[AT].cfg_byte, rows.back().cfg_byte);
 }
 
-void test_several_faults_add_and_each_ends_by_itself()
+TEST(test_several_faults_add_and_each_ends_by_itself)
 {
     const std::vector<Row> rows =
         run("s2", {"scenario.duration_s=0.7",
@@ -274,7 +274,7 @@ void test_several_faults_add_and_each_ends_by_itself()
 
 // Scenario s1 stands until 0.2 s; t = 0 is tick 500, calibration takes 257 ticks. A request is taken within a slow period,
 // 1 ms.
-void test_the_drive_is_started_stopped_cleared_and_started_again()
+TEST(test_the_drive_is_started_stopped_cleared_and_started_again)
 {
     const struct {
         double time_s;
@@ -301,7 +301,7 @@ void test_the_drive_is_started_stopped_cleared_and_started_again()
     }
 }
 
-void test_without_requests_the_drive_is_started_when_it_is_ready_and_stays_in_a_fault()
+TEST(test_without_requests_the_drive_is_started_when_it_is_ready_and_stays_in_a_fault)
 {
     const std::vector<Row> rows = run_with("what = 'break_input'");
     std::size_t ready = 0;
@@ -314,34 +314,3 @@ void test_without_requests_the_drive_is_started_when_it_is_ready_and_stays_in_a_
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_each_fault_changes_the_frame_and_none_before_it);
-    RUN_TEST(test_a_channel_that_is_stuck_keeps_what_it_read_last_until_it_recovers);
-    RUN_TEST(test_an_angle_sensor_that_is_stuck_keeps_its_count_and_one_that_slips_adds_to_it);
-    RUN_TEST(test_a_value_in_si_is_what_an_ideal_sensor_reads);
-    RUN_TEST(test_overcurrent_flows_in_at_a_and_out_at_b_for_one_tick);
-    RUN_TEST(test_an_open_phase_carries_no_current);
-    RUN_TEST(test_the_supply_jumps_and_comes_back);
-    RUN_TEST(test_the_temperature_reads_as_the_board_file_says);
-    RUN_TEST(test_a_blocked_rotor_stands_at_once_and_turns_again_when_released);
-    RUN_TEST(test_the_rotor_jumps_by_the_angle);
-    RUN_TEST(test_a_break_opens_the_gates_whatever_the_drive_wants_and_says_so);
-    RUN_TEST(test_a_late_tick_leaves_a_rest_duty_and_the_next_frame_says_so);
-    RUN_TEST(test_late_ticks_may_last);
-    RUN_TEST(test_a_bit_of_the_configuration_flips);
-    RUN_TEST(test_several_faults_add_and_each_ends_by_itself);
-    RUN_TEST(test_the_drive_is_started_stopped_cleared_and_started_again);
-    RUN_TEST(test_without_requests_the_drive_is_started_when_it_is_ready_and_stays_in_a_fault);
-    return UNITY_END();
-}

@@ -13,8 +13,8 @@ extern "C" {
 #include <string>
 #include <vector>
 
+#include "testing.h"
 #include <fmt/format.h>
-#include <unity.h>
 
 namespace
 {
@@ -163,22 +163,22 @@ void check_starts(const std::string &imperfection, double load_nm)
     TEST_ASSERT_TRUE(furthest_deg <= 180 + load_angle_deg(load_nm) + turned_before_deg(load_nm));
 }
 
-void test_starts_from_64_angles_within_a_second_and_half_a_turn_back_ideal()
+TEST(test_starts_from_64_angles_within_a_second_and_half_a_turn_back_ideal)
 {
     check_starts("ideal", 0);
 }
 
-void test_starts_from_64_angles_within_a_second_and_half_a_turn_and_the_load_angle_back_ideal()
+TEST(test_starts_from_64_angles_within_a_second_and_half_a_turn_and_the_load_angle_back_ideal)
 {
     check_starts("ideal", 3);
 }
 
-void test_starts_from_64_angles_within_a_second_and_half_a_turn_back_all()
+TEST(test_starts_from_64_angles_within_a_second_and_half_a_turn_back_all)
 {
     check_starts("all", 0);
 }
 
-void test_starts_from_64_angles_within_a_second_and_half_a_turn_and_the_load_angle_back_all()
+TEST(test_starts_from_64_angles_within_a_second_and_half_a_turn_and_the_load_angle_back_all)
 {
     check_starts("all", 3);
 }
@@ -209,7 +209,7 @@ void check_catch(const std::string &imperfection, double speed_rpm)
     }
 }
 
-void test_a_rotor_that_turns_is_caught_at_13_speeds()
+TEST(test_a_rotor_that_turns_is_caught_at_13_speeds)
 {
     for (const char *imperfection : {"ideal", "imp", "all"}) {
         for (int speed = -1800; speed <= 1800; speed += 300) {
@@ -246,7 +246,7 @@ void check_standstill(const std::string &imperfection, double load_nm, double li
     TEST_ASSERT_TRUE(std::abs(bench.angle_mech_deg() - middle_deg) < 0.2);
 }
 
-void test_standstill_for_a_minute_stays_within_2_degrees_and_12_under_3_nm()
+TEST(test_standstill_for_a_minute_stays_within_2_degrees_and_12_under_3_nm)
 {
     check_standstill("ideal", 0, 2);
     check_standstill("ideal", 3, 12);
@@ -283,7 +283,7 @@ void check_rated_torque(const std::string &imperfection, double speed_rpm, doubl
     TEST_ASSERT_TRUE(highest - lowest < 0.10 * std::abs(speed_rpm));
 }
 
-void test_rated_torque_is_carried_at_60_rpm_either_way()
+TEST(test_rated_torque_is_carried_at_60_rpm_either_way)
 {
     for (const char *imperfection : {"imp", "all"}) {
         check_rated_torque(imperfection, 60, 7.8);
@@ -323,7 +323,7 @@ void check_slow_run(double speed_rpm)
     TEST_ASSERT_TRUE_MESSAGE(angle_deg <= ANGLE_MAX_DEG, found.c_str());
 }
 
-void test_run_holds_2_percent_of_rated_speed_under_3_nm_for_two_minutes()
+TEST(test_run_holds_2_percent_of_rated_speed_under_3_nm_for_two_minutes)
 {
     for (const double speed_rpm : {36.0, -36.0, 54.0, 90.0}) {
         check_slow_run(speed_rpm);
@@ -331,7 +331,7 @@ void test_run_holds_2_percent_of_rated_speed_under_3_nm_for_two_minutes()
 }
 
 // Where the load ends, or turns round, an imposed current takes over and holds the rotor.
-void test_a_load_that_ends_at_2_percent_leaves_the_rotor_to_the_imposed_current()
+TEST(test_a_load_that_ends_at_2_percent_leaves_the_rotor_to_the_imposed_current)
 {
     for (const double then_nm : {0.0, -3.0}) {
         Bench bench(load("all", 30, 0));
@@ -352,7 +352,7 @@ void test_a_load_that_ends_at_2_percent_leaves_the_rotor_to_the_imposed_current(
 }
 
 // Without a load, whatever J is: to rest and back, the rotor is not lost.
-void test_an_unloaded_rotor_of_another_inertia_stops_and_turns_round()
+TEST(test_an_unloaded_rotor_of_another_inertia_stops_and_turns_round)
 {
     for (const char *scale : {"plant.inertia_scale=0.4", "plant.inertia_scale=4"}) {
         Bench bench(load("all", 30, 0, scale));
@@ -368,7 +368,7 @@ void test_an_unloaded_rotor_of_another_inertia_stops_and_turns_round()
 }
 
 // Down from speed: RUN is not left on the way, and comes back up.
-void test_run_follows_down_to_2_percent_and_up_again()
+TEST(test_run_follows_down_to_2_percent_and_up_again)
 {
     Bench bench(load("all", 30, 0));
     bench.sim.command_speed_rpm(600);
@@ -389,30 +389,3 @@ void test_run_follows_down_to_2_percent_and_up_again()
 }
 
 } // namespace
-
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_starts_from_64_angles_within_a_second_and_half_a_turn_back_ideal);
-    RUN_TEST(
-        test_starts_from_64_angles_within_a_second_and_half_a_turn_and_the_load_angle_back_ideal);
-    RUN_TEST(test_starts_from_64_angles_within_a_second_and_half_a_turn_back_all);
-    RUN_TEST(
-        test_starts_from_64_angles_within_a_second_and_half_a_turn_and_the_load_angle_back_all);
-    RUN_TEST(test_a_rotor_that_turns_is_caught_at_13_speeds);
-    RUN_TEST(test_standstill_for_a_minute_stays_within_2_degrees_and_12_under_3_nm);
-    RUN_TEST(test_run_holds_2_percent_of_rated_speed_under_3_nm_for_two_minutes);
-    RUN_TEST(test_a_load_that_ends_at_2_percent_leaves_the_rotor_to_the_imposed_current);
-    RUN_TEST(test_an_unloaded_rotor_of_another_inertia_stops_and_turns_round);
-    RUN_TEST(test_run_follows_down_to_2_percent_and_up_again);
-    RUN_TEST(test_rated_torque_is_carried_at_60_rpm_either_way);
-    return UNITY_END();
-}

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-#include <unity.h>
+#include "testing.h"
 
 namespace
 {
@@ -49,7 +49,7 @@ void check(double expected, const std::optional<double> &value)
     check_within(EXACT, expected, value);
 }
 
-void test_estimation_errors()
+TEST(test_estimation_errors)
 {
     Metrics metrics(DriveMode::speed, PERIOD_S, RATED_RPM, RATED_A);
     run(metrics, 100, [](int k) {
@@ -69,7 +69,7 @@ void test_estimation_errors()
     TEST_ASSERT_TRUE(m.locked);
 }
 
-void test_lock_is_lost_at_90_degrees()
+TEST(test_lock_is_lost_at_90_degrees)
 {
     Metrics metrics(DriveMode::speed, PERIOD_S, RATED_RPM, RATED_A);
     run(metrics, 10, [](int k) {
@@ -92,7 +92,7 @@ bool locked_with_speed_error(double share, double seconds)
 }
 
 // An error of share e reaches a mean square of (5 %)² after −0.1 s·ln(1 − (5 %/e)²), whatever its sign.
-void test_lock_is_lost_with_a_speed_error_that_lasts()
+TEST(test_lock_is_lost_with_a_speed_error_that_lasts)
 {
     const double loses_s = -nf::LOST_MEAN_S * std::log(1.0 - 0.25); // 10 %: 28.8 ms
     TEST_ASSERT_TRUE(locked_with_speed_error(0.10, loses_s - PERIOD_S));
@@ -118,7 +118,7 @@ MetricValues with_error_of_command(double share, double seconds)
 }
 
 // Its mean square begins with the settled window and reaches (25 %)² after −0.1 s·ln(1 − (25 %/e)²).
-void test_lock_is_lost_with_a_speed_error_that_is_large_for_the_command()
+TEST(test_lock_is_lost_with_a_speed_error_that_is_large_for_the_command)
 {
     const double loses_s = nf::SETTLED_AFTER_S - nf::LOST_MEAN_S * std::log(1.0 - 0.25);
     TEST_ASSERT_TRUE(with_error_of_command(0.5, loses_s - PERIOD_S).locked);
@@ -143,7 +143,7 @@ MetricValues with_angle_error(double degrees, bool closed_loop, double seconds)
 }
 
 // 60° for −0.1 s·ln(1 − (30/60)²). An imposed current holds a load at any angle below 90°.
-void test_lock_is_lost_with_an_angle_error_that_lasts_in_closed_loop()
+TEST(test_lock_is_lost_with_an_angle_error_that_lasts_in_closed_loop)
 {
     const double loses_s = -nf::LOST_MEAN_S * std::log(1.0 - 0.25);
     TEST_ASSERT_TRUE(with_angle_error(60, true, loses_s - PERIOD_S).locked);
@@ -153,7 +153,7 @@ void test_lock_is_lost_with_an_angle_error_that_lasts_in_closed_loop()
     TEST_ASSERT_TRUE(with_angle_error(60, false, 10.0).locked);
 }
 
-void test_closed_loop_begins_its_mean_anew()
+TEST(test_closed_loop_begins_its_mean_anew)
 {
     Metrics metrics(DriveMode::speed, PERIOD_S, RATED_RPM, RATED_A);
     run(metrics, 1000, [](int k) {
@@ -165,7 +165,7 @@ void test_closed_loop_begins_its_mean_anew()
     TEST_ASSERT_TRUE(metrics.finish().locked);
 }
 
-void test_speed_errors_of_command_and_load_steps_are_told_apart()
+TEST(test_speed_errors_of_command_and_load_steps_are_told_apart)
 {
     const auto with_error = [](double error) {
         return [error](int k) {
@@ -206,7 +206,7 @@ MetricValues with_swing(double speed_rpm, double current_a, bool moving, double 
     return metrics.finish();
 }
 
-void test_a_swing_of_speed_or_current_is_a_limit_cycle()
+TEST(test_a_swing_of_speed_or_current_is_a_limit_cycle)
 {
     constexpr double top = 0.0005;
     const MetricValues both = with_swing(100, 5, false);
@@ -224,7 +224,7 @@ void test_a_swing_of_speed_or_current_is_a_limit_cycle()
 }
 
 // With three turns in the settled part a swing at order 2.8 lies two periods and more from the orders 2 and 6.
-void test_a_ripple_that_the_rotor_forces_is_no_limit_cycle()
+TEST(test_a_ripple_that_the_rotor_forces_is_no_limit_cycle)
 {
     constexpr double top = 0.0005;
     const MetricValues m = with_swing(100, 5, false, 5); // of order 2
@@ -240,12 +240,12 @@ void test_a_ripple_that_the_rotor_forces_is_no_limit_cycle()
 }
 
 // Where the reference moves the speed has to change.
-void test_a_limit_cycle_needs_a_constant_command()
+TEST(test_a_limit_cycle_needs_a_constant_command)
 {
     TEST_ASSERT_FALSE(with_swing(100, 5, true).limit_cycle);
 }
 
-void test_lock_is_lost_when_the_drive_stops()
+TEST(test_lock_is_lost_when_the_drive_stops)
 {
     Metrics metrics(DriveMode::speed, PERIOD_S, RATED_RPM, RATED_A);
     run(metrics, 10, [](int k) {
@@ -256,7 +256,7 @@ void test_lock_is_lost_when_the_drive_stops()
     TEST_ASSERT_FALSE(metrics.finish().locked);
 }
 
-void test_nothing_applies_without_steps_and_time()
+TEST(test_nothing_applies_without_steps_and_time)
 {
     Metrics metrics(DriveMode::speed, PERIOD_S, RATED_RPM, RATED_A);
     run(metrics, 10, [](int) { return perfect(0); });
@@ -270,13 +270,13 @@ void test_nothing_applies_without_steps_and_time()
     TEST_ASSERT_FALSE(m.position_error_final_rad.has_value());
 }
 
-void test_no_ticks_are_not_locked()
+TEST(test_no_ticks_are_not_locked)
 {
     TEST_ASSERT_FALSE(Metrics(DriveMode::speed, PERIOD_S, RATED_RPM, RATED_A).finish().locked);
 }
 
 // First-order answer to a step of 1000: within 2 % (20) after τ·ln 50, no overshoot.
-void test_settling_time_of_a_first_order_lag()
+TEST(test_settling_time_of_a_first_order_lag)
 {
     constexpr double TAU_S = 0.05;
     Metrics metrics(DriveMode::speed, PERIOD_S, RATED_RPM, RATED_A);
@@ -291,7 +291,7 @@ void test_settling_time_of_a_first_order_lag()
 }
 
 // Downwards, the overshoot is below the command; of two steps the worse one counts.
-void test_overshoot_of_the_worst_step()
+TEST(test_overshoot_of_the_worst_step)
 {
     Metrics metrics(DriveMode::speed, PERIOD_S, RATED_RPM, RATED_A);
     metrics.command_step(100);
@@ -303,7 +303,7 @@ void test_overshoot_of_the_worst_step()
     check(11 * PERIOD_S, m.settling_time_s);
 }
 
-void test_a_step_that_does_not_settle_has_no_settling_time()
+TEST(test_a_step_that_does_not_settle_has_no_settling_time)
 {
     Metrics metrics(DriveMode::speed, PERIOD_S, RATED_RPM, RATED_A);
     metrics.command_step(100);
@@ -313,7 +313,7 @@ void test_a_step_that_does_not_settle_has_no_settling_time()
     TEST_ASSERT_FALSE(metrics.finish().settling_time_s.has_value());
 }
 
-void test_dip_and_recovery()
+TEST(test_dip_and_recovery)
 {
     constexpr double BAND_RPM = nf::RECOVERY_BAND * RATED_RPM;
     Metrics metrics(DriveMode::speed, PERIOD_S, RATED_RPM, RATED_A);
@@ -329,7 +329,7 @@ void test_dip_and_recovery()
     TEST_ASSERT_FALSE(m.settling_time_s.has_value());
 }
 
-void test_a_load_step_with_a_command_step_has_no_dip()
+TEST(test_a_load_step_with_a_command_step_has_no_dip)
 {
     Metrics metrics(DriveMode::speed, PERIOD_S, RATED_RPM, RATED_A);
     metrics.command_step(1000);
@@ -341,7 +341,7 @@ void test_a_load_step_with_a_command_step_has_no_dip()
 }
 
 // 150 ticks after the step, or after the reference has stopped moving, and not before.
-void test_settled_window_begins_after_the_ramp()
+TEST(test_settled_window_begins_after_the_ramp)
 {
     Metrics metrics(DriveMode::speed, PERIOD_S, RATED_RPM, RATED_A);
     metrics.command_step(1000);
@@ -356,14 +356,14 @@ void test_settled_window_begins_after_the_ramp()
     check((75 * 0.5 - 76 * 0.1) / 151, m.id_settled_a);
 }
 
-void test_settled_error_at_standstill_is_of_rated_speed()
+TEST(test_settled_error_at_standstill_is_of_rated_speed)
 {
     Metrics metrics(DriveMode::speed, PERIOD_S, RATED_RPM, RATED_A);
     run(metrics, 200, [](int) { return perfect(-10); });
     check(0.5, metrics.finish().command_error_settled_pct);
 }
 
-void test_id_settled_is_the_worst_window()
+TEST(test_id_settled_is_the_worst_window)
 {
     Metrics metrics(DriveMode::speed, PERIOD_S, RATED_RPM, RATED_A);
     for (const double i_d : {0.1, -0.4, 0.2}) {
@@ -377,7 +377,7 @@ void test_id_settled_is_the_worst_window()
     check(0.4, metrics.finish().id_settled_a);
 }
 
-void test_final_position_error_is_taken_at_the_end_of_each_command()
+TEST(test_final_position_error_is_taken_at_the_end_of_each_command)
 {
     Metrics metrics(DriveMode::position, PERIOD_S, RATED_RPM, RATED_A);
     run(metrics, 50, [](int) { return perfect(0.01); });
@@ -392,39 +392,3 @@ void test_final_position_error_is_taken_at_the_end_of_each_command()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_estimation_errors);
-    RUN_TEST(test_lock_is_lost_at_90_degrees);
-    RUN_TEST(test_lock_is_lost_with_a_speed_error_that_lasts);
-    RUN_TEST(test_lock_is_lost_with_a_speed_error_that_is_large_for_the_command);
-    RUN_TEST(test_lock_is_lost_with_an_angle_error_that_lasts_in_closed_loop);
-    RUN_TEST(test_closed_loop_begins_its_mean_anew);
-    RUN_TEST(test_speed_errors_of_command_and_load_steps_are_told_apart);
-    RUN_TEST(test_a_swing_of_speed_or_current_is_a_limit_cycle);
-    RUN_TEST(test_a_ripple_that_the_rotor_forces_is_no_limit_cycle);
-    RUN_TEST(test_a_limit_cycle_needs_a_constant_command);
-    RUN_TEST(test_lock_is_lost_when_the_drive_stops);
-    RUN_TEST(test_nothing_applies_without_steps_and_time);
-    RUN_TEST(test_no_ticks_are_not_locked);
-    RUN_TEST(test_settling_time_of_a_first_order_lag);
-    RUN_TEST(test_overshoot_of_the_worst_step);
-    RUN_TEST(test_a_step_that_does_not_settle_has_no_settling_time);
-    RUN_TEST(test_dip_and_recovery);
-    RUN_TEST(test_a_load_step_with_a_command_step_has_no_dip);
-    RUN_TEST(test_settled_window_begins_after_the_ramp);
-    RUN_TEST(test_settled_error_at_standstill_is_of_rated_speed);
-    RUN_TEST(test_id_settled_is_the_worst_window);
-    RUN_TEST(test_final_position_error_is_taken_at_the_end_of_each_command);
-    return UNITY_END();
-}

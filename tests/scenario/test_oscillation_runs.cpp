@@ -10,8 +10,8 @@ extern "C" {
 #include <string>
 #include <vector>
 
+#include "testing.h"
 #include <fmt/format.h>
-#include <unity.h>
 
 namespace
 {
@@ -56,7 +56,7 @@ void assert_ends_in_oscillation(const nf::RunResult &result, const char *what)
 }
 
 // Without the supervision it runs on for ever.
-void test_an_elastic_shaft_that_swings_is_a_fault()
+TEST(test_an_elastic_shaft_that_swings_is_a_fault)
 {
     const nf::RunResult unwatched = run("any", {}, STIFF_LOAD + OFF);
     TEST_ASSERT_TRUE(unwatched.metrics.limit_cycle);
@@ -92,7 +92,7 @@ private:
 
 // The frequency that a person is told is that of the swing's 40 half-waves. Each of their ends is on a grid of 1 ms, and they
 // take 3 ms and more.
-void test_the_frequency_is_that_of_the_swing()
+TEST(test_the_frequency_is_that_of_the_swing)
 {
     constexpr std::size_t HALVES = 40;
     Passages truth;
@@ -106,7 +106,7 @@ void test_the_frequency_is_that_of_the_swing()
 }
 
 // What is left after the first half of the run is calm, with the same load step in it.
-void test_half_the_bandwidth_ends_the_swing_of_an_elastic_shaft()
+TEST(test_half_the_bandwidth_ends_the_swing_of_an_elastic_shaft)
 {
     const Words late = SOFT_LOAD + Words{"scenario.evaluate_from_s=1.2"};
     TEST_ASSERT_TRUE(run("any", {}, late + OFF).metrics.limit_cycle);
@@ -117,7 +117,7 @@ void test_half_the_bandwidth_ends_the_swing_of_an_elastic_shaft()
     TEST_ASSERT_TRUE(lowered.metrics.locked);
 }
 
-void test_half_the_bandwidth_ends_the_swing_of_a_speed_loop_that_is_too_fast()
+TEST(test_half_the_bandwidth_ends_the_swing_of_a_speed_loop_that_is_too_fast)
 {
     const Words fast = {"observer.kappa=0.015", "observer.kappa_p=0.3", // twice the lag of the rule
                         "speed_loop.bandwidth_hz=54", "scenario.evaluate_from_s=1.2"};
@@ -129,7 +129,7 @@ void test_half_the_bandwidth_ends_the_swing_of_a_speed_loop_that_is_too_fast()
 }
 
 // The slower loop does not help here, and the second swing is the fault.
-void test_what_half_the_bandwidth_does_not_end_is_a_fault()
+TEST(test_what_half_the_bandwidth_does_not_end_is_a_fault)
 {
     for (const char *motor : {"motor_a", "motor_b"}) {
         const nf::RunResult result =
@@ -140,7 +140,7 @@ void test_what_half_the_bandwidth_does_not_end_is_a_fault()
 }
 
 // The law as published swings with an inverter that has dead time.
-void test_a_swing_of_the_observer_is_a_fault()
+TEST(test_a_swing_of_the_observer_is_a_fault)
 {
     assert_ends_in_oscillation(run("s1", {"deadtime"}, FAULT), "s1 deadtime");
 }
@@ -159,7 +159,7 @@ public:
 
 // What holds its rotor counts to less than half of the 10 half-waves: steps of command and load, ramps, reversals,
 // positions, cogging, harmonics, noise, dead time, a wrong model.
-void test_healthy_drives_do_not_come_near()
+TEST(test_healthy_drives_do_not_come_near)
 {
     struct Case {
         const char *scenario;
@@ -200,24 +200,3 @@ void test_healthy_drives_do_not_come_near()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_an_elastic_shaft_that_swings_is_a_fault);
-    RUN_TEST(test_the_frequency_is_that_of_the_swing);
-    RUN_TEST(test_half_the_bandwidth_ends_the_swing_of_an_elastic_shaft);
-    RUN_TEST(test_half_the_bandwidth_ends_the_swing_of_a_speed_loop_that_is_too_fast);
-    RUN_TEST(test_what_half_the_bandwidth_does_not_end_is_a_fault);
-    RUN_TEST(test_a_swing_of_the_observer_is_a_fault);
-    RUN_TEST(test_healthy_drives_do_not_come_near);
-    return UNITY_END();
-}

@@ -11,8 +11,8 @@ extern "C" {
 #include <string>
 #include <vector>
 
+#include "testing.h"
 #include <fmt/format.h>
-#include <unity.h>
 
 namespace
 {
@@ -43,7 +43,7 @@ nf::RunResult run(const std::string &scenario, const std::vector<std::string> &w
 }
 
 // A broken wire or sensor may show by what it does to currents and observer before it has been compared for long enough.
-void test_each_injected_fault_is_found_in_its_time()
+TEST(test_each_injected_fault_is_found_in_its_time)
 {
     // A turn and a half that counts; an observer that is losing its angle counts some twice or not at all.
     const Case cases[] = {
@@ -84,7 +84,7 @@ void test_each_injected_fault_is_found_in_its_time()
 }
 
 // The robust tuning holds the rotor with each of the sets, and is never stopped.
-void test_the_robust_drive_keeps_its_rotor_without_a_fault()
+TEST(test_the_robust_drive_keeps_its_rotor_without_a_fault)
 {
     for (const char *scenario : {"s1_robust", "s2_robust", "s3_robust"}) {
         for (const char *with : {"ideal", "adc", "hot", "deadtime", "saturated", "imp", "all"}) {
@@ -97,7 +97,7 @@ void test_the_robust_drive_keeps_its_rotor_without_a_fault()
 }
 
 // Full reversals at the largest torque, with noise: a ramp of 10000 rpm/s, load steps of rated torque.
-void test_hard_but_allowed_use_has_no_fault()
+TEST(test_hard_but_allowed_use_has_no_fault)
 {
     const nf::RunResult reversals = run(
         "s1_robust", {"adc"},
@@ -114,7 +114,7 @@ void test_hard_but_allowed_use_has_no_fault()
 }
 
 // What braking gives back charges a capacitor that no rectifier discharges: it has to end below the limit.
-void test_braking_into_a_capacitor_stays_below_the_highest_bus()
+TEST(test_braking_into_a_capacitor_stays_below_the_highest_bus)
 {
     const nf::RunResult result =
         run("s1_robust", {},
@@ -150,7 +150,7 @@ private:
 };
 
 // Stopped under load and started again in the next tick, with 9 A in the windings.
-void test_a_search_for_a_turning_rotor_begins_without_current()
+TEST(test_a_search_for_a_turning_rotor_begins_without_current)
 {
     // A quarter of 5 % of 10 A, and a count of the converter's rounding.
     constexpr double QUIET_A = 0.125 + 20.0 / 2048;
@@ -212,7 +212,7 @@ nf::RunResult drive_on(const Driven &one, bool torque, double sign)
     return run(torque ? "s_torque" : "any", {}, set);
 }
 
-void test_an_overhauling_load_is_named_overspeed()
+TEST(test_an_overhauling_load_is_named_overspeed)
 {
     for (const Driven &one : DRIVEN) {
         for (const bool torque : {false, true}) {
@@ -267,7 +267,7 @@ void expect_at_start(const TooFast &one, fault_id_t expected)
     }
 }
 
-void test_a_rotor_driven_too_fast_at_a_start_is_named_overspeed()
+TEST(test_a_rotor_driven_too_fast_at_a_start_is_named_overspeed)
 {
     for (const TooFast &one : TOO_FAST) {
         expect_at_start(one, FAULT_OVERSPEED);
@@ -276,32 +276,10 @@ void test_a_rotor_driven_too_fast_at_a_start_is_named_overspeed()
 
 // Between 1.25, where the estimate ends, and 1.35: nothing conducts, and the weakened field keeps the current in control. The estimate
 // is at its limit for 12 ms, before the 20 ms of OVERSPEED are over.
-void test_a_rotor_caught_beyond_the_observers_limit_is_stopped()
+TEST(test_a_rotor_caught_beyond_the_observers_limit_is_stopped)
 {
     expect_at_start({{"motor_b", "bench_310v", "any", 0, "observer"}, 1.3},
                     FAULT_SPEED_IMPLAUSIBLE);
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_each_injected_fault_is_found_in_its_time);
-    RUN_TEST(test_the_robust_drive_keeps_its_rotor_without_a_fault);
-    RUN_TEST(test_hard_but_allowed_use_has_no_fault);
-    RUN_TEST(test_a_search_for_a_turning_rotor_begins_without_current);
-    RUN_TEST(test_braking_into_a_capacitor_stays_below_the_highest_bus);
-    RUN_TEST(test_an_overhauling_load_is_named_overspeed);
-    RUN_TEST(test_a_rotor_driven_too_fast_at_a_start_is_named_overspeed);
-    RUN_TEST(test_a_rotor_caught_beyond_the_observers_limit_is_stopped);
-    return UNITY_END();
-}

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <functional>
 
-#include <unity.h>
+#include "testing.h"
 
 namespace
 {
@@ -75,7 +75,7 @@ double height(const std::vector<double> &values)
     return *high - *low;
 }
 
-void test_what_repeats_with_the_angle_is_ripple()
+TEST(test_what_repeats_with_the_angle_is_ripple)
 {
     for (const int order : {2, 6, 12}) {
         const auto split = split_of([order](double share) {
@@ -87,7 +87,7 @@ void test_what_repeats_with_the_angle_is_ripple()
     }
 }
 
-void test_so_is_it_backwards_and_on_a_signal_that_settles()
+TEST(test_so_is_it_backwards_and_on_a_signal_that_settles)
 {
     const auto settles = [](double share) { return 100 + 5 * share - 4 * share * share; };
     const auto split = split_of(
@@ -98,7 +98,7 @@ void test_so_is_it_backwards_and_on_a_signal_that_settles()
 
 // Orders 3.6 and 9 lie 5 and 10 periods in all from the nearest order of the rotor: what of them leaks into it goes with the inverse
 // of these.
-void test_a_swing_of_its_own_frequency_is_left()
+TEST(test_a_swing_of_its_own_frequency_is_left)
 {
     constexpr double LEAK = 1 / (PI * 0.4 * TURNS);
     for (const double order : {3.6, 9.0}) {
@@ -108,7 +108,7 @@ void test_a_swing_of_its_own_frequency_is_left()
     }
 }
 
-void test_beside_a_ripple_a_swing_of_its_own_is_left()
+TEST(test_beside_a_ripple_a_swing_of_its_own_is_left)
 {
     constexpr double TURNS_LONG = 20;
     const auto split = split_of(
@@ -124,7 +124,7 @@ void test_beside_a_ripple_a_swing_of_its_own_is_left()
     TEST_ASSERT_DOUBLE_WITHIN(4 * LEAK, 6, height(split.rest));
 }
 
-void test_less_than_two_turns_tell_nothing_apart()
+TEST(test_less_than_two_turns_tell_nothing_apart)
 {
     const auto ripple = [](double turns) {
         return [turns](double share) { return std::sin(6 * uneven(share, turns)); };
@@ -136,7 +136,7 @@ void test_less_than_two_turns_tell_nothing_apart()
 }
 
 // With 18 samples in a turn order 12 looks like order 6: it is left out, and the samples from another speed keep what they are.
-void test_an_order_that_the_samples_do_not_show_adds_nothing()
+TEST(test_an_order_that_the_samples_do_not_show_adds_nothing)
 {
     nf::Ripple ripple;
     const auto signal = [](double angle) { return 2 * std::sin(6 * angle); };
@@ -149,7 +149,7 @@ void test_an_order_that_the_samples_do_not_show_adds_nothing()
 }
 
 // A jump at its beginning turns no ripple up, and is left.
-void test_only_the_settled_part_is_fitted()
+TEST(test_only_the_settled_part_is_fitted)
 {
     constexpr std::size_t BEGINNING = TICKS / 5;
     const auto split = split_of(
@@ -163,7 +163,7 @@ void test_only_the_settled_part_is_fitted()
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0, split.rest.back());
 }
 
-void test_nothing_and_what_has_not_settled_is_left_as_it_is()
+TEST(test_nothing_and_what_has_not_settled_is_left_as_it_is)
 {
     nf::Ripple ripple;
     TEST_ASSERT_EQUAL_size_t(0, split_of(ripple, 0).rest.size());
@@ -174,25 +174,3 @@ void test_nothing_and_what_has_not_settled_is_left_as_it_is()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_what_repeats_with_the_angle_is_ripple);
-    RUN_TEST(test_so_is_it_backwards_and_on_a_signal_that_settles);
-    RUN_TEST(test_a_swing_of_its_own_frequency_is_left);
-    RUN_TEST(test_beside_a_ripple_a_swing_of_its_own_is_left);
-    RUN_TEST(test_less_than_two_turns_tell_nothing_apart);
-    RUN_TEST(test_an_order_that_the_samples_do_not_show_adds_nothing);
-    RUN_TEST(test_only_the_settled_part_is_fitted);
-    RUN_TEST(test_nothing_and_what_has_not_settled_is_left_as_it_is);
-    return UNITY_END();
-}

@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "testing.h"
 #include <fmt/format.h>
-#include <unity.h>
 
 namespace
 {
@@ -108,7 +108,7 @@ constexpr double SHORT_TIME_S = 0.1; // 5 of L/R
 constexpr double BUS_SHARE_LEAST = 0.75;
 
 // Whatever current flows, and whatever the bus between its lowest and its nominal voltage.
-void test_up_to_the_safe_speed_open_gates_leave_the_bus_within_its_limit()
+TEST(test_up_to_the_safe_speed_open_gates_leave_the_bus_within_its_limit)
 {
     for (const char *capacitance : {"150e-6", "680e-6", "2e-3"}) {
         const nf::Config config =
@@ -139,7 +139,7 @@ void test_up_to_the_safe_speed_open_gates_leave_the_bus_within_its_limit()
 }
 
 // What a break does at the highest speed of a motor that weakens its field: the bound of docs/protection.md.
-void test_a_break_charges_the_bus_to_the_emf_and_its_overshoot()
+TEST(test_a_break_charges_the_bus_to_the_emf_and_its_overshoot)
 {
     const nf::Config config = configured(COMPRESSOR);
     const double speed = nf::rad_s_from_rpm(COMPRESSOR.load_rpm) * config.motor.pole_pairs;
@@ -164,7 +164,7 @@ void test_a_break_charges_the_bus_to_the_emf_and_its_overshoot()
 // one.
 constexpr double PEAK_SHARE_LEAST = 0.75;
 
-void test_the_peak_of_the_short_circuit_current_is_within_the_computed_one()
+TEST(test_the_peak_of_the_short_circuit_current_is_within_the_computed_one)
 {
     const nf::Config config = configured(COMPRESSOR);
     const double safe = nf::safe_open_speed(config.motor, config.board);
@@ -196,7 +196,7 @@ void test_the_peak_of_the_short_circuit_current_is_within_the_computed_one()
 constexpr double STEADY_TOLERANCE =
     0.002; // the plant's integration, and what has not decayed after 0.5 s
 
-void test_the_short_circuit_current_in_the_end_is_the_computed_one()
+TEST(test_the_short_circuit_current_in_the_end_is_the_computed_one)
 {
     const nf::Config config = configured(COMPRESSOR);
     for (const double rpm : {200.0, 1000.0, 4000.0, COMPRESSOR.load_rpm}) {
@@ -515,7 +515,7 @@ void run_table(const Machine &machine)
     }
 }
 
-void test_no_fault_at_any_speed_overcharges_the_bus_or_exceeds_the_trip_current()
+TEST(test_no_fault_at_any_speed_overcharges_the_bus_or_exceeds_the_trip_current)
 {
     for (const Machine &machine : {COMPRESSOR, MOTOR_A}) {
         fmt::print("{}:\n", machine.motor);
@@ -533,7 +533,7 @@ double highest_open_rpm()
 
 // The same load without the short circuit, and the highest speed that the drive is given then: what the load does beyond it
 // overcharges the bus.
-void test_with_open_gates_the_same_load_overcharges_the_bus()
+TEST(test_with_open_gates_the_same_load_overcharges_the_bus)
 {
     Ride ride(COMPRESSOR, {"board.safe_state=open", "board.bus_capacitance_f=0",
                            fmt::format("motor.max_speed_rpm={:.0f}", highest_open_rpm())});
@@ -545,7 +545,7 @@ void test_with_open_gates_the_same_load_overcharges_the_bus()
 }
 
 // There the drive acts closest to what the bus bears.
-void test_with_a_large_capacitor_dead_sensors_do_not_overcharge_it_either()
+TEST(test_with_a_large_capacitor_dead_sensors_do_not_overcharge_it_either)
 {
     for (const Machine &machine : {COMPRESSOR, MOTOR_A}) {
         for (const char *capacitance : {"2e-3", "5e-3"}) {
@@ -563,7 +563,7 @@ void test_with_a_large_capacitor_dead_sensors_do_not_overcharge_it_either()
 }
 
 // Nothing else in the drive sees the bus: what the board then needs is in docs/protection.md.
-void test_a_bus_sensor_that_stands_still_lets_a_brake_overcharge_the_bus()
+TEST(test_a_bus_sensor_that_stands_still_lets_a_brake_overcharge_the_bus)
 {
     for (const Machine &machine : {COMPRESSOR, MOTOR_A}) {
         Ride ride(machine);
@@ -578,7 +578,6 @@ void test_a_bus_sensor_that_stands_still_lets_a_brake_overcharge_the_bus()
 }
 
 // Strikes at random instants of the ramp, with random loads.
-int random_strikes = 40; // of each machine
 
 void strike_at_random(const Machine &machine, std::mt19937 &random)
 {
@@ -598,39 +597,14 @@ void strike_at_random(const Machine &machine, std::mt19937 &random)
     assert_survived(machine, ride, strike, told(ride, strike, rpm, load_rpm));
 }
 
-void test_random_faults_are_survived()
+TEST(test_random_faults_are_survived)
 {
+    const unsigned strikes_of_each = testing_runs(20, 250);
     std::mt19937 random(7);
-    for (int k = 0; k < random_strikes; k++) {
+    for (unsigned k = 0; k < strikes_of_each; k++) {
         strike_at_random(COMPRESSOR, random);
         strike_at_random(MOTOR_A, random);
     }
 }
 
 } // namespace
-
-void setUp()
-{
-}
-void tearDown()
-{
-}
-
-// test_safe_state_runs [RANDOM-FAULTS-OF-EACH-MACHINE]
-int main(int argc, char **argv)
-{
-    if (argc > 1) {
-        random_strikes = std::stoi(argv[1]);
-    }
-    UNITY_BEGIN();
-    RUN_TEST(test_up_to_the_safe_speed_open_gates_leave_the_bus_within_its_limit);
-    RUN_TEST(test_a_break_charges_the_bus_to_the_emf_and_its_overshoot);
-    RUN_TEST(test_the_peak_of_the_short_circuit_current_is_within_the_computed_one);
-    RUN_TEST(test_the_short_circuit_current_in_the_end_is_the_computed_one);
-    RUN_TEST(test_no_fault_at_any_speed_overcharges_the_bus_or_exceeds_the_trip_current);
-    RUN_TEST(test_with_open_gates_the_same_load_overcharges_the_bus);
-    RUN_TEST(test_with_a_large_capacitor_dead_sensors_do_not_overcharge_it_either);
-    RUN_TEST(test_a_bus_sensor_that_stands_still_lets_a_brake_overcharge_the_bus);
-    RUN_TEST(test_random_faults_are_survived);
-    return UNITY_END();
-}

@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include <unity.h>
+#include "testing.h"
 
 namespace
 {
@@ -67,7 +67,7 @@ template <typename Set> void check_ends(Signal signal, int32_t end, Set set)
     TEST_ASSERT_EQUAL_UINT64(1, hits(frame, signal));
 }
 
-void test_calm_drive_has_none()
+TEST(test_calm_drive_has_none)
 {
     const Frame frame = calm();
     for (std::size_t k = 0; k < nf::SIGNAL_COUNT; k++) {
@@ -76,13 +76,13 @@ void test_calm_drive_has_none()
     }
 }
 
-void test_measured_currents()
+TEST(test_measured_currents)
 {
     check_ends(Signal::phase_a, 16383, [](Frame &f, int32_t x) { f.drive.signals.phase_a = x; });
     check_ends(Signal::phase_b, 16383, [](Frame &f, int32_t x) { f.drive.signals.phase_b = x; });
 }
 
-void test_network()
+TEST(test_network)
 {
     check_ends(Signal::network_alpha, 134217727,
                [](Frame &f, int32_t x) { f.drive.observer.alpha_q27 = x; });
@@ -99,7 +99,7 @@ void test_network()
 }
 
 // Saturation to n bits ends one lower on the negative side.
-void test_most_negative_values()
+TEST(test_most_negative_values)
 {
     Frame frame = calm();
     frame.drive.signals.phase_a = -16384;
@@ -120,7 +120,7 @@ void test_most_negative_values()
 }
 
 // 400000 steps in a tick, no end of ω̂.
-void test_inner_speed_has_no_end()
+TEST(test_inner_speed_has_no_end)
 {
     Frame frame = calm();
     frame.drive.observer.speed_out = 4 * SPEED_LIMIT;
@@ -129,7 +129,7 @@ void test_inner_speed_has_no_end()
     TEST_ASSERT_EQUAL_UINT64(0, saturations.internal_count());
 }
 
-void test_integrals_saturate_at_one()
+TEST(test_integrals_saturate_at_one)
 {
     check_ends(Signal::integral_d, 67108863,
                [](Frame &f, int32_t x) { f.drive.current_loop.pi_d.integral_q26 = x; });
@@ -139,7 +139,7 @@ void test_integrals_saturate_at_one()
                [](Frame &f, int32_t x) { f.drive.speed_loop.pi.integral_q26 = x; });
 }
 
-void test_largest_ratio_of_either_axis()
+TEST(test_largest_ratio_of_either_axis)
 {
     check_ends(Signal::ratio, 18000,
                [](Frame &f, int32_t x) { f.drive.signals.ratio_ab.alpha = x; });
@@ -147,7 +147,7 @@ void test_largest_ratio_of_either_axis()
                [](Frame &f, int32_t x) { f.drive.signals.ratio_ab.beta = x; });
 }
 
-void test_limits_are_not_internal()
+TEST(test_limits_are_not_internal)
 {
     Frame frame = calm();
     frame.drive.signals.current_ref.q = -CURRENT_MAX;
@@ -162,7 +162,7 @@ void test_limits_are_not_internal()
 }
 
 // v_d = 7200 leaves 9600 of a circle of 12000.
-void test_voltage_circle()
+TEST(test_voltage_circle)
 {
     Frame frame = calm();
     frame.drive.signals.voltage = {7200, 9599};
@@ -171,7 +171,7 @@ void test_voltage_circle()
     TEST_ASSERT_EQUAL_UINT64(1, hits(frame, Signal::voltage));
 }
 
-void test_internal_count_adds_up()
+TEST(test_internal_count_adds_up)
 {
     Frame frame = calm();
     frame.drive.signals.phase_a = 16383;
@@ -182,7 +182,7 @@ void test_internal_count_adds_up()
     TEST_ASSERT_EQUAL_UINT64(4, saturations.internal_count());
 }
 
-void test_position_lag_counts_in_position_mode_only()
+TEST(test_position_lag_counts_in_position_mode_only)
 {
     Frame frame = calm();
     frame.drive.position_loop.profile_q32 = int64_t{1} << 40;
@@ -192,28 +192,3 @@ void test_position_lag_counts_in_position_mode_only()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_calm_drive_has_none);
-    RUN_TEST(test_measured_currents);
-    RUN_TEST(test_network);
-    RUN_TEST(test_most_negative_values);
-    RUN_TEST(test_inner_speed_has_no_end);
-    RUN_TEST(test_integrals_saturate_at_one);
-    RUN_TEST(test_largest_ratio_of_either_axis);
-    RUN_TEST(test_limits_are_not_internal);
-    RUN_TEST(test_voltage_circle);
-    RUN_TEST(test_internal_count_adds_up);
-    RUN_TEST(test_position_lag_counts_in_position_mode_only);
-    return UNITY_END();
-}

@@ -11,8 +11,8 @@
 #include <cmath>
 #include <vector>
 
+#include "testing.h"
 #include <fmt/format.h>
-#include <unity.h>
 
 namespace
 {
@@ -25,7 +25,7 @@ Config load(const std::vector<std::string> &set = {})
 }
 
 // Gates and compare values as the plant sees them after the control interrupt.
-void test_compare_values_are_preloaded_and_gates_are_not()
+TEST(test_compare_values_are_preloaded_and_gates_are_not)
 {
     const nf::Simulation sim(load());
     drive_out_t out{};
@@ -44,7 +44,7 @@ void test_compare_values_are_preloaded_and_gates_are_not()
     TEST_ASSERT_FALSE(plant.gates_on);
 }
 
-void test_drive_reaches_run_on_request_only()
+TEST(test_drive_reaches_run_on_request_only)
 {
     const Config config = load();
     nf::Simulation sim(config);
@@ -68,7 +68,7 @@ void test_drive_reaches_run_on_request_only()
     TEST_ASSERT_TRUE(sim.plant().gates_on);
 }
 
-void test_plant_scales_apply_to_the_plant_alone()
+TEST(test_plant_scales_apply_to_the_plant_alone)
 {
     const Config config = load({"plant.resistance_scale=1.5", "plant.flux_scale=0.9"});
     const drive_cfg_t drive = nf::build(config);
@@ -81,7 +81,7 @@ void test_plant_scales_apply_to_the_plant_alone()
 }
 
 // Free, both masses swing at the resonance; with the rotor held the load swings at the antiresonance, half of it with 1 : 3.
-void test_an_elastic_shaft_has_the_resonance_and_the_inertias_of_its_keys()
+TEST(test_an_elastic_shaft_has_the_resonance_and_the_inertias_of_its_keys)
 {
     const Config config = load({"plant.shaft_resonance_hz=80", "plant.load_inertia_ratio=3",
                                 "plant.shaft_damping_pct=4", "plant.inertia_scale=2"});
@@ -96,7 +96,7 @@ void test_an_elastic_shaft_has_the_resonance_and_the_inertias_of_its_keys()
     TEST_ASSERT_EQUAL_DOUBLE(0.04, motor.shaft_damping_nm_s * both / (2 * w));
 }
 
-void test_without_a_resonance_the_shaft_is_rigid()
+TEST(test_without_a_resonance_the_shaft_is_rigid)
 {
     const Config config = load({"plant.load_inertia_ratio=3"});
     const plant_motor_cfg_t motor = nf::make_plant_cfg(config, nf::build(config)).motor;
@@ -116,7 +116,7 @@ std::string refusal_of(const std::vector<std::string> &set)
 }
 
 // Half of 155 V for six times 2 µs on 11.6 mH, 1000 steps of 0.5: 1.6·10⁻⁴ A, of which the next 5 % are not offered.
-void test_a_knee_that_cannot_be_followed_is_refused_with_what_can()
+TEST(test_a_knee_that_cannot_be_followed_is_refused_with_what_can)
 {
     const std::string refusal =
         refusal_of({"plant.dead_time_s=2e-6", "plant.commutation_knee_a=1e-5"});
@@ -129,7 +129,7 @@ void test_a_knee_that_cannot_be_followed_is_refused_with_what_can()
 }
 
 // g_d = 0.3/(0.49·3.7), g_q = 0.5/0.125; 0.9/√(g_d·g_q·L_d/L_q) with a q axis of half the inductance.
-void test_cross_saturation_that_has_no_inverse_is_refused_with_what_has()
+TEST(test_cross_saturation_that_has_no_inverse_is_refused_with_what_has)
 {
     std::vector<std::string> set = {"plant.saliency_scale=0.5", "plant.saturation_d_pct=30",
                                     "plant.saturation_q_pct=50", "plant.saturation_cross_pct=79"};
@@ -141,7 +141,7 @@ void test_cross_saturation_that_has_no_inverse_is_refused_with_what_has()
     TEST_ASSERT_EQUAL_STRING("", refusal_of(set).c_str());
 }
 
-void test_profile_acts_at_the_nearest_tick()
+TEST(test_profile_acts_at_the_nearest_tick)
 {
     nf::Profile profile({{-0.01, 5}, {0.0, 5}, {0.0101, 7}}, 1e-3, 20);
     std::vector<int64_t> changes;
@@ -157,7 +157,7 @@ void test_profile_acts_at_the_nearest_tick()
 }
 
 // A rotor at 90° electrical against an estimate of 100°, and across the ends of the turn.
-void test_angle_error_wraps()
+TEST(test_angle_error_wraps)
 {
     constexpr double DEG = 3.14159265358979323846 / 180.0;
     constexpr int64_t TURN = int64_t{1} << 32;
@@ -181,7 +181,7 @@ public:
     double largest_nm = 0;
 };
 
-void test_load_scale_applies_to_every_torque_of_the_load()
+TEST(test_load_scale_applies_to_every_torque_of_the_load)
 {
     Config config = load({"scenario.load_scale=0.5", "scenario.duration_s=0.05"});
     config.scenario.load = {{0.01, 2.0}, {0.02, 3.0}};
@@ -193,14 +193,14 @@ void test_load_scale_applies_to_every_torque_of_the_load()
 }
 
 // The first evaluated tick of a scenario that does not say how long its prelude is.
-void test_the_drive_runs_from_t_0_on()
+TEST(test_the_drive_runs_from_t_0_on)
 {
     const Config config = load({"scenario.prelude_s=0"});
     TEST_ASSERT_TRUE(nf::run_scenario(config).metrics.locked);
 }
 
 // By the board's line of its sensor: 0 to 4096 counts are -50 to 150 °C here.
-void test_a_fault_of_temperature_is_said_in_degrees()
+TEST(test_a_fault_of_temperature_is_said_in_degrees)
 {
     const Config config = load({"board.temperature_points_c=[-50, 150]"});
     const nf::FoundFault fault = {{FAULT_OVERTEMPERATURE, 3174, 3072, 0}, {}};
@@ -210,7 +210,7 @@ void test_a_fault_of_temperature_is_said_in_degrees()
 }
 
 // 10 half-waves in 25 slow periods of 1 ms; of another fault a swing before it is not said.
-void test_a_fault_of_a_swing_is_said_with_amplitude_and_frequency()
+TEST(test_a_fault_of_a_swing_is_said_with_amplitude_and_frequency)
 {
     const Config config = load();
     const nf::Bases bases = nf::make_bases(config.motor, config.board);
@@ -229,7 +229,7 @@ void test_a_fault_of_a_swing_is_said_with_amplitude_and_frequency()
 }
 
 // Opening the measuring range's protection: the fault is named with its tick, and lock is lost.
-void test_faults_are_listed()
+TEST(test_faults_are_listed)
 {
     const Config config = load({"plant.bus_ripple_pct=40"});
     const nf::RunResult result = nf::run_scenario(config);
@@ -245,7 +245,7 @@ void test_faults_are_listed()
 }
 
 // Of a fault that strikes at a time of the scenario and is found in its tick, before t = 0 as well.
-void test_a_fault_has_the_time_that_the_scenario_gives_it()
+TEST(test_a_fault_has_the_time_that_the_scenario_gives_it)
 {
     constexpr double TICK_S = 1e-4;
     for (const double time_s : {-0.012, 0.3}) {
@@ -260,7 +260,7 @@ void test_a_fault_has_the_time_that_the_scenario_gives_it()
     }
 }
 
-void test_limits_name_what_does_not_hold()
+TEST(test_limits_name_what_does_not_hold)
 {
     Config config = load();
     config.scenario.accept["ideal"] = {{{"angle_error_max_deg", 0.001}, {"speed_dip_rpm", 10}},
@@ -280,33 +280,3 @@ void test_limits_name_what_does_not_hold()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_compare_values_are_preloaded_and_gates_are_not);
-    RUN_TEST(test_drive_reaches_run_on_request_only);
-    RUN_TEST(test_plant_scales_apply_to_the_plant_alone);
-    RUN_TEST(test_an_elastic_shaft_has_the_resonance_and_the_inertias_of_its_keys);
-    RUN_TEST(test_without_a_resonance_the_shaft_is_rigid);
-    RUN_TEST(test_a_knee_that_cannot_be_followed_is_refused_with_what_can);
-    RUN_TEST(test_cross_saturation_that_has_no_inverse_is_refused_with_what_has);
-    RUN_TEST(test_profile_acts_at_the_nearest_tick);
-    RUN_TEST(test_angle_error_wraps);
-    RUN_TEST(test_load_scale_applies_to_every_torque_of_the_load);
-    RUN_TEST(test_the_drive_runs_from_t_0_on);
-    RUN_TEST(test_a_fault_of_temperature_is_said_in_degrees);
-    RUN_TEST(test_a_fault_of_a_swing_is_said_with_amplitude_and_frequency);
-    RUN_TEST(test_faults_are_listed);
-    RUN_TEST(test_a_fault_has_the_time_that_the_scenario_gives_it);
-    RUN_TEST(test_limits_name_what_does_not_hold);
-    return UNITY_END();
-}

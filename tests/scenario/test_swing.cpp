@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-#include <unity.h>
+#include "testing.h"
 
 namespace
 {
@@ -51,26 +51,26 @@ Signal damped(double zeta)
     };
 }
 
-void test_a_swing_has_its_amplitude_and_frequency()
+TEST(test_a_swing_has_its_amplitude_and_frequency)
 {
     check(3, HZ, found_in([](double t) { return 100 + 3 * sine(t); }));
 }
 
-void test_what_stays_below_the_least_is_none()
+TEST(test_what_stays_below_the_least_is_none)
 {
     TEST_ASSERT_TRUE(found_in([](double t) { return 1.01 * sine(t); }).has_value());
     TEST_ASSERT_FALSE(found_in([](double t) { return 0.99 * sine(t); }).has_value());
 }
 
 // ln 2 = 6πζ/√(1−ζ²) at ζ = 0.0367.
-void test_a_swing_that_is_damped_dies_out()
+TEST(test_a_swing_that_is_damped_dies_out)
 {
     TEST_ASSERT_TRUE(found_in(damped(0.0360)).has_value());
     TEST_ASSERT_FALSE(found_in(damped(0.0375)).has_value());
     TEST_ASSERT_TRUE(found_in(damped(-0.02)).has_value());
 }
 
-void test_three_periods_are_needed_after_the_first_half_swing()
+TEST(test_three_periods_are_needed_after_the_first_half_swing)
 {
     const auto swing = [](double t) { return 3 * std::cos(2 * PI * HZ * t); };
     // From the first turning point after the start, at half a period, seven half-swings; and the way back that shows
@@ -81,7 +81,7 @@ void test_three_periods_are_needed_after_the_first_half_swing()
     TEST_ASSERT_TRUE(found_in(swing, last + 1).has_value());
 }
 
-void test_steps_ramps_and_noise_are_none()
+TEST(test_steps_ramps_and_noise_are_none)
 {
     TEST_ASSERT_FALSE(found_in([](double t) { return t < 0.5 ? 0.0 : 1000.0; }).has_value());
     TEST_ASSERT_FALSE(found_in([](double t) { return 1e4 * t + 0.9 * sine(t); }).has_value());
@@ -90,7 +90,7 @@ void test_steps_ramps_and_noise_are_none()
 }
 
 // It neither hides a swing nor makes one more of it: the extremes are off by no more than the noise.
-void test_noise_on_a_swing_changes_it_by_no_more_than_the_noise()
+TEST(test_noise_on_a_swing_changes_it_by_no_more_than_the_noise)
 {
     constexpr double noise = 0.5;
     const auto found = found_in(
@@ -99,7 +99,7 @@ void test_noise_on_a_swing_changes_it_by_no_more_than_the_noise()
     TEST_ASSERT_DOUBLE_WITHIN(noise, 5, found->amplitude);
 }
 
-void test_new_conditions_begin_anew()
+TEST(test_new_conditions_begin_anew)
 {
     nf::SwingFinder finder(LEAST, PERIOD_S);
     for (int k = 0; k < SECOND; k++) {
@@ -111,31 +111,9 @@ void test_new_conditions_begin_anew()
     TEST_ASSERT_FALSE(finder.largest().has_value());
 }
 
-void test_the_largest_is_kept()
+TEST(test_the_largest_is_kept)
 {
     check(4, HZ, found_in([](double t) { return (t > 1 && t < 2 ? 4 : 3) * sine(t); }, 3 * SECOND));
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_swing_has_its_amplitude_and_frequency);
-    RUN_TEST(test_what_stays_below_the_least_is_none);
-    RUN_TEST(test_a_swing_that_is_damped_dies_out);
-    RUN_TEST(test_three_periods_are_needed_after_the_first_half_swing);
-    RUN_TEST(test_steps_ramps_and_noise_are_none);
-    RUN_TEST(test_noise_on_a_swing_changes_it_by_no_more_than_the_noise);
-    RUN_TEST(test_new_conditions_begin_anew);
-    RUN_TEST(test_the_largest_is_kept);
-    return UNITY_END();
-}

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "testing.h"
 #include <fmt/format.h>
-#include <unity.h>
 
 namespace
 {
@@ -87,7 +87,7 @@ double named_hz(const Words &set)
 
 // Steel: 1 to 2 % of damping. The drive swings at its own bandwidth, and with the notch at what the fault names it does
 // not; nor with the resonance 7 % lower or a tenth higher than that of the day when the notch was set.
-void test_a_notch_at_the_frequency_that_the_fault_names_ends_the_swing()
+TEST(test_a_notch_at_the_frequency_that_the_fault_names_ends_the_swing)
 {
     for (const Shaft &shaft : {Shaft{200, 1, 1}, Shaft{200, 1, 2}, Shaft{250, 1, 2}}) {
         const double hz = named_hz(RIGID + words_of(shaft));
@@ -104,7 +104,7 @@ void test_a_notch_at_the_frequency_that_the_fault_names_ends_the_swing()
 
 // Where the loop's own lag is a quarter of a turn it swings above the resonance. The notch there moves the swing to the
 // resonance, and the second fault names that.
-void test_below_that_the_second_fault_names_the_resonance()
+TEST(test_below_that_the_second_fault_names_the_resonance)
 {
     const Words shaft = RIGID + words_of({110, 1, 2});
     const double first_hz = named_hz(shaft);
@@ -116,7 +116,7 @@ void test_below_that_the_second_fault_names_the_resonance()
 }
 
 // A notch would have to know the frequency, and from half of the loop's rate on it does not reach it.
-void test_a_low_pass_ends_the_swing_of_a_stiff_shaft()
+TEST(test_a_low_pass_ends_the_swing_of_a_stiff_shaft)
 {
     const struct {
         Shaft shaft;
@@ -136,7 +136,7 @@ void test_a_low_pass_ends_the_swing_of_a_stiff_shaft()
 }
 
 // The phase margin that nfconfig tells is 0 from the bandwidth on at which the drive swings, within a tenth.
-void test_the_speed_loop_swings_from_where_on_its_margin_is_none()
+TEST(test_the_speed_loop_swings_from_where_on_its_margin_is_none)
 {
     for (const Words &filter :
          {Words{}, Words{"speed_loop.notch_hz=120"}, Words{"speed_loop.notch_hz=60"},
@@ -158,21 +158,3 @@ void test_the_speed_loop_swings_from_where_on_its_margin_is_none()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_notch_at_the_frequency_that_the_fault_names_ends_the_swing);
-    RUN_TEST(test_below_that_the_second_fault_names_the_resonance);
-    RUN_TEST(test_a_low_pass_ends_the_swing_of_a_stiff_shaft);
-    RUN_TEST(test_the_speed_loop_swings_from_where_on_its_margin_is_none);
-    return UNITY_END();
-}

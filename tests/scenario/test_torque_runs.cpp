@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "testing.h"
 #include <fmt/format.h>
-#include <unity.h>
 
 namespace
 {
@@ -61,7 +61,7 @@ double off_pct(const Words &sets, double speed, double torque, const Words &more
     return off;
 }
 
-void test_the_torque_is_what_was_asked_for_at_each_speed()
+TEST(test_the_torque_is_what_was_asked_for_at_each_speed)
 {
     for (const double torque : {0.5, -0.5, 0.9}) {
         for (const double speed : {0.1, 0.5, 1.0}) {
@@ -72,7 +72,7 @@ void test_the_torque_is_what_was_asked_for_at_each_speed()
 }
 
 // Without a sensor the angle is not known there: the torque is that of the imposed vector, what the load takes.
-void test_with_a_sensor_the_torque_is_what_was_asked_for_at_standstill()
+TEST(test_with_a_sensor_the_torque_is_what_was_asked_for_at_standstill)
 {
     const Words sensor = {"drive.angle_source=sensor"};
     for (const double torque : {0.5, -0.5}) {
@@ -116,7 +116,7 @@ constexpr Machine MACHINES[] = {MOTOR_A,
                                 {"odrive_d5065", "b_g431b_esc1", "any"},
                                 {"teknic_m2310p", "frdm_mc_lvpmsm", "any"}};
 
-void test_at_an_end_of_the_window_the_rotor_comes_to_rest()
+TEST(test_at_an_end_of_the_window_the_rotor_comes_to_rest)
 {
     for (const Machine &machine : MACHINES) {
         land(machine, 1, 0.8);
@@ -127,7 +127,7 @@ void test_at_an_end_of_the_window_the_rotor_comes_to_rest()
 // ---- the start-up
 
 // Each state once on the way, none twice: it does not come and go at a border.
-void test_a_torque_goes_through_the_start_up_and_back_to_a_standstill()
+TEST(test_a_torque_goes_through_the_start_up_and_back_to_a_standstill)
 {
     for (const Machine &machine : MACHINES) {
         Bench bench(machine, {}, {});
@@ -169,7 +169,7 @@ void test_a_torque_goes_through_the_start_up_and_back_to_a_standstill()
 }
 
 // A load above the torque slows the rotor down to the lowest speed of RUN, and does not turn it back.
-void test_a_load_above_the_torque_ends_at_the_lowest_speed()
+TEST(test_a_load_above_the_torque_ends_at_the_lowest_speed)
 {
     Bench bench(MOTOR_A, {}, {});
     bench.ask_torque(0.5);
@@ -259,7 +259,7 @@ Changes change_at_random(const Machine &machine, const Words &sets, unsigned see
     return found;
 }
 
-void test_the_mode_may_change_at_any_time()
+TEST(test_the_mode_may_change_at_any_time)
 {
     for (const Machine &machine : MACHINES) {
         for (const unsigned seed : {1U, 2U, 3U}) {
@@ -273,7 +273,7 @@ void test_the_mode_may_change_at_any_time()
 }
 
 // The speed of a voltage drive takes longer to settle, and only then there is one.
-void test_the_mode_may_change_at_any_time_with_a_voltage_drive()
+TEST(test_the_mode_may_change_at_any_time_with_a_voltage_drive)
 {
     constexpr Machine BY_VOLTAGE = {"motor_a", "bench_310v", "voltage_phase"};
     int of_voltage_drive = 0;
@@ -289,7 +289,7 @@ void test_the_mode_may_change_at_any_time_with_a_voltage_drive()
     TEST_ASSERT_TRUE(of_voltage_drive > 3);
 }
 
-void test_the_mode_may_change_at_any_time_on_real_hardware()
+TEST(test_the_mode_may_change_at_any_time_on_real_hardware)
 {
     for (const unsigned seed : {11U, 12U, 13U}) {
         const Changes found = change_at_random(MOTOR_A, {"all"}, seed, 20);
@@ -302,25 +302,3 @@ void test_the_mode_may_change_at_any_time_on_real_hardware()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_the_torque_is_what_was_asked_for_at_each_speed);
-    RUN_TEST(test_with_a_sensor_the_torque_is_what_was_asked_for_at_standstill);
-    RUN_TEST(test_at_an_end_of_the_window_the_rotor_comes_to_rest);
-    RUN_TEST(test_a_torque_goes_through_the_start_up_and_back_to_a_standstill);
-    RUN_TEST(test_a_load_above_the_torque_ends_at_the_lowest_speed);
-    RUN_TEST(test_the_mode_may_change_at_any_time);
-    RUN_TEST(test_the_mode_may_change_at_any_time_with_a_voltage_drive);
-    RUN_TEST(test_the_mode_may_change_at_any_time_on_real_hardware);
-    return UNITY_END();
-}

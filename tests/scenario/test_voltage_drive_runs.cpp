@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include <unity.h>
+#include "testing.h"
 
 namespace
 {
@@ -127,7 +127,7 @@ double ideal_lead_deg(const Outcome &one)
 
 // 0.3° are asked for. The drive's own share of it: no i_d to within an LSB of the converter, 10 mA, turns the lead by
 // ω·L_d·10 mA/U = 0.02°.
-void the_lead_is_that_of_no_i_d()
+TEST(the_lead_is_that_of_no_i_d)
 {
     constexpr double LEAD_DEG = 0.3;
     for (const char *scenario : {"s4", "s5"}) {
@@ -182,7 +182,7 @@ private:
 };
 
 // Motor B has MTPA, which is off here: no i_d in the drive's frame to within a count of the converter, 10 mA of 2.67 A.
-void under_current_control_the_angle_of_the_true_current_is_the_error_of_the_frame()
+TEST(under_current_control_the_angle_of_the_true_current_is_the_error_of_the_frame)
 {
     constexpr double COUNT_DEG = 0.01 / 2.67 * DEG;
     for (const double offset_deg : {-2.0, 0.0, 2.0}) {
@@ -203,7 +203,7 @@ void under_current_control_the_angle_of_the_true_current_is_the_error_of_the_fra
 
 // What the paper is about. Without i_d a torque takes T/(1.5·P·φ); a lead that the limit keeps short costs what docs/voltage_drive.md
 // lists.
-void without_enough_lead_the_same_torque_takes_more_current()
+TEST(without_enough_lead_the_same_torque_takes_more_current)
 {
     const double without_i_d = LOAD_NM / (1.5 * 2 * 0.375);
     const Outcome compensated = run("s4", {});
@@ -217,7 +217,7 @@ void without_enough_lead_the_same_torque_takes_more_current()
 }
 
 // Without gain the lead stays that of no load: 3 N·m would take ω·L_q·i_q/R = 39 A of i_d. Current control has it before.
-void without_compensation_current_control_takes_the_load_before_it_runs_away()
+TEST(without_compensation_current_control_takes_the_load_before_it_runs_away)
 {
     const Outcome one = run("s4", {}, {"phase_compensator.gain=0"});
     TEST_ASSERT_TRUE(one.result.faults.empty());
@@ -226,7 +226,7 @@ void without_compensation_current_control_takes_the_load_before_it_runs_away()
 }
 
 // Least currents, and a voltage that is lost in the legs: with a sensor the drive goes without regulators only under load.
-void with_dead_time_the_load_is_carried_without_regulators_and_without_i_d()
+TEST(with_dead_time_the_load_is_carried_without_regulators_and_without_i_d)
 {
     constexpr double NO_I_D_A = 0.05;
     for (const char *set : {"deadtime", "imp", "all"}) {
@@ -244,7 +244,7 @@ struct Noise {
 
 // What is asked of S5 in these sets, whatever the noise. Without a sensor a voltage that is lost in the legs is a turn of the
 // rotor to the observer.
-void with_dead_time_and_without_a_sensor_the_voltage_drive_holds_with_any_noise()
+TEST(with_dead_time_and_without_a_sensor_the_voltage_drive_holds_with_any_noise)
 {
     constexpr double SPEED_PCT = 2.0;
     constexpr double ANGLE_DEG = 1.5;
@@ -269,7 +269,7 @@ void with_dead_time_and_without_a_sensor_the_voltage_drive_holds_with_any_noise(
 }
 
 // Without it the currents' own mode grows on what the compensation does not know of the dead time.
-void without_the_virtual_resistance_dead_time_takes_the_angle()
+TEST(without_the_virtual_resistance_dead_time_takes_the_angle)
 {
     constexpr double SPEED_PCT = 5.0;
     constexpr double ANGLE_DEG = 1.5;
@@ -280,7 +280,7 @@ void without_the_virtual_resistance_dead_time_takes_the_angle()
 }
 
 // brake_max is reached at about half of this; what would follow is a rotor that its load accelerates.
-void a_load_that_drives_is_braked_by_current_control()
+TEST(a_load_that_drives_is_braked_by_current_control)
 {
     for (const char *scenario : {"s4", "s5"}) {
         const Outcome one = run(scenario, {}, {"scenario.load_scale=-1"});
@@ -291,7 +291,7 @@ void a_load_that_drives_is_braked_by_current_control()
     }
 }
 
-void a_reversal_under_load_passes_through_braking()
+TEST(a_reversal_under_load_passes_through_braking)
 {
     for (const char *scenario : {"s4", "s5"}) {
         const Outcome one =
@@ -305,7 +305,7 @@ void a_reversal_under_load_passes_through_braking()
 }
 
 // A catch ends in a transient of the current control, which is no point to go on from without it.
-void a_caught_rotor_settles_before_the_change()
+TEST(a_caught_rotor_settles_before_the_change)
 {
     for (const char *rpm : {"-1200", "-300", "300", "600", "1200"}) {
         const Outcome one =
@@ -315,7 +315,7 @@ void a_caught_rotor_settles_before_the_change()
     }
 }
 
-void a_drive_without_sensor_starts_as_ever_and_changes_over()
+TEST(a_drive_without_sensor_starts_as_ever_and_changes_over)
 {
     const Outcome one = run("s5", {});
     for (const drive_state_t state : {DRIVE_STATE_FLYING_START, DRIVE_STATE_ALIGN, DRIVE_STATE_HOLD,
@@ -325,7 +325,7 @@ void a_drive_without_sensor_starts_as_ever_and_changes_over()
     TEST_ASSERT_TRUE(one.settled.without_regulators());
 }
 
-void a_drive_with_sensor_needs_no_start()
+TEST(a_drive_with_sensor_needs_no_start)
 {
     const Outcome one = run("s4", {}, {"scenario.initial_angle_el_deg=170"});
     for (const drive_state_t state : {DRIVE_STATE_FLYING_START, DRIVE_STATE_ALIGN, DRIVE_STATE_HOLD,
@@ -336,7 +336,7 @@ void a_drive_with_sensor_needs_no_start()
 }
 
 // With the EMF fed forward what flows is what one period without voltage leaves, e·T/L = 0.7 A.
-void a_turning_rotor_is_taken_over_as_it_turns()
+TEST(a_turning_rotor_is_taken_over_as_it_turns)
 {
     for (const char *rpm : {"-900", "900"}) {
         const Outcome one =
@@ -350,7 +350,7 @@ void a_turning_rotor_is_taken_over_as_it_turns()
 }
 
 // Down through the hand-back to standstill, and up again the other way.
-void a_reversal_passes_through_current_control_and_back()
+TEST(a_reversal_passes_through_current_control_and_back)
 {
     const Outcome one = run("s5", {"adc"},
                             {"scenario.command=[{time_s=-2.9, speed_rpm=1200}, {time_s=-1, "
@@ -362,7 +362,7 @@ void a_reversal_passes_through_current_control_and_back()
 }
 
 // A position cannot be held by a voltage: it is the current control's, on the sensor's angle.
-void a_position_is_held_by_current_control()
+TEST(a_position_is_held_by_current_control)
 {
     const Outcome one =
         run("s3", {"adc"},
@@ -374,32 +374,3 @@ void a_position_is_held_by_current_control()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(the_lead_is_that_of_no_i_d);
-    RUN_TEST(under_current_control_the_angle_of_the_true_current_is_the_error_of_the_frame);
-    RUN_TEST(without_enough_lead_the_same_torque_takes_more_current);
-    RUN_TEST(without_compensation_current_control_takes_the_load_before_it_runs_away);
-    RUN_TEST(with_dead_time_the_load_is_carried_without_regulators_and_without_i_d);
-    RUN_TEST(with_dead_time_and_without_a_sensor_the_voltage_drive_holds_with_any_noise);
-    RUN_TEST(without_the_virtual_resistance_dead_time_takes_the_angle);
-    RUN_TEST(a_load_that_drives_is_braked_by_current_control);
-    RUN_TEST(a_reversal_under_load_passes_through_braking);
-    RUN_TEST(a_caught_rotor_settles_before_the_change);
-    RUN_TEST(a_drive_without_sensor_starts_as_ever_and_changes_over);
-    RUN_TEST(a_drive_with_sensor_needs_no_start);
-    RUN_TEST(a_turning_rotor_is_taken_over_as_it_turns);
-    RUN_TEST(a_reversal_passes_through_current_control_and_back);
-    RUN_TEST(a_position_is_held_by_current_control);
-    return UNITY_END();
-}

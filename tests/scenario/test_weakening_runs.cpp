@@ -2,6 +2,7 @@
 // Beyond base speed, in whole runs: the torque against the largest that current and voltage allow, the torque of a current against the
 // largest there is, and a speed that only a weakened field reaches.
 #include "run_bench.h"
+#include "testing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -94,7 +95,7 @@ void follow_the_curve(const Machine &machine, double sign)
     TEST_ASSERT_TRUE_MESSAGE(next >= top, machine.motor);
 }
 
-void test_the_largest_torque_is_that_of_current_and_voltage_at_every_speed()
+TEST(test_the_largest_torque_is_that_of_current_and_voltage_at_every_speed)
 {
     for (const Machine &machine : MACHINES) {
         follow_the_curve(machine, 1);
@@ -111,7 +112,7 @@ double most_torque_nm(const nf::MotorSettings &m, double current)
     return envelope_nm(m, 0, HUGE_VAL, current);
 }
 
-void test_the_salient_motors_have_the_largest_torque_of_their_current()
+TEST(test_the_salient_motors_have_the_largest_torque_of_their_current)
 {
     for (const Machine &machine : {MACHINES[1], MACHINES[2]}) {
         for (const double torque : {0.5, -0.5, 1.0, 1.3}) {
@@ -190,7 +191,7 @@ void run_beyond_base(const Machine &machine, const Words &sets, const Words &bus
     TEST_ASSERT_TRUE_MESSAGE(bus_v < bench.config.board.bus_max_v, what.c_str());
 }
 
-void test_a_weakened_field_holds_a_speed_that_the_emf_forbids()
+TEST(test_a_weakened_field_holds_a_speed_that_the_emf_forbids)
 {
     for (const Words &sets : {Words{}, Words{"all"}, Words{"imp"}}) {
         run_beyond_base(MACHINES[0], sets, CAPACITOR, 2600, 3, ANGLE_MOST_DEG);
@@ -200,20 +201,3 @@ void test_a_weakened_field_holds_a_speed_that_the_emf_forbids()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_the_largest_torque_is_that_of_current_and_voltage_at_every_speed);
-    RUN_TEST(test_the_salient_motors_have_the_largest_torque_of_their_current);
-    RUN_TEST(test_a_weakened_field_holds_a_speed_that_the_emf_forbids);
-    return UNITY_END();
-}

@@ -4,19 +4,11 @@
  */
 #include "drive_words.h"
 #include "recording.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <string.h>
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
-static void test_header_bytes(void)
+TEST(test_header_bytes)
 {
     const uint8_t expected[RECORDING_HEADER_BYTES] = {'N',  'F',  'F',  'R',  4U, 0U, 18U, 0U,
                                                       0x44, 0x33, 0x22, 0x11, 5U, 0U, 0U,  0U};
@@ -33,7 +25,7 @@ static void test_header_bytes(void)
     TEST_ASSERT_NULL(recording_refuse(&back, 0x11223344U));
 }
 
-static void test_header_is_refused(void)
+TEST(test_header_is_refused)
 {
     const recording_header_t good = recording_header(RECORDING_FRAMES, 7U, 1U);
     recording_header_t bad = recording_header(RECORDING_RESULTS, 7U, 1U);
@@ -48,7 +40,7 @@ static void test_header_is_refused(void)
     TEST_ASSERT_NOT_NULL(recording_refuse(&good, 8U));
 }
 
-static void test_frame_bytes(void)
+TEST(test_frame_bytes)
 {
     const drive_in_t in = {0x0201U, 0x0403U, 0x0605U, 0x0C0BU, {-2, 0x0FU, 0x10U},
                            0x0807U, 0x0A09U};
@@ -67,7 +59,7 @@ static void test_frame_bytes(void)
     TEST_ASSERT_EQUAL_INT32(-2, back.command.target);
 }
 
-static void test_result_bytes(void)
+TEST(test_result_bytes)
 {
     const drive_out_t out = {{{0x0201U, 0x0403U, 0x0605U}}, true};
     const drive_t drive = {.state = DRIVE_STATE_RUN};
@@ -82,7 +74,7 @@ static void test_result_bytes(void)
     }
 }
 
-static void test_config_hash_sees_every_byte(void)
+TEST(test_config_hash_sees_every_byte)
 {
     drive_cfg_t cfg;
     uint8_t bytes[sizeof(cfg)] = {0};
@@ -96,15 +88,4 @@ static void test_config_hash_sees_every_byte(void)
         TEST_ASSERT_NOT_EQUAL(hash, recording_config_hash(&cfg));
         bytes[k] = 0U;
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_header_bytes);
-    RUN_TEST(test_header_is_refused);
-    RUN_TEST(test_frame_bytes);
-    RUN_TEST(test_result_bytes);
-    RUN_TEST(test_config_hash_sees_every_byte);
-    return UNITY_END();
 }

@@ -10,7 +10,7 @@
 #include "app.h"
 #include "example_cfg.h"
 
-#include "unity.h"
+#include "testing.h"
 
 #define EXAMPLE_MIDDLE (2048U)           /* counts without current */
 #define EXAMPLE_BUS_COUNT (2822U)        /* 310 V of 450 V */

@@ -6,7 +6,7 @@
 #ifndef FIGURE_H
 #define FIGURE_H
 
-#include "unity.h"
+#include "testing.h"
 
 #include <stdio.h>
 

@@ -8,7 +8,7 @@
 
 #include "hal_host_flash.h"
 
-#include "unity.h"
+#include "testing.h"
 
 #include <setjmp.h>
 

@@ -12,7 +12,7 @@
 #include "link_messages.h"
 #include "words.h"
 
-#include "unity.h"
+#include "testing.h"
 
 #include <string.h>
 

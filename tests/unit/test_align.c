@@ -3,7 +3,7 @@
 #include "align.h"
 #include "example_cfg.h"
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -25,10 +25,6 @@ void setUp(void)
 {
     cfg = example_align_cfg();
     align_reset(&align, false);
-}
-
-void tearDown(void)
-{
 }
 
 /* A tick of a rotor that rests: no current across the vector. */
@@ -70,7 +66,7 @@ static void go_to(align_phase_t phase)
 
 /* ---- phases ---- */
 
-static void test_phases_follow_each_other_and_take_their_ticks(void)
+TEST(test_phases_follow_each_other_and_take_their_ticks)
 {
     TEST_ASSERT_EQUAL_UINT32(cfg.pull_ticks, ticks_of(ALIGN_PULL));
     TEST_ASSERT_EQUAL_UINT32(512U, ticks_of(ALIGN_MEASURE_HIGH));
@@ -87,7 +83,7 @@ static void test_phases_follow_each_other_and_take_their_ticks(void)
     }
 }
 
-static void test_shortest_phases_take_their_ticks_too(void)
+TEST(test_shortest_phases_take_their_ticks_too)
 {
     cfg.sweep_ticks = 1U;
     cfg.pull_ticks = 1U;
@@ -102,7 +98,7 @@ static void test_shortest_phases_take_their_ticks_too(void)
     TEST_ASSERT_EQUAL_UINT32(64U, ticks_of(ALIGN_MEASURE_LOW));
 }
 
-static void test_reset_forgets_what_was_there_before(void)
+TEST(test_reset_forgets_what_was_there_before)
 {
     memset(&align, 0x5A, sizeof align);
     align_reset(&align, true);
@@ -116,8 +112,7 @@ static void test_reset_forgets_what_was_there_before(void)
                                    align.inductance.step.change.d | align.inductance.start_d);
 }
 
-static void
-test_current_rises_by_its_slope_to_its_level_and_falls_to_the_lower_one_in_the_step(void)
+TEST(test_current_rises_by_its_slope_to_its_level_and_falls_to_the_lower_one_in_the_step)
 {
     int32_t before = 0;
 
@@ -144,7 +139,7 @@ test_current_rises_by_its_slope_to_its_level_and_falls_to_the_lower_one_in_the_s
     }
 }
 
-static void test_control_takes_the_lower_level_as_soon_as_it_acts_again(void)
+TEST(test_control_takes_the_lower_level_as_soon_as_it_acts_again)
 {
     go_to(ALIGN_INDUCTANCE);
     while (align_holds_voltage(&align, &cfg)) {
@@ -154,7 +149,7 @@ static void test_control_takes_the_lower_level_as_soon_as_it_acts_again(void)
     TEST_ASSERT_EQUAL_INT32(cfg.current_low, align.current_ref);
 }
 
-static void test_control_rests_from_the_end_of_the_first_mean_for_the_ticks_of_pulse_and_step(void)
+TEST(test_control_rests_from_the_end_of_the_first_mean_for_the_ticks_of_pulse_and_step)
 {
     uint32_t rests = 0U;
 
@@ -171,7 +166,7 @@ static void test_control_rests_from_the_end_of_the_first_mean_for_the_ticks_of_p
 }
 
 /* sweep_speed is rounded: half a step for each tick of the sweep. */
-static void test_vector_turns_by_half_a_turn_in_the_wanted_direction_and_then_rests(void)
+TEST(test_vector_turns_by_half_a_turn_in_the_wanted_direction_and_then_rests)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         const int64_t half_turn = (int64_t)1 << 31;
@@ -190,7 +185,7 @@ static void test_vector_turns_by_half_a_turn_in_the_wanted_direction_and_then_re
     }
 }
 
-static void test_a_rotor_already_held_is_not_swept_and_rests_for_the_remaining_pull(void)
+TEST(test_a_rotor_already_held_is_not_swept_and_rests_for_the_remaining_pull)
 {
     static const int32_t held[] = {5000, 6554, 8192}; /* below, at and above current_high */
 
@@ -213,7 +208,7 @@ static void test_a_rotor_already_held_is_not_swept_and_rests_for_the_remaining_p
 
 /* ---- means ---- */
 
-static void test_means_are_64_times_what_was_measured_for_every_length(void)
+TEST(test_means_are_64_times_what_was_measured_for_every_length)
 {
     static const int32_t values[] = {0, 1, -1, 12345, -12345, 32767, -32767};
 
@@ -238,7 +233,7 @@ static void test_means_are_64_times_what_was_measured_for_every_length(void)
     }
 }
 
-static void test_each_mean_holds_its_own_phase_and_no_other(void)
+TEST(test_each_mean_holds_its_own_phase_and_no_other)
 {
     static const int32_t of_phase[] = {9999, 300, -7777, 8888, 100, 5555, 4444};
 
@@ -293,7 +288,7 @@ static void measure(const circuit_t *circuit)
  */
 #define R_TOLERANCE (0.0004 + 0.0021 + 0.0005 + 0.0001 + 0.0007)
 
-static void test_resistance_is_measured_whatever_the_offset_voltage_and_the_inductance(void)
+TEST(test_resistance_is_measured_whatever_the_offset_voltage_and_the_inductance)
 {
     static const double offsets_v[] = {0.0, 6.2, 15.0};
     static const double inductances[] = {0.7, 1.0, 1.3};
@@ -319,7 +314,7 @@ static void test_resistance_is_measured_whatever_the_offset_voltage_and_the_indu
  */
 #define LOST_TOLERANCE (3.0 + (0.19 * 3.0) + (2.5 * 0.0005 * 495.0) + (495.0 / 1024.0) + 1.0)
 
-static void test_voltage_that_dead_time_and_drop_take_is_what_is_left_at_zero_current(void)
+TEST(test_voltage_that_dead_time_and_drop_take_is_what_is_left_at_zero_current)
 {
     static const double offsets_v[] = {-8.0, 0.0, 1.0, 6.2, 15.0};
     static const double resistances[] = {0.7, 1.0, 1.3, 1.8};
@@ -335,7 +330,7 @@ static void test_voltage_that_dead_time_and_drop_take_is_what_is_left_at_zero_cu
     }
 }
 
-static void test_no_lost_voltage_without_two_currents(void)
+TEST(test_no_lost_voltage_without_two_currents)
 {
     align.high = (align_point_t){.voltage = 64 * 1000, .current = 64 * 500};
     align.low = align.high;
@@ -348,8 +343,7 @@ static void test_no_lost_voltage_without_two_currents(void)
 }
 
 /* Two currents so close to each other say nothing about zero: the voltage at four times their distance counts. */
-static void
-test_lost_voltage_of_two_close_currents_is_not_extrapolated_further_than_four_times(void)
+TEST(test_lost_voltage_of_two_close_currents_is_not_extrapolated_further_than_four_times)
 {
     align.high = (align_point_t){.voltage = 64 * 1000, .current = 64 * 1000};
     align.low = (align_point_t){.voltage = 64 * 900, .current = 64 * 999};
@@ -396,7 +390,7 @@ static uint32_t measured_with(align_phase_t phase, const int32_t *swings, uint32
     return times;
 }
 
-static void test_rotor_rests_while_the_current_across_stays_within_its_limit(void)
+TEST(test_rotor_rests_while_the_current_across_stays_within_its_limit)
 {
     const int32_t most = cfg.swing_max;
 
@@ -412,7 +406,7 @@ static void test_rotor_rests_while_the_current_across_stays_within_its_limit(voi
  * Each swing is 1/16 smaller than the larger one of the two before, 750 of 800: in one measurement there may be no top. What was
  * measured before the rotor rested does not count.
  */
-static void test_a_rotor_that_swings_is_measured_once_it_has_calmed_down(void)
+TEST(test_a_rotor_that_swings_is_measured_once_it_has_calmed_down)
 {
     static const int32_t calms[] = {1310, 500, 1228, 800, 1151, 750, 700, 400};
 
@@ -425,7 +419,7 @@ static void test_a_rotor_that_swings_is_measured_once_it_has_calmed_down(void)
     TEST_ASSERT_EQUAL_INT32(64 * (cfg.current_high + 7), align.low.current);
 }
 
-static void test_a_rotor_that_slips_does_not_calm_down(void)
+TEST(test_a_rotor_that_slips_does_not_calm_down)
 {
     static const int32_t slips[] = {800};
     static const int32_t hardly[] = {800, 700, 751};
@@ -441,7 +435,7 @@ static void test_a_rotor_that_slips_does_not_calm_down(void)
 }
 
 /* The limit falls for the smallest swings too. */
-static void test_no_swing_however_small_is_waited_for_without_end(void)
+TEST(test_no_swing_however_small_is_waited_for_without_end)
 {
     for (int32_t swing = 2; swing <= 17; swing++) {
         cfg.swing_max = 1;
@@ -451,7 +445,7 @@ static void test_no_swing_however_small_is_waited_for_without_end(void)
 }
 
 /* A load that drives it makes it faster meanwhile. */
-static void test_with_a_fifth_of_the_current_across_a_rotor_is_not_waited_for(void)
+TEST(test_with_a_fifth_of_the_current_across_a_rotor_is_not_waited_for)
 {
     const int32_t most = cfg.current_high / 5;
     const int32_t calms[] = {most, 0};
@@ -463,7 +457,7 @@ static void test_with_a_fifth_of_the_current_across_a_rotor_is_not_waited_for(vo
     TEST_ASSERT_EQUAL_UINT32(1, measured_with(ALIGN_MEASURE_LOW, slips, 2U));
 }
 
-static void test_swing_while_the_rotor_is_pulled_in_does_not_count(void)
+TEST(test_swing_while_the_rotor_is_pulled_in_does_not_count)
 {
     TEST_ASSERT_TRUE(rests_with(ALIGN_PULL, cfg.current_high));
     TEST_ASSERT_TRUE(rests_with(ALIGN_INDUCTANCE, cfg.current_high));
@@ -477,7 +471,7 @@ static void test_swing_while_the_rotor_is_pulled_in_does_not_count(void)
 #define L_TOLERANCE \
     ((2.0 / 1986.0) + (0.5 / 2582.0) + (0.07 * R_TOLERANCE * 1.3) + 0.0001 + (4.0 / 16384.0))
 
-static void test_inductance_is_measured_whatever_the_offset_voltage_and_the_resistance(void)
+TEST(test_inductance_is_measured_whatever_the_offset_voltage_and_the_resistance)
 {
     static const double offsets_v[] = {0.0, 6.2, 15.0};
     static const double resistances[] = {0.7, 1.0, 1.3};
@@ -498,7 +492,7 @@ static void test_inductance_is_measured_whatever_the_offset_voltage_and_the_resi
 
 /* ---- what cannot be told ---- */
 
-static void test_resistance_is_unknown_without_a_difference_in_current_or_voltage(void)
+TEST(test_resistance_is_unknown_without_a_difference_in_current_or_voltage)
 {
     static const align_point_t points[] = {{1000, 0},  {0, 1000},   {0, 0},
                                            {1000, 15}, {-1, 10000}, {1000, -16}};
@@ -512,7 +506,7 @@ static void test_resistance_is_unknown_without_a_difference_in_current_or_voltag
     TEST_ASSERT_EQUAL_INT32(512, found().resistance_q13);
 }
 
-static void test_resistance_saturates_to_15_bits(void)
+TEST(test_resistance_saturates_to_15_bits)
 {
     align.low = (align_point_t){0, 0};
     align.high = (align_point_t){63, 16};
@@ -527,7 +521,7 @@ static void test_resistance_saturates_to_15_bits(void)
 
 /* ---- any measurement ---- */
 
-static void test_any_measurement_keeps_the_reference_in_range_and_ends(void)
+TEST(test_any_measurement_keeps_the_reference_in_range_and_ends)
 {
     seeded_t seed = {0xA11C4U};
 
@@ -561,34 +555,4 @@ static void test_any_measurement_keeps_the_reference_in_range_and_ends(void)
         TEST_ASSERT_TRUE(found().resistance_q13 <= 32767);
         TEST_ASSERT_TRUE(abs(found().lost_voltage) <= 16384);
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_phases_follow_each_other_and_take_their_ticks);
-    RUN_TEST(test_shortest_phases_take_their_ticks_too);
-    RUN_TEST(test_reset_forgets_what_was_there_before);
-    RUN_TEST(test_current_rises_by_its_slope_to_its_level_and_falls_to_the_lower_one_in_the_step);
-    RUN_TEST(test_control_takes_the_lower_level_as_soon_as_it_acts_again);
-    RUN_TEST(test_control_rests_from_the_end_of_the_first_mean_for_the_ticks_of_pulse_and_step);
-    RUN_TEST(test_vector_turns_by_half_a_turn_in_the_wanted_direction_and_then_rests);
-    RUN_TEST(test_a_rotor_already_held_is_not_swept_and_rests_for_the_remaining_pull);
-    RUN_TEST(test_means_are_64_times_what_was_measured_for_every_length);
-    RUN_TEST(test_each_mean_holds_its_own_phase_and_no_other);
-    RUN_TEST(test_resistance_is_measured_whatever_the_offset_voltage_and_the_inductance);
-    RUN_TEST(test_voltage_that_dead_time_and_drop_take_is_what_is_left_at_zero_current);
-    RUN_TEST(test_no_lost_voltage_without_two_currents);
-    RUN_TEST(test_lost_voltage_of_two_close_currents_is_not_extrapolated_further_than_four_times);
-    RUN_TEST(test_rotor_rests_while_the_current_across_stays_within_its_limit);
-    RUN_TEST(test_a_rotor_that_swings_is_measured_once_it_has_calmed_down);
-    RUN_TEST(test_a_rotor_that_slips_does_not_calm_down);
-    RUN_TEST(test_no_swing_however_small_is_waited_for_without_end);
-    RUN_TEST(test_with_a_fifth_of_the_current_across_a_rotor_is_not_waited_for);
-    RUN_TEST(test_swing_while_the_rotor_is_pulled_in_does_not_count);
-    RUN_TEST(test_inductance_is_measured_whatever_the_offset_voltage_and_the_resistance);
-    RUN_TEST(test_resistance_is_unknown_without_a_difference_in_current_or_voltage);
-    RUN_TEST(test_resistance_saturates_to_15_bits);
-    RUN_TEST(test_any_measurement_keeps_the_reference_in_range_and_ends);
-    return UNITY_END();
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "angle_sensor.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <stdint.h>
 
@@ -15,10 +15,6 @@ void setUp(void)
     sensor = (angle_sensor_t){.speed = 0};
 }
 
-void tearDown(void)
-{
-}
-
 static void assert_is(int64_t turns_q32, step_t speed)
 {
     TEST_ASSERT_EQUAL_INT64(turns_q32, sensor.position.turns_q32);
@@ -26,7 +22,7 @@ static void assert_is(int64_t turns_q32, step_t speed)
 }
 
 /* e = 2^20: θ̂ += 0 + e/2^3, ω̂ += e/2^8. */
-static void test_an_error_moves_angle_and_speed_by_their_shares(void)
+TEST(test_an_error_moves_angle_and_speed_by_their_shares)
 {
     angle_sensor_step(&sensor, 1U << 20U, LIMIT);
     assert_is(1 << 17, 1 << 12);
@@ -36,7 +32,7 @@ static void test_an_error_moves_angle_and_speed_by_their_shares(void)
 }
 
 /* The step of the tick comes first: at its true speed the loop has no error. */
-static void test_a_rotor_at_the_speed_of_the_loop_changes_nothing_but_the_angle(void)
+TEST(test_a_rotor_at_the_speed_of_the_loop_changes_nothing_but_the_angle)
 {
     sensor.speed = 12345;
     for (uint32_t k = 1U; k <= 100U; k++) {
@@ -46,7 +42,7 @@ static void test_a_rotor_at_the_speed_of_the_loop_changes_nothing_but_the_angle(
 }
 
 /* Over the end of a turn the error is the shorter way, and whole turns are counted. */
-static void test_turns_are_counted_over_the_end_of_a_turn(void)
+TEST(test_turns_are_counted_over_the_end_of_a_turn)
 {
     sensor.position.turns_q32 = 0xFFFFFFFFLL;
     angle_sensor_step(&sensor, 7U, LIMIT);
@@ -56,7 +52,7 @@ static void test_turns_are_counted_over_the_end_of_a_turn(void)
     assert_is(6, -1); /* e = −8, rounded down */
 }
 
-static void test_the_speed_stays_within_its_limit_in_either_direction(void)
+TEST(test_the_speed_stays_within_its_limit_in_either_direction)
 {
     sensor.speed = LIMIT - 1;
     angle_sensor_step(&sensor, (angle_t)LIMIT + QUARTER, LIMIT);
@@ -71,7 +67,7 @@ static void test_the_speed_stays_within_its_limit_in_either_direction(void)
  * With x and v the errors of angle and speed before a tick, e = x, and after it x' = x(1 − 1/8) + v', v' = v − x/256 for a
  * rotor at constant acceleration a: v' = v + a − x/256. At rest x = 256·a, less the rounding of two shifts.
  */
-static void test_at_constant_acceleration_the_angle_lags_by_256_changes_of_the_speed(void)
+TEST(test_at_constant_acceleration_the_angle_lags_by_256_changes_of_the_speed)
 {
     uint32_t measured = 0U;
     int32_t speed = 0;
@@ -84,15 +80,4 @@ static void test_at_constant_acceleration_the_angle_lags_by_256_changes_of_the_s
         angle_sensor_step(&sensor, measured, LIMIT);
     }
     TEST_ASSERT_UINT32_WITHIN(256U, 256U * (uint32_t)RAMP, ahead);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_an_error_moves_angle_and_speed_by_their_shares);
-    RUN_TEST(test_a_rotor_at_the_speed_of_the_loop_changes_nothing_but_the_angle);
-    RUN_TEST(test_turns_are_counted_over_the_end_of_a_turn);
-    RUN_TEST(test_the_speed_stays_within_its_limit_in_either_direction);
-    RUN_TEST(test_at_constant_acceleration_the_angle_lags_by_256_changes_of_the_speed);
-    return UNITY_END();
 }

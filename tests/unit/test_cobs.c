@@ -2,19 +2,11 @@
 /* COBS: the examples of its paper, and that every piece of bytes comes back. */
 #include "cobs.h"
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <string.h>
 
 #define CODE_MAX (COBS_BYTES_MAX + 1U)
-
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
 
 static uint32_t encode(const uint8_t *bytes, uint32_t count, uint8_t *code)
 {
@@ -49,7 +41,7 @@ static void assert_code(const char *expected, const char *bytes, uint32_t count)
     TEST_ASSERT_EQUAL_UINT8_ARRAY((const uint8_t *)expected, code, count + 1U);
 }
 
-static void test_a_zero_in_a_code_ends_a_piece_as_a_one_does(void)
+TEST(test_a_zero_in_a_code_ends_a_piece_as_a_one_does)
 {
     static const uint8_t code[] = {0U, 0U, 3U, 0x11U, 0x22U};
     uint8_t bytes[sizeof code];
@@ -60,7 +52,7 @@ static void test_a_zero_in_a_code_ends_a_piece_as_a_one_does(void)
     TEST_ASSERT_TRUE(whole);
 }
 
-static void test_examples_have_the_codes_that_are_published(void)
+TEST(test_examples_have_the_codes_that_are_published)
 {
     assert_code("\x01\x01", "\0", 1U);
     assert_code("\x01\x01\x01", "\0\0", 2U);
@@ -84,7 +76,7 @@ static void assert_comes_back(const uint8_t *bytes, uint32_t count)
     }
 }
 
-static void test_bytes_of_each_length_and_density_of_zeros_come_back(void)
+TEST(test_bytes_of_each_length_and_density_of_zeros_come_back)
 {
     seeded_t chance = {7U};
     uint8_t bytes[COBS_BYTES_MAX];
@@ -102,7 +94,7 @@ static void test_bytes_of_each_length_and_density_of_zeros_come_back(void)
 }
 
 /* A longer code of another program: the distance 255 stands for no 0. */
-static void test_a_piece_of_254_bytes_without_a_zero_has_none_behind_it(void)
+TEST(test_a_piece_of_254_bytes_without_a_zero_has_none_behind_it)
 {
     uint8_t code[257];
     uint8_t back[260];
@@ -116,7 +108,7 @@ static void test_a_piece_of_254_bytes_without_a_zero_has_none_behind_it(void)
     TEST_ASSERT_EACH_EQUAL_UINT8(0x55U, back, 255U);
 }
 
-static void test_a_piece_of_253_bytes_has_a_zero_behind_it(void)
+TEST(test_a_piece_of_253_bytes_has_a_zero_behind_it)
 {
     uint8_t code[256];
     uint8_t back[260];
@@ -132,23 +124,11 @@ static void test_a_piece_of_253_bytes_has_a_zero_behind_it(void)
     TEST_ASSERT_EQUAL_UINT8(0x55U, back[254]);
 }
 
-static void test_a_code_that_is_cut_is_not_whole(void)
+TEST(test_a_code_that_is_cut_is_not_whole)
 {
     uint8_t back[CODE_MAX];
     bool whole = true;
 
     (void)decode((const uint8_t *)"\x05\x11\x22\x33", 4U, back, &whole);
     TEST_ASSERT_FALSE(whole);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_zero_in_a_code_ends_a_piece_as_a_one_does);
-    RUN_TEST(test_examples_have_the_codes_that_are_published);
-    RUN_TEST(test_bytes_of_each_length_and_density_of_zeros_come_back);
-    RUN_TEST(test_a_piece_of_254_bytes_without_a_zero_has_none_behind_it);
-    RUN_TEST(test_a_piece_of_253_bytes_has_a_zero_behind_it);
-    RUN_TEST(test_a_code_that_is_cut_is_not_whole);
-    return UNITY_END();
 }

@@ -5,7 +5,7 @@
  */
 #define _DEFAULT_SOURCE
 #include "command_mailbox.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <signal.h>
 #include <stdbool.h>
@@ -50,12 +50,12 @@ static bool same(drive_command_t a, drive_command_t b)
     return (a.target == b.target) && (a.mode == b.mode) && (a.request == b.request);
 }
 
-static void test_first_command_asks_for_nothing(void)
+TEST(test_first_command_asks_for_nothing)
 {
     TEST_ASSERT_TRUE(same(commands[0], command_mailbox_take(&shared->box)));
 }
 
-static void test_command_posted_last_is_taken_again_and_again(void)
+TEST(test_command_posted_last_is_taken_again_and_again)
 {
     for (uint32_t k = 0U; k < (2U * POSTED); k++) {
         const drive_command_t *const command = &commands[(k % POSTED) + 1U];
@@ -66,7 +66,7 @@ static void test_command_posted_last_is_taken_again_and_again(void)
     }
 }
 
-static void test_init_forgets_what_was_posted(void)
+TEST(test_init_forgets_what_was_posted)
 {
     command_mailbox_post(&shared->box, &commands[1]);
     command_mailbox_init(&shared->box);
@@ -76,7 +76,7 @@ static void test_init_forgets_what_was_posted(void)
 }
 
 /* A 64-bit processor may copy a command with one store, which the test below cannot interrupt; others cannot. */
-static void test_post_does_not_touch_the_slot_that_is_in_force(void)
+TEST(test_post_does_not_touch_the_slot_that_is_in_force)
 {
     for (uint32_t k = 0U; k < (2U * POSTED); k++) {
         const uint32_t before = shared->box.in_force;
@@ -112,7 +112,7 @@ static uint32_t command_found(uint32_t before)
     return same(found, commands[before]) ? before : next;
 }
 
-static void test_interrupt_at_any_instruction_takes_a_whole_command(void)
+TEST(test_interrupt_at_any_instruction_takes_a_whole_command)
 {
     const pid_t background = fork();
     uint32_t instructions = 0U;
@@ -135,15 +135,4 @@ static void test_interrupt_at_any_instruction_takes_a_whole_command(void)
     TEST_ASSERT_EQUAL_UINT32(POSTED, found);
     TEST_ASSERT_EQUAL_INT(0, ptrace(PTRACE_CONT, background, NULL, NULL));
     TEST_ASSERT_EQUAL_INT(background, waitpid(background, &status, 0));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_first_command_asks_for_nothing);
-    RUN_TEST(test_command_posted_last_is_taken_again_and_again);
-    RUN_TEST(test_init_forgets_what_was_posted);
-    RUN_TEST(test_post_does_not_touch_the_slot_that_is_in_force);
-    RUN_TEST(test_interrupt_at_any_instruction_takes_a_whole_command);
-    return UNITY_END();
 }

@@ -2,15 +2,12 @@
 /* What the background asks of the drive: each changes its part of the command in force, or says why it is refused. */
 #include "commander.h"
 #include "example_app.h"
+#include "testing.h"
 
 void setUp(void)
 {
     power_on();
     calibrate();
-}
-
-void tearDown(void)
-{
 }
 
 static drive_command_t taken(void)
@@ -19,7 +16,7 @@ static drive_command_t taken(void)
     return app.in.command;
 }
 
-static void test_run_and_stop_leave_the_speed_and_the_mode(void)
+TEST(test_run_and_stop_leave_the_speed_and_the_mode)
 {
     const drive_command_t before = {
         .target = -77, .mode = (uint8_t)DRIVE_MODE_POSITION, .request = 0U};
@@ -34,7 +31,7 @@ static void test_run_and_stop_leave_the_speed_and_the_mode(void)
     TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_POSITION, taken().mode);
 }
 
-static void test_a_speed_leaves_the_request(void)
+TEST(test_a_speed_leaves_the_request)
 {
     TEST_ASSERT_NULL(commander_run(&app));
     commander_set_speed(&app, EXAMPLE_SPEED_STEP);
@@ -42,7 +39,7 @@ static void test_a_speed_leaves_the_request(void)
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, taken().request);
 }
 
-static void test_a_latched_fault_is_not_run_and_stays_until_it_is_cleared(void)
+TEST(test_a_latched_fault_is_not_run_and_stays_until_it_is_cleared)
 {
     fail();
     TEST_ASSERT_EQUAL_STRING("a fault is latched; clear it first", commander_run(&app));
@@ -53,7 +50,7 @@ static void test_a_latched_fault_is_not_run_and_stays_until_it_is_cleared(void)
     TEST_ASSERT_NOT_EQUAL(DRIVE_STATE_FAULT, app.drive.state);
 }
 
-static void test_a_clear_is_in_force_until_the_fault_is_left_and_no_longer(void)
+TEST(test_a_clear_is_in_force_until_the_fault_is_left_and_no_longer)
 {
     fail();
     TEST_ASSERT_NULL(commander_clear(&app));
@@ -63,20 +60,20 @@ static void test_a_clear_is_in_force_until_the_fault_is_left_and_no_longer(void)
     TEST_ASSERT_EQUAL_UINT8(0U, taken().request);
 }
 
-static void test_where_there_is_no_fault_nothing_is_cleared(void)
+TEST(test_where_there_is_no_fault_nothing_is_cleared)
 {
     TEST_ASSERT_EQUAL_STRING("there is no fault to clear", commander_clear(&app));
     TEST_ASSERT_EQUAL_UINT8(0U, taken().request);
 }
 
-static void test_a_run_is_not_taken_back(void)
+TEST(test_a_run_is_not_taken_back)
 {
     TEST_ASSERT_NULL(commander_run(&app));
     commander_step(&app);
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, taken().request);
 }
 
-static void test_a_speed_ends_position_mode(void)
+TEST(test_a_speed_ends_position_mode)
 {
     const drive_command_t position = {
         .target = -77, .mode = (uint8_t)DRIVE_MODE_POSITION, .request = 0U};
@@ -87,7 +84,7 @@ static void test_a_speed_ends_position_mode(void)
     TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, taken().target);
 }
 
-static void test_a_torque_ends_speed_mode_and_leaves_the_request(void)
+TEST(test_a_torque_ends_speed_mode_and_leaves_the_request)
 {
     commander_set_speed(&app, 77);
     TEST_ASSERT_NULL(commander_run(&app));
@@ -98,7 +95,7 @@ static void test_a_torque_ends_speed_mode_and_leaves_the_request(void)
 }
 
 /* That of the largest current at the flux of the configuration; nothing before there is a configuration. */
-static void test_the_largest_torque_is_that_of_the_largest_current(void)
+TEST(test_the_largest_torque_is_that_of_the_largest_current)
 {
     app_t none = {.recorder = NULL};
 
@@ -107,7 +104,7 @@ static void test_the_largest_torque_is_that_of_the_largest_current(void)
     TEST_ASSERT_EQUAL_INT32(0, commander_torque_max(&none));
 }
 
-static void test_a_stop_is_taken_and_leaves_the_target_where_its_own_is_none(void)
+TEST(test_a_stop_is_taken_and_leaves_the_target_where_its_own_is_none)
 {
     static const drive_command_t stops[] = {
         {.target = EXAMPLE_SPEED_STEP + 1, .mode = (uint8_t)DRIVE_MODE_SPEED},
@@ -125,20 +122,4 @@ static void test_a_stop_is_taken_and_leaves_the_target_where_its_own_is_none(voi
         TEST_ASSERT_EQUAL_INT32(77, taken().target);
         TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_SPEED, taken().mode);
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_run_and_stop_leave_the_speed_and_the_mode);
-    RUN_TEST(test_a_speed_leaves_the_request);
-    RUN_TEST(test_a_latched_fault_is_not_run_and_stays_until_it_is_cleared);
-    RUN_TEST(test_a_clear_is_in_force_until_the_fault_is_left_and_no_longer);
-    RUN_TEST(test_where_there_is_no_fault_nothing_is_cleared);
-    RUN_TEST(test_a_run_is_not_taken_back);
-    RUN_TEST(test_a_speed_ends_position_mode);
-    RUN_TEST(test_a_stop_is_taken_and_leaves_the_target_where_its_own_is_none);
-    RUN_TEST(test_a_torque_ends_speed_mode_and_leaves_the_request);
-    RUN_TEST(test_the_largest_torque_is_that_of_the_largest_current);
-    return UNITY_END();
 }

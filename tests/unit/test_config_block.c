@@ -3,7 +3,7 @@
 #include "config_block.h"
 #include "crc32.h"
 #include "example_cfg.h"
-#include "unity.h"
+#include "testing.h"
 #include "words.h"
 
 #include <stddef.h>
@@ -23,10 +23,6 @@ void setUp(void)
     config_block_make(&block, &IDENTITY, &about, &cfg);
 }
 
-void tearDown(void)
-{
-}
-
 static uint32_t crc_of(const uint8_t *bytes, uint32_t count)
 {
     uint32_t crc = CRC32_START;
@@ -43,7 +39,7 @@ static void seal(void)
     block.crc = crc_of((const uint8_t *)&block, CONFIG_BLOCK_BYTES - 4U);
 }
 
-static void test_bytes_are_where_the_layout_says(void)
+TEST(test_bytes_are_where_the_layout_says)
 {
     uint8_t bytes[CONFIG_BLOCK_BYTES];
 
@@ -60,7 +56,7 @@ static void test_bytes_are_where_the_layout_says(void)
     TEST_ASSERT_EQUAL_HEX32(crc_of(bytes, sizeof bytes - 4U), words_get(&bytes[sizeof bytes - 4U]));
 }
 
-static void test_what_was_encoded_is_decoded(void)
+TEST(test_what_was_encoded_is_decoded)
 {
     uint8_t bytes[CONFIG_BLOCK_BYTES + 1U];
     config_block_t decoded;
@@ -73,7 +69,7 @@ static void test_what_was_encoded_is_decoded(void)
     TEST_ASSERT_EQUAL_MEMORY(&block, &decoded, sizeof block);
 }
 
-static void test_words_are_those_of_the_bytes(void)
+TEST(test_words_are_those_of_the_bytes)
 {
     uint8_t bytes[CONFIG_BLOCK_BYTES];
 
@@ -83,7 +79,7 @@ static void test_words_are_those_of_the_bytes(void)
     }
 }
 
-static void test_beyond_the_last_word_there_is_zero_and_nothing_is_set(void)
+TEST(test_beyond_the_last_word_there_is_zero_and_nothing_is_set)
 {
     struct {
         config_block_t block;
@@ -97,7 +93,7 @@ static void test_beyond_the_last_word_there_is_zero_and_nothing_is_set(void)
     TEST_ASSERT_EQUAL_MEMORY(&block, &two.block, sizeof block);
 }
 
-static void test_a_name_that_is_too_long_is_cut_off_and_ends(void)
+TEST(test_a_name_that_is_too_long_is_cut_off_and_ends)
 {
     char name[CONFIG_BLOCK_NAME_BYTES + 1U];
     char from[CONFIG_BLOCK_NAME_BYTES + 10U];
@@ -110,7 +106,7 @@ static void test_a_name_that_is_too_long_is_cut_off_and_ends(void)
     TEST_ASSERT_EQUAL_CHAR('!', name[CONFIG_BLOCK_NAME_BYTES]);
 }
 
-static void test_behind_a_name_there_are_zeros_up_to_its_end(void)
+TEST(test_behind_a_name_there_are_zeros_up_to_its_end)
 {
     static const char zeros[CONFIG_BLOCK_NAME_BYTES];
     char name[CONFIG_BLOCK_NAME_BYTES];
@@ -136,12 +132,12 @@ static void assert_fault(config_block_fault_t fault, uint32_t found, uint32_t ex
     TEST_ASSERT_NULL(verdict.setting);
 }
 
-static void test_a_block_that_was_made_is_good(void)
+TEST(test_a_block_that_was_made_is_good)
 {
     assert_fault(CONFIG_BLOCK_GOOD, 0U, 0U);
 }
 
-static void test_each_word_of_the_header_is_told_when_it_is_another_one(void)
+TEST(test_each_word_of_the_header_is_told_when_it_is_another_one)
 {
     block.identity.board++;
     seal();
@@ -159,7 +155,7 @@ static void test_each_word_of_the_header_is_told_when_it_is_another_one(void)
     assert_fault(CONFIG_BLOCK_NO_BLOCK, 0U, CONFIG_BLOCK_MAGIC);
 }
 
-static void test_any_flipped_bit_is_found(void)
+TEST(test_any_flipped_bit_is_found)
 {
     for (uint32_t bit = 0U; bit < (8U * CONFIG_BLOCK_BYTES); bit++) {
         uint8_t *const byte = (uint8_t *)&block + (bit / 8U);
@@ -189,7 +185,7 @@ static void assert_good(void)
     TEST_ASSERT_EQUAL(CONFIG_BLOCK_GOOD, check().fault);
 }
 
-static void test_pole_pairs_are_1_to_50(void)
+TEST(test_pole_pairs_are_1_to_50)
 {
     block.about.pole_pairs = 0U;
     assert_bad_setting("about.pole_pairs");
@@ -201,7 +197,7 @@ static void test_pole_pairs_are_1_to_50(void)
     assert_good();
 }
 
-static void test_the_highest_speed_is_1_to_200000_rpm(void)
+TEST(test_the_highest_speed_is_1_to_200000_rpm)
 {
     block.about.speed_max_rpm = 0;
     assert_bad_setting("about.speed_max_rpm");
@@ -215,41 +211,21 @@ static void test_the_highest_speed_is_1_to_200000_rpm(void)
     assert_good();
 }
 
-static void test_a_name_without_an_end_is_refused(void)
+TEST(test_a_name_without_an_end_is_refused)
 {
     block.about.name[CONFIG_BLOCK_NAME_BYTES - 1U] = 'x';
     assert_bad_setting("about.name");
 }
 
-static void test_a_setting_out_of_its_range_is_named(void)
+TEST(test_a_setting_out_of_its_range_is_named)
 {
     block.cfg.slow_ticks = 5U;
     block.cfg.crc = config_guard_crc(&block.cfg);
     assert_bad_setting("slow_ticks");
 }
 
-static void test_the_crc_by_which_the_drive_guards_its_configuration_is_checked(void)
+TEST(test_the_crc_by_which_the_drive_guards_its_configuration_is_checked)
 {
     block.cfg.crc++;
     assert_bad_setting("crc");
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_bytes_are_where_the_layout_says);
-    RUN_TEST(test_what_was_encoded_is_decoded);
-    RUN_TEST(test_words_are_those_of_the_bytes);
-    RUN_TEST(test_beyond_the_last_word_there_is_zero_and_nothing_is_set);
-    RUN_TEST(test_a_name_that_is_too_long_is_cut_off_and_ends);
-    RUN_TEST(test_behind_a_name_there_are_zeros_up_to_its_end);
-    RUN_TEST(test_a_block_that_was_made_is_good);
-    RUN_TEST(test_each_word_of_the_header_is_told_when_it_is_another_one);
-    RUN_TEST(test_any_flipped_bit_is_found);
-    RUN_TEST(test_pole_pairs_are_1_to_50);
-    RUN_TEST(test_the_highest_speed_is_1_to_200000_rpm);
-    RUN_TEST(test_a_name_without_an_end_is_refused);
-    RUN_TEST(test_a_setting_out_of_its_range_is_named);
-    RUN_TEST(test_the_crc_by_which_the_drive_guards_its_configuration_is_checked);
-    return UNITY_END();
 }

@@ -2,7 +2,7 @@
 /* Change of the configuration: every row of cfg.def, and what stands between two configurations beside them. */
 #include "config_change.h"
 #include "example_cfg.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -36,10 +36,6 @@ void setUp(void)
     to = from;
 }
 
-void tearDown(void)
-{
-}
-
 /* Every bit of a word counts: the lowest and the highest one change. */
 static void differ_in(const row_t *row, uint32_t bits)
 {
@@ -51,7 +47,7 @@ static void differ_in(const row_t *row, uint32_t bits)
     memcpy((char *)&to + row->offset, &word, sizeof word);
 }
 
-static void test_a_setting_that_may_change_in_run_is_never_refused(void)
+TEST(test_a_setting_that_may_change_in_run_is_never_refused)
 {
     size_t allowed = 0U;
 
@@ -67,7 +63,7 @@ static void test_a_setting_that_may_change_in_run_is_never_refused(void)
     TEST_ASSERT_TRUE(allowed > 0U);
 }
 
-static void test_a_setting_that_may_change_at_rest_only_is_refused_by_its_path(void)
+TEST(test_a_setting_that_may_change_at_rest_only_is_refused_by_its_path)
 {
     size_t refused = 0U;
 
@@ -83,14 +79,14 @@ static void test_a_setting_that_may_change_at_rest_only_is_refused_by_its_path(v
     TEST_ASSERT_TRUE(refused > 0U);
 }
 
-static void test_the_same_configuration_is_not_refused(void)
+TEST(test_the_same_configuration_is_not_refused)
 {
     TEST_ASSERT_NULL(config_change_refused(&from, &to));
     to.crc++; /* belongs to what differs, and is no setting */
     TEST_ASSERT_NULL(config_change_refused(&from, &to));
 }
 
-static void test_of_several_the_first_is_named(void)
+TEST(test_of_several_the_first_is_named)
 {
     to.slow_ticks++;
     TEST_ASSERT_EQUAL_STRING("slow_ticks", config_change_refused(&from, &to));
@@ -101,7 +97,7 @@ static void test_of_several_the_first_is_named(void)
 }
 
 /* With it the drive is in states that it could not leave, and without it nothing checks the rest of the start-up. */
-static void test_a_startup_neither_comes_nor_goes_while_it_runs(void)
+TEST(test_a_startup_neither_comes_nor_goes_while_it_runs)
 {
     to.startup.current_hold = 1;
     TEST_ASSERT_NULL(config_change_refused(&from, &to));
@@ -112,15 +108,4 @@ static void test_a_startup_neither_comes_nor_goes_while_it_runs(void)
     TEST_ASSERT_EQUAL_STRING("speed_shift", config_change_refused(&from, &to));
     from = to;
     TEST_ASSERT_NULL(config_change_refused(&from, &to));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_setting_that_may_change_in_run_is_never_refused);
-    RUN_TEST(test_a_setting_that_may_change_at_rest_only_is_refused_by_its_path);
-    RUN_TEST(test_the_same_configuration_is_not_refused);
-    RUN_TEST(test_of_several_the_first_is_named);
-    RUN_TEST(test_a_startup_neither_comes_nor_goes_while_it_runs);
-    return UNITY_END();
 }

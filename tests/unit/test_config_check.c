@@ -2,7 +2,7 @@
 /* Configuration check: every field is named when it is out of its range, on either side. */
 #include "config_check.h"
 #include "example_cfg.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -100,14 +100,6 @@ static field_t field_at(size_t row)
     return ROWS[row].field;
 }
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 static const char *check_with(const field_t *field, int32_t value)
 {
     drive_cfg_t cfg = example_drive_cfg_with_startup();
@@ -135,7 +127,7 @@ static void assert_accepted(const field_t *field, int32_t value)
     TEST_ASSERT_NULL_MESSAGE(check_with(field, value), text);
 }
 
-static void test_valid_configuration_is_accepted(void)
+TEST(test_valid_configuration_is_accepted)
 {
     const drive_cfg_t published = example_drive_cfg();
     const drive_cfg_t with_startup = example_drive_cfg_with_startup();
@@ -144,7 +136,7 @@ static void test_valid_configuration_is_accepted(void)
     TEST_ASSERT_NULL(config_check(&with_startup));
 }
 
-static void test_every_field_is_accepted_at_both_ends_of_its_range(void)
+TEST(test_every_field_is_accepted_at_both_ends_of_its_range)
 {
     for (size_t i = 0; i < COUNT(ROWS); i++) {
         const field_t field = field_at(i);
@@ -154,7 +146,7 @@ static void test_every_field_is_accepted_at_both_ends_of_its_range(void)
     }
 }
 
-static void test_every_field_is_refused_just_outside_its_range(void)
+TEST(test_every_field_is_refused_just_outside_its_range)
 {
     for (size_t i = 0; i < COUNT(ROWS); i++) {
         const field_t field = field_at(i);
@@ -164,7 +156,7 @@ static void test_every_field_is_refused_just_outside_its_range(void)
     }
 }
 
-static void test_every_field_is_named_at_the_ends_of_its_type(void)
+TEST(test_every_field_is_named_at_the_ends_of_its_type)
 {
     for (size_t i = 0; i < COUNT(ROWS); i++) {
         const field_t *const field = &ROWS[i].field;
@@ -179,7 +171,7 @@ static void test_every_field_is_named_at_the_ends_of_its_type(void)
 }
 
 /* What the proof takes for any valid configuration. */
-static void test_every_field_is_refused_just_outside_its_row(void)
+TEST(test_every_field_is_refused_just_outside_its_row)
 {
     for (size_t i = 0; i < COUNT(ROWS); i++) {
         const field_t *const field = &ROWS[i].field;
@@ -190,7 +182,7 @@ static void test_every_field_is_refused_just_outside_its_row(void)
 }
 
 /* Beyond a rule a row has ends too: with all fields there at once, less those that a rule forbids then. */
-static void test_all_fields_are_accepted_at_the_lower_ends_of_their_rows(void)
+TEST(test_all_fields_are_accepted_at_the_lower_ends_of_their_rows)
 {
     drive_cfg_t cfg;
 
@@ -203,7 +195,7 @@ static void test_all_fields_are_accepted_at_the_lower_ends_of_their_rows(void)
     TEST_ASSERT_NULL(config_check(&cfg));
 }
 
-static void test_all_fields_are_accepted_at_the_upper_ends_of_their_rows(void)
+TEST(test_all_fields_are_accepted_at_the_upper_ends_of_their_rows)
 {
     drive_cfg_t cfg;
 
@@ -227,7 +219,7 @@ static drive_cfg_t with_sensor(void)
 }
 
 /* The sensor's speed is the observer's: nothing else may change it. */
-static void test_with_a_sensor_a_trained_observer_is_named(void)
+TEST(test_with_a_sensor_a_trained_observer_is_named)
 {
     drive_cfg_t cfg = with_sensor();
 
@@ -251,7 +243,7 @@ static void test_with_a_sensor_a_trained_observer_is_named(void)
 }
 
 /* RUN reads them too, the ramp in torque control; that it does not read the currents is beyond the proof's intervals. */
-static void test_without_a_hold_current_what_run_reads_of_the_startup_is_still_checked(void)
+TEST(test_without_a_hold_current_what_run_reads_of_the_startup_is_still_checked)
 {
     uint32_t refused = 0U;
 
@@ -289,7 +281,7 @@ static void assert_rows_may_hold_anything(use_t use, const drive_cfg_t *example,
 }
 
 /* It is not looked at then: RUN starts at once. The hold current itself and the six above are. */
-static void test_without_a_hold_current_the_rest_of_the_startup_may_hold_anything(void)
+TEST(test_without_a_hold_current_the_rest_of_the_startup_may_hold_anything)
 {
     const drive_cfg_t cfg = example_drive_cfg();
 
@@ -297,7 +289,7 @@ static void test_without_a_hold_current_the_rest_of_the_startup_may_hold_anythin
                                   (sizeof(startup_cfg_t) / sizeof(int32_t)) - 7U);
 }
 
-static void test_without_a_voltage_drive_the_rest_of_it_may_hold_anything(void)
+TEST(test_without_a_voltage_drive_the_rest_of_it_may_hold_anything)
 {
     const drive_cfg_t cfg = example_drive_cfg_with_startup();
 
@@ -305,7 +297,7 @@ static void test_without_a_voltage_drive_the_rest_of_it_may_hold_anything(void)
                                   (sizeof(voltage_drive_cfg_t) / sizeof(int32_t)) - 1U);
 }
 
-static void test_thresholds_of_the_startup_out_of_order_are_named(void)
+TEST(test_thresholds_of_the_startup_out_of_order_are_named)
 {
     drive_cfg_t cfg = example_drive_cfg_with_startup();
 
@@ -326,7 +318,7 @@ static void test_thresholds_of_the_startup_out_of_order_are_named(void)
     TEST_ASSERT_EQUAL_STRING("startup.current_move", config_check(&cfg));
 }
 
-static void test_the_vector_turns_no_faster_than_the_observer_follows(void)
+TEST(test_the_vector_turns_no_faster_than_the_observer_follows)
 {
     drive_cfg_t cfg = example_drive_cfg_with_startup();
 
@@ -337,7 +329,7 @@ static void test_the_vector_turns_no_faster_than_the_observer_follows(void)
     TEST_ASSERT_EQUAL_STRING("startup.align.sweep_speed", config_check(&cfg));
 }
 
-static void test_top_speed_of_the_speed_loop_is_at_most_what_the_observer_follows(void)
+TEST(test_top_speed_of_the_speed_loop_is_at_most_what_the_observer_follows)
 {
     drive_cfg_t cfg = example_drive_cfg();
 
@@ -356,7 +348,7 @@ static void test_top_speed_of_the_speed_loop_is_at_most_what_the_observer_follow
     TEST_ASSERT_EQUAL_STRING("speed_loop.speed_max", config_check(&cfg));
 }
 
-static void test_current_demand_is_at_most_what_the_protection_allows(void)
+TEST(test_current_demand_is_at_most_what_the_protection_allows)
 {
     drive_cfg_t cfg = example_drive_cfg();
 
@@ -372,7 +364,7 @@ static void test_current_demand_is_at_most_what_the_protection_allows(void)
     TEST_ASSERT_EQUAL_STRING("derating.current_max", config_check(&cfg));
 }
 
-static void test_bus_limits_out_of_order_are_named(void)
+TEST(test_bus_limits_out_of_order_are_named)
 {
     drive_cfg_t cfg = example_drive_cfg();
 
@@ -384,7 +376,7 @@ static void test_bus_limits_out_of_order_are_named(void)
     TEST_ASSERT_EQUAL_STRING("protection.bus_max", config_check(&cfg));
 }
 
-static void test_speed_limit_beyond_the_speed_base_is_named(void)
+TEST(test_speed_limit_beyond_the_speed_base_is_named)
 {
     drive_cfg_t cfg = example_drive_cfg();
 
@@ -400,7 +392,7 @@ static void test_speed_limit_beyond_the_speed_base_is_named(void)
     TEST_ASSERT_EQUAL_STRING("observer.speed_limit", config_check(&cfg));
 }
 
-static void test_the_first_of_several_bad_fields_is_named(void)
+TEST(test_the_first_of_several_bad_fields_is_named)
 {
     drive_cfg_t cfg = example_drive_cfg();
 
@@ -416,14 +408,14 @@ static void test_the_first_of_several_bad_fields_is_named(void)
     TEST_ASSERT_EQUAL_STRING("sampling.bus_shift", config_check(&cfg));
 }
 
-static void test_an_empty_configuration_is_refused(void)
+TEST(test_an_empty_configuration_is_refused)
 {
     const drive_cfg_t cfg = {.slow_ticks = 0U};
 
     TEST_ASSERT_EQUAL_STRING("protection.current_max", config_check(&cfg));
 }
 
-static void test_every_field_has_a_row(void)
+TEST(test_every_field_has_a_row)
 {
     /* Each field of 32 bits but crc stands in cfg.def exactly once, and a rule is of a field of the same name. */
     TEST_ASSERT_EQUAL_size_t((sizeof(drive_cfg_t) / sizeof(int32_t)) - 1U, COUNT(ROWS));
@@ -433,30 +425,4 @@ static void test_every_field_has_a_row(void)
             TEST_ASSERT_TRUE(ROWS[i].field.offset != ROWS[j].field.offset);
         }
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_valid_configuration_is_accepted);
-    RUN_TEST(test_every_field_is_accepted_at_both_ends_of_its_range);
-    RUN_TEST(test_every_field_is_refused_just_outside_its_range);
-    RUN_TEST(test_every_field_is_named_at_the_ends_of_its_type);
-    RUN_TEST(test_every_field_is_refused_just_outside_its_row);
-    RUN_TEST(test_all_fields_are_accepted_at_the_lower_ends_of_their_rows);
-    RUN_TEST(test_all_fields_are_accepted_at_the_upper_ends_of_their_rows);
-    RUN_TEST(test_with_a_sensor_a_trained_observer_is_named);
-    RUN_TEST(test_without_a_hold_current_what_run_reads_of_the_startup_is_still_checked);
-    RUN_TEST(test_without_a_hold_current_the_rest_of_the_startup_may_hold_anything);
-    RUN_TEST(test_without_a_voltage_drive_the_rest_of_it_may_hold_anything);
-    RUN_TEST(test_thresholds_of_the_startup_out_of_order_are_named);
-    RUN_TEST(test_the_vector_turns_no_faster_than_the_observer_follows);
-    RUN_TEST(test_top_speed_of_the_speed_loop_is_at_most_what_the_observer_follows);
-    RUN_TEST(test_current_demand_is_at_most_what_the_protection_allows);
-    RUN_TEST(test_bus_limits_out_of_order_are_named);
-    RUN_TEST(test_speed_limit_beyond_the_speed_base_is_named);
-    RUN_TEST(test_the_first_of_several_bad_fields_is_named);
-    RUN_TEST(test_an_empty_configuration_is_refused);
-    RUN_TEST(test_every_field_has_a_row);
-    return UNITY_END();
 }

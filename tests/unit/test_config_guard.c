@@ -2,7 +2,7 @@
 /* Guard of the configuration: the CRC by its definition, every flipped bit found, in bounded time. */
 #include "config_guard.h"
 #include "example_cfg.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -16,10 +16,6 @@ void setUp(void)
     cfg = example_drive_cfg();
     config_guard_reset(&guard);
     fault = (fault_t){.id = FAULT_NONE};
-}
-
-void tearDown(void)
-{
 }
 
 /* Bit by bit, as the standard says. */
@@ -36,14 +32,14 @@ static uint32_t crc_by_definition(const uint8_t *bytes, size_t count)
     return ~crc;
 }
 
-static void test_the_definition_gives_the_standards_check_value(void)
+TEST(test_the_definition_gives_the_standards_check_value)
 {
     static const uint8_t digits[] = {'1', '2', '3', '4', '5', '6', '7', '8', '9'};
 
     TEST_ASSERT_EQUAL_HEX32(0xCBF43926U, crc_by_definition(digits, sizeof digits));
 }
 
-static void test_crc_covers_all_fields_but_itself(void)
+TEST(test_crc_covers_all_fields_but_itself)
 {
     uint8_t bytes[sizeof cfg];
 
@@ -53,7 +49,7 @@ static void test_crc_covers_all_fields_but_itself(void)
                             config_guard_crc(&cfg));
 }
 
-static void test_an_unchanged_configuration_is_never_a_fault(void)
+TEST(test_an_unchanged_configuration_is_never_a_fault)
 {
     for (uint32_t k = 0U; k < (5U * CONFIG_GUARD_STEPS); k++) {
         TEST_ASSERT_EQUAL_INT(FAULT_NONE, config_guard_step(&guard, &cfg, &fault));
@@ -74,7 +70,7 @@ static uint32_t steps_to_fault(void)
     return 0U;
 }
 
-static void test_every_flipped_bit_is_found_within_two_rounds(void)
+TEST(test_every_flipped_bit_is_found_within_two_rounds)
 {
     for (size_t bit = 0U; bit < (8U * sizeof cfg); bit++) {
         uint8_t bytes[sizeof cfg];
@@ -94,21 +90,10 @@ static void test_every_flipped_bit_is_found_within_two_rounds(void)
 }
 
 /* Two flips of the highest bit in words two apart cancel in both of Fletcher's sums of 32 bits. */
-static void test_two_flipped_highest_bits_are_found(void)
+TEST(test_two_flipped_highest_bits_are_found)
 {
     cfg.observer.decay ^= INT32_MIN;
     cfg.observer.volt_gain ^= INT32_MIN;
     (void)steps_to_fault();
     TEST_ASSERT_EQUAL_INT(FAULT_CONFIGURATION, fault.id);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_the_definition_gives_the_standards_check_value);
-    RUN_TEST(test_crc_covers_all_fields_but_itself);
-    RUN_TEST(test_an_unchanged_configuration_is_never_a_fault);
-    RUN_TEST(test_every_flipped_bit_is_found_within_two_rounds);
-    RUN_TEST(test_two_flipped_highest_bits_are_found);
-    return UNITY_END();
 }

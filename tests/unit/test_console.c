@@ -2,6 +2,7 @@
 /* The console: what it answers to each line, what the drive gets of it. */
 #include "console.h"
 #include "example_app.h"
+#include "testing.h"
 
 #include <string.h>
 
@@ -88,11 +89,7 @@ void setUp(void)
     console_init(&console, &app, &hardware, &ABOUT);
 }
 
-void tearDown(void)
-{
-}
-
-static void test_each_speed_within_the_boards_limit_reaches_the_drive(void)
+TEST(test_each_speed_within_the_boards_limit_reaches_the_drive)
 {
     static const struct {
         const char *typed;
@@ -112,7 +109,7 @@ static void test_each_speed_within_the_boards_limit_reaches_the_drive(void)
     }
 }
 
-static void test_a_speed_beyond_the_limit_on_either_side_or_no_number_changes_nothing(void)
+TEST(test_a_speed_beyond_the_limit_on_either_side_or_no_number_changes_nothing)
 {
     static const char *const wrong[] = {
         "speed 2001\n", "speed -2001\n", "speed 999999999\n", "speed -999999999\n",
@@ -131,7 +128,7 @@ static void test_a_speed_beyond_the_limit_on_either_side_or_no_number_changes_no
 }
 
 /* Rounded towards zero to 2^-28 of T_b, which is far below what is typed. */
-static void test_each_torque_within_the_motors_reaches_the_drive(void)
+TEST(test_each_torque_within_the_motors_reaches_the_drive)
 {
     static const char *const typed[] = {"torque 2.5\n", "torque -2.5\n", "torque 0\n"};
     static const double newton_metres[] = {2.5, -2.5, 0.0};
@@ -148,7 +145,7 @@ static void test_each_torque_within_the_motors_reaches_the_drive(void)
     }
 }
 
-static void test_a_torque_beyond_the_motors_or_no_number_changes_nothing(void)
+TEST(test_a_torque_beyond_the_motors_or_no_number_changes_nothing)
 {
     static const char *const wrong[] = {"torque 999\n", "torque -999\n", "torque \n",
                                         "torque x\n",   "torque 1.\n",   "torque 12345\n"};
@@ -166,7 +163,7 @@ static void test_a_torque_beyond_the_motors_or_no_number_changes_nothing(void)
     }
 }
 
-static void test_where_the_configuration_is_refused_no_torque_is_taken(void)
+TEST(test_where_the_configuration_is_refused_no_torque_is_taken)
 {
     app = (app_t){.hal = &hardware}; /* nothing has begun */
     command_mailbox_init(&app.mailbox);
@@ -174,7 +171,7 @@ static void test_where_the_configuration_is_refused_no_torque_is_taken(void)
         strstr(said_to("torque 1\n"), "error: torque takes N m, at most 0.000000"));
 }
 
-static void test_run_and_stop_reach_the_drive_and_leave_the_speed(void)
+TEST(test_run_and_stop_reach_the_drive_and_leave_the_speed)
 {
     ready();
     (void)said_to("speed 2000\n");
@@ -187,7 +184,7 @@ static void test_run_and_stop_reach_the_drive_and_leave_the_speed(void)
     TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, app.in.command.target);
 }
 
-static void test_a_latched_fault_does_not_run_and_is_cleared_once(void)
+TEST(test_a_latched_fault_does_not_run_and_is_cleared_once)
 {
     failed();
     assert_says("error: a fault is latched; clear it first\r\n", "run\n");
@@ -201,7 +198,7 @@ static void test_a_latched_fault_does_not_run_and_is_cleared_once(void)
     TEST_ASSERT_EQUAL_UINT8(0U, request_taken());
 }
 
-static void test_the_status_is_a_line_with_the_speed_asked_for(void)
+TEST(test_the_status_is_a_line_with_the_speed_asked_for)
 {
     ready();
     (void)said_to("speed -345\n");
@@ -210,7 +207,7 @@ static void test_the_status_is_a_line_with_the_speed_asked_for(void)
                 "status\n");
 }
 
-static void test_a_change_of_state_is_said_once_with_its_fault(void)
+TEST(test_a_change_of_state_is_said_once_with_its_fault)
 {
     calibrate();
     assert_contains("READY, speed", said_to(""));
@@ -221,7 +218,7 @@ static void test_a_change_of_state_is_said_once_with_its_fault(void)
     assert_says("", "");
 }
 
-static void test_a_line_ends_with_either_end_or_both_and_nothing_is_none(void)
+TEST(test_a_line_ends_with_either_end_or_both_and_nothing_is_none)
 {
     assert_says("ok\r\n", "stop\r");
     assert_says("ok\r\n", "stop\r\n");
@@ -231,7 +228,7 @@ static void test_a_line_ends_with_either_end_or_both_and_nothing_is_none(void)
     assert_says("ok\r\n", "op\n");
 }
 
-static void test_other_lines_name_the_commands(void)
+TEST(test_other_lines_name_the_commands)
 {
     static const char *const others[] = {"x\n",        "runs\n",    "ru\n",   "stop \n",
                                          "clear1\n",   "statusx\n", "dum\n",  "dumps\n",
@@ -243,7 +240,7 @@ static void test_other_lines_name_the_commands(void)
 }
 
 /* 31 characters fit; one more makes the line no command, whatever it begins with. */
-static void test_a_line_that_is_too_long_is_no_command_and_the_next_one_is(void)
+TEST(test_a_line_that_is_too_long_is_no_command_and_the_next_one_is)
 {
     assert_says(WRONG_SPEED, "speed 1000                     \n");
     assert_says(HELP, "speed 1000                      \n");
@@ -251,7 +248,7 @@ static void test_a_line_that_is_too_long_is_no_command_and_the_next_one_is(void)
     assert_says("ok\r\n", "stop\n");
 }
 
-static void test_what_the_line_does_not_take_waits_and_what_does_not_fit_is_cut(void)
+TEST(test_what_the_line_does_not_take_waits_and_what_does_not_fit_is_cut)
 {
     line.room = 3U;
     assert_says("ok\r", "stop\n");
@@ -267,13 +264,13 @@ static void test_what_the_line_does_not_take_waits_and_what_does_not_fit_is_cut(
     assert_says("ok\r\n", "stop\n");
 }
 
-static void test_without_a_recorder_there_is_nothing_to_dump(void)
+TEST(test_without_a_recorder_there_is_nothing_to_dump)
 {
     assert_says("error: there is no recorder\r\n", "dump\n");
     assert_says("error: there is no recorder\r\n", "record\n");
 }
 
-static void test_a_dump_needs_a_tick_that_runs(void)
+TEST(test_a_dump_needs_a_tick_that_runs)
 {
     app_record(&app, &recorder);
     assert_says("error: the control tick does not run, nothing is recorded\r\n", "dump\n");
@@ -291,7 +288,7 @@ static void serve(void)
     }
 }
 
-static void test_a_dump_is_sent_to_its_end_and_recording_goes_on(void)
+TEST(test_a_dump_is_sent_to_its_end_and_recording_goes_on)
 {
     char last[SAID_MAX] = "";
 
@@ -324,7 +321,7 @@ static void dump_starts(const about_t *about)
     TEST_ASSERT_EQUAL_CHAR(RECORDER_LINE_MARK, said_to("")[0]);
 }
 
-static void test_a_dump_says_what_its_numbers_mean_and_of_which_image_they_are(void)
+TEST(test_a_dump_says_what_its_numbers_mean_and_of_which_image_they_are)
 {
     static const uint32_t build[RECORDER_BUILD_WORDS] = {11U, 22U, 33U, 44U, 55U};
     const recorder_about_t *const about = &console.dump.header.about;
@@ -340,13 +337,13 @@ static void test_a_dump_says_what_its_numbers_mean_and_of_which_image_they_are(v
     TEST_ASSERT_EQUAL_STRING("a board", (const char *)about->name); /* the PC is little-endian */
 }
 
-static void test_without_a_build_id_a_dump_has_zeros(void)
+TEST(test_without_a_build_id_a_dump_has_zeros)
 {
     dump_starts(&ABOUT);
     TEST_ASSERT_EACH_EQUAL_UINT32(0U, console.dump.header.about.build, RECORDER_BUILD_WORDS);
 }
 
-static void test_a_dump_waits_for_the_line_and_is_no_kept_recording_meanwhile(void)
+TEST(test_a_dump_waits_for_the_line_and_is_no_kept_recording_meanwhile)
 {
     app_record(&app, &recorder);
     failed();
@@ -363,7 +360,7 @@ static void test_a_dump_waits_for_the_line_and_is_no_kept_recording_meanwhile(vo
     TEST_ASSERT_EQUAL(CONSOLE_DUMP_SENT, console.dump_phase);
 }
 
-static void test_what_is_frozen_is_dumped_without_a_tick(void)
+TEST(test_what_is_frozen_is_dumped_without_a_tick)
 {
     app_record(&app, &recorder);
     failed();
@@ -374,7 +371,7 @@ static void test_what_is_frozen_is_dumped_without_a_tick(void)
     assert_says("ok\r\n", "dump\n");
 }
 
-static void test_a_kept_recording_is_said_until_it_is_given_up(void)
+TEST(test_a_kept_recording_is_said_until_it_is_given_up)
 {
     static const char kept[] = ", keeps the recording of a fault: dump or record\r\n";
 
@@ -400,12 +397,12 @@ static void identifies(void)
     TEST_ASSERT_EQUAL(DRIVE_STATE_PROBE, app.drive.state);
 }
 
-static void test_an_identification_is_refused_unless_the_drive_is_ready(void)
+TEST(test_an_identification_is_refused_unless_the_drive_is_ready)
 {
     assert_contains("error: the drive is not READY\r\n", said_to("identify\n"));
 }
 
-static void test_while_the_motor_is_measured_no_other_line_moves_it_and_a_stop_ends_that(void)
+TEST(test_while_the_motor_is_measured_no_other_line_moves_it_and_a_stop_ends_that)
 {
     uint8_t mode;
     int32_t target;
@@ -426,7 +423,7 @@ static void test_while_the_motor_is_measured_no_other_line_moves_it_and_a_stop_e
 }
 
 /* A word of the probe is no speed. */
-static void test_after_an_identification_a_run_has_the_speed_that_was_asked_for_before(void)
+TEST(test_after_an_identification_a_run_has_the_speed_that_was_asked_for_before)
 {
     identifies();
     (void)said_to("stop\n");
@@ -438,7 +435,7 @@ static void test_after_an_identification_a_run_has_the_speed_that_was_asked_for_
 }
 
 /* The records would wait for the end of the dump, and the current would flow until then. */
-static void test_a_dump_is_refused_while_the_motor_is_measured(void)
+TEST(test_a_dump_is_refused_while_the_motor_is_measured)
 {
     app_record(&app, &recorder);
     identifies();
@@ -449,7 +446,7 @@ static void test_a_dump_is_refused_while_the_motor_is_measured(void)
     assert_contains("ok\r\n", said_to("dump\n"));
 }
 
-static void test_a_motor_is_not_measured_while_a_dump_is_under_way(void)
+TEST(test_a_motor_is_not_measured_while_a_dump_is_under_way)
 {
     app_record(&app, &recorder);
     ready();
@@ -459,7 +456,7 @@ static void test_a_motor_is_not_measured_while_a_dump_is_under_way(void)
 }
 
 /* It gives up the recording of an old fault, so that the next one is recorded. */
-static void test_while_the_motor_is_measured_recording_can_begin_anew(void)
+TEST(test_while_the_motor_is_measured_recording_can_begin_anew)
 {
     app_record(&app, &recorder);
     identifies();
@@ -471,7 +468,7 @@ static void test_while_the_motor_is_measured_recording_can_begin_anew(void)
     TEST_ASSERT_EQUAL_UINT32(5U, console.identify.windows);
 }
 
-static void test_the_status_says_that_the_motor_is_measured_until_it_ends(void)
+TEST(test_the_status_says_that_the_motor_is_measured_until_it_ends)
 {
     identifies();
     assert_contains("PROBE, speed 0 rpm, measuring the motor, phases ", said_to("status\n"));
@@ -484,7 +481,7 @@ static void test_the_status_says_that_the_motor_is_measured_until_it_ends(void)
 }
 
 /* None is lost: the next one begins when the last has been sent. */
-static void test_records_wait_for_the_line(void)
+TEST(test_records_wait_for_the_line)
 {
     ready();
     line.room = 0U;
@@ -500,7 +497,7 @@ static void test_records_wait_for_the_line(void)
 }
 
 /* Nobody reads: after two minutes the gates open all the same. */
-static void test_a_line_that_is_stuck_does_not_leave_the_current_on(void)
+TEST(test_a_line_that_is_stuck_does_not_leave_the_current_on)
 {
     identifies();
     TEST_ASSERT_TRUE(app.out.gate_enable);
@@ -513,40 +510,4 @@ static void test_a_line_that_is_stuck_does_not_leave_the_current_on(void)
     line.room = SIZE_MAX;
     (void)said_to("");
     assert_contains("identify refused: it has not ended within 2 minutes\r\n", said_to(""));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_each_speed_within_the_boards_limit_reaches_the_drive);
-    RUN_TEST(test_a_speed_beyond_the_limit_on_either_side_or_no_number_changes_nothing);
-    RUN_TEST(test_run_and_stop_reach_the_drive_and_leave_the_speed);
-    RUN_TEST(test_a_latched_fault_does_not_run_and_is_cleared_once);
-    RUN_TEST(test_the_status_is_a_line_with_the_speed_asked_for);
-    RUN_TEST(test_a_change_of_state_is_said_once_with_its_fault);
-    RUN_TEST(test_a_line_ends_with_either_end_or_both_and_nothing_is_none);
-    RUN_TEST(test_other_lines_name_the_commands);
-    RUN_TEST(test_a_line_that_is_too_long_is_no_command_and_the_next_one_is);
-    RUN_TEST(test_what_the_line_does_not_take_waits_and_what_does_not_fit_is_cut);
-    RUN_TEST(test_without_a_recorder_there_is_nothing_to_dump);
-    RUN_TEST(test_a_dump_needs_a_tick_that_runs);
-    RUN_TEST(test_a_dump_is_sent_to_its_end_and_recording_goes_on);
-    RUN_TEST(test_a_dump_says_what_its_numbers_mean_and_of_which_image_they_are);
-    RUN_TEST(test_without_a_build_id_a_dump_has_zeros);
-    RUN_TEST(test_a_dump_waits_for_the_line_and_is_no_kept_recording_meanwhile);
-    RUN_TEST(test_what_is_frozen_is_dumped_without_a_tick);
-    RUN_TEST(test_a_kept_recording_is_said_until_it_is_given_up);
-    RUN_TEST(test_an_identification_is_refused_unless_the_drive_is_ready);
-    RUN_TEST(test_while_the_motor_is_measured_no_other_line_moves_it_and_a_stop_ends_that);
-    RUN_TEST(test_after_an_identification_a_run_has_the_speed_that_was_asked_for_before);
-    RUN_TEST(test_a_dump_is_refused_while_the_motor_is_measured);
-    RUN_TEST(test_a_motor_is_not_measured_while_a_dump_is_under_way);
-    RUN_TEST(test_while_the_motor_is_measured_recording_can_begin_anew);
-    RUN_TEST(test_the_status_says_that_the_motor_is_measured_until_it_ends);
-    RUN_TEST(test_records_wait_for_the_line);
-    RUN_TEST(test_a_line_that_is_stuck_does_not_leave_the_current_on);
-    RUN_TEST(test_each_torque_within_the_motors_reaches_the_drive);
-    RUN_TEST(test_a_torque_beyond_the_motors_or_no_number_changes_nothing);
-    RUN_TEST(test_where_the_configuration_is_refused_no_torque_is_taken);
-    return UNITY_END();
 }

@@ -6,7 +6,7 @@
 #include "example_cfg.h"
 #include "hal_host.h"
 #include "link.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -108,11 +108,7 @@ void setUp(void)
     assert_has("READY, speed 0 of 0 rpm, ", after(TICKS_PER_S / 10U, ""));
 }
 
-void tearDown(void)
-{
-}
-
-static void test_the_motor_turns_as_fast_as_it_is_told_and_the_status_says_so(void)
+TEST(test_the_motor_turns_as_fast_as_it_is_told_and_the_status_says_so)
 {
     assert_has("ok\r\nok\r\n", after(2U * TICKS_PER_S, "speed 1000\rrun\r"));
     (void)after(TICKS_PER_S / 10U, "status\r");
@@ -122,7 +118,7 @@ static void test_the_motor_turns_as_fast_as_it_is_told_and_the_status_says_so(vo
     assert_has(" of 1000 rpm, ", said);
 }
 
-static void test_it_is_stopped_and_coasts(void)
+TEST(test_it_is_stopped_and_coasts)
 {
     (void)after(TICKS_PER_S, "speed -500\rrun\r");
     TEST_ASSERT_TRUE(turned_rpm() < -400.0);
@@ -130,7 +126,7 @@ static void test_it_is_stopped_and_coasts(void)
     TEST_ASSERT_FALSE(app.out.gate_enable);
 }
 
-static void test_a_fault_is_told_and_cleared_and_the_motor_runs_again(void)
+TEST(test_a_fault_is_told_and_cleared_and_the_motor_runs_again)
 {
     (void)after(TICKS_PER_S, "speed 500\rrun\r");
     hardware.faults.broken = true;
@@ -139,13 +135,4 @@ static void test_a_fault_is_told_and_cleared_and_the_motor_runs_again(void)
     assert_has("error: a fault is latched; clear it first\r\n", after(TICKS_PER_S / 10U, "run\r"));
     assert_has("ok\r\n", after(2U * TICKS_PER_S, "stop\rclear\r"));
     assert_has("RUN, speed ", after(TICKS_PER_S, "run\r"));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_the_motor_turns_as_fast_as_it_is_told_and_the_status_says_so);
-    RUN_TEST(test_it_is_stopped_and_coasts);
-    RUN_TEST(test_a_fault_is_told_and_cleared_and_the_motor_runs_again);
-    return UNITY_END();
 }

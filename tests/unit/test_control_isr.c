@@ -2,7 +2,7 @@
 /* The control interrupt: sample, step, apply in this order, on a binding that only keeps a diary. */
 #include "app.h"
 #include "example_cfg.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <string.h>
 
@@ -67,11 +67,7 @@ void setUp(void)
     TEST_ASSERT_NULL(app_init(&app, &hal, &cfg));
 }
 
-void tearDown(void)
-{
-}
-
-static void test_init_opens_the_gates_and_touches_nothing_else_of_the_hardware(void)
+TEST(test_init_opens_the_gates_and_touches_nothing_else_of_the_hardware)
 {
     TEST_ASSERT_EQUAL_STRING("o", hal.diary);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_INIT, app.drive.state);
@@ -79,7 +75,7 @@ static void test_init_opens_the_gates_and_touches_nothing_else_of_the_hardware(v
     TEST_ASSERT_FALSE(app.out.gate_enable);
 }
 
-static void test_init_leaves_empty_frames_behind(void)
+TEST(test_init_leaves_empty_frames_behind)
 {
     const drive_in_t no_input = {0};
     const drive_out_t no_output = {0};
@@ -88,7 +84,7 @@ static void test_init_leaves_empty_frames_behind(void)
     TEST_ASSERT_EQUAL_MEMORY(&no_output, &app.out, sizeof app.out);
 }
 
-static void test_init_opens_the_gates_even_when_the_configuration_is_refused(void)
+TEST(test_init_opens_the_gates_even_when_the_configuration_is_refused)
 {
     memset(hal.diary, 0, sizeof hal.diary);
     hal.entries = 0U;
@@ -97,7 +93,7 @@ static void test_init_opens_the_gates_even_when_the_configuration_is_refused(voi
     TEST_ASSERT_EQUAL_STRING("o", hal.diary);
 }
 
-static void test_interrupt_samples_then_steps_then_applies_once_each(void)
+TEST(test_interrupt_samples_then_steps_then_applies_once_each)
 {
     control_isr(&app);
     TEST_ASSERT_EQUAL_STRING("osa", hal.diary);
@@ -107,7 +103,7 @@ static void test_interrupt_samples_then_steps_then_applies_once_each(void)
     TEST_ASSERT_EQUAL_UINT32(2U, hal.tick_at_apply);
 }
 
-static void test_step_gets_the_sampled_frame(void)
+TEST(test_step_gets_the_sampled_frame)
 {
     hal.next.adc_ia = 2111U;
     hal.next.flags = 0x8000U;
@@ -116,7 +112,7 @@ static void test_step_gets_the_sampled_frame(void)
     TEST_ASSERT_EQUAL_UINT16(0x8000U, app.in.flags);
 }
 
-static void test_command_of_the_background_is_taken_in_one_tick_of_each_slow_period(void)
+TEST(test_command_of_the_background_is_taken_in_one_tick_of_each_slow_period)
 {
     for (int32_t k = 0; k < 40; k++) {
         const drive_command_t before = app.in.command;
@@ -142,7 +138,7 @@ static drive_cfg_t with_ramp(step_t ramp)
     return other;
 }
 
-static void test_a_configuration_is_taken_with_the_command_and_not_in_another_tick(void)
+TEST(test_a_configuration_is_taken_with_the_command_and_not_in_another_tick)
 {
     const drive_cfg_t other = with_ramp(cfg.speed_loop.ramp + 1);
 
@@ -159,7 +155,7 @@ static void test_a_configuration_is_taken_with_the_command_and_not_in_another_ti
     TEST_ASSERT_FALSE(app_changes(&app));
 }
 
-static void test_of_two_configurations_the_later_one_counts(void)
+TEST(test_of_two_configurations_the_later_one_counts)
 {
     const drive_cfg_t first = with_ramp(cfg.speed_loop.ramp + 1);
     const drive_cfg_t second = with_ramp(cfg.speed_loop.ramp + 2);
@@ -173,7 +169,7 @@ static void test_of_two_configurations_the_later_one_counts(void)
 }
 
 /* The tick in which it is taken runs with it already. */
-static void test_a_change_is_in_front_of_the_step_of_its_tick(void)
+TEST(test_a_change_is_in_front_of_the_step_of_its_tick)
 {
     const drive_cfg_t other = with_ramp(cfg.speed_loop.ramp + 1);
     drive_t alone;
@@ -200,7 +196,7 @@ static void test_a_change_is_in_front_of_the_step_of_its_tick(void)
 #define CHANGE_MARK (0x8000U) /* bit 15 of the third word of an entry: recorder.h */
 #define ENTRIES (4U * RECORDER_ENTRIES_MIN)
 
-static void test_a_change_is_recorded_in_front_of_its_frame(void)
+TEST(test_a_change_is_recorded_in_front_of_its_frame)
 {
     static recorder_t recorder;
     static recorder_entry_t entries[ENTRIES];
@@ -222,7 +218,7 @@ static void test_a_change_is_recorded_in_front_of_its_frame(void)
     TEST_ASSERT_EQUAL_UINT32(1U, found);
 }
 
-static void test_interrupt_does_what_the_same_frames_do_to_a_drive_alone(void)
+TEST(test_interrupt_does_what_the_same_frames_do_to_a_drive_alone)
 {
     drive_t alone;
     drive_out_t out = {0};
@@ -239,7 +235,7 @@ static void test_interrupt_does_what_the_same_frames_do_to_a_drive_alone(void)
     TEST_ASSERT_TRUE(hal.applied.gate_enable);
 }
 
-static void test_fault_in_a_frame_reaches_the_gates_in_the_same_interrupt(void)
+TEST(test_fault_in_a_frame_reaches_the_gates_in_the_same_interrupt)
 {
     post(0, DRIVE_MODE_SPEED, DRIVE_REQUEST_RUN);
     for (uint32_t k = 0U; k < 300U; k++) {
@@ -251,7 +247,7 @@ static void test_fault_in_a_frame_reaches_the_gates_in_the_same_interrupt(void)
     TEST_ASSERT_FALSE(hal.applied.gate_enable);
 }
 
-static void test_interrupt_records_each_tick_after_it_was_applied(void)
+TEST(test_interrupt_records_each_tick_after_it_was_applied)
 {
     static recorder_t recorder;
     static recorder_entry_t entries[RECORDER_SEGMENTS * RECORDER_ENTRIES_MIN];
@@ -269,7 +265,7 @@ static void test_interrupt_records_each_tick_after_it_was_applied(void)
     TEST_ASSERT_EQUAL_UINT16_ARRAY(hal.applied.compare.phase, frame.out.compare.phase, 3U);
 }
 
-static void test_init_leaves_no_recorder_behind(void)
+TEST(test_init_leaves_no_recorder_behind)
 {
     static recorder_t recorder;
 
@@ -277,24 +273,4 @@ static void test_init_leaves_no_recorder_behind(void)
     TEST_ASSERT_NULL(app_init(&app, &hal, &cfg));
     control_isr(&app);
     TEST_ASSERT_NULL(recorder.at);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_init_opens_the_gates_and_touches_nothing_else_of_the_hardware);
-    RUN_TEST(test_init_leaves_empty_frames_behind);
-    RUN_TEST(test_init_opens_the_gates_even_when_the_configuration_is_refused);
-    RUN_TEST(test_interrupt_samples_then_steps_then_applies_once_each);
-    RUN_TEST(test_step_gets_the_sampled_frame);
-    RUN_TEST(test_command_of_the_background_is_taken_in_one_tick_of_each_slow_period);
-    RUN_TEST(test_a_configuration_is_taken_with_the_command_and_not_in_another_tick);
-    RUN_TEST(test_of_two_configurations_the_later_one_counts);
-    RUN_TEST(test_a_change_is_in_front_of_the_step_of_its_tick);
-    RUN_TEST(test_a_change_is_recorded_in_front_of_its_frame);
-    RUN_TEST(test_interrupt_does_what_the_same_frames_do_to_a_drive_alone);
-    RUN_TEST(test_fault_in_a_frame_reaches_the_gates_in_the_same_interrupt);
-    RUN_TEST(test_interrupt_records_each_tick_after_it_was_applied);
-    RUN_TEST(test_init_leaves_no_recorder_behind);
-    return UNITY_END();
 }

@@ -1,18 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* The check value: against the polynomial itself, bit by bit, and against values of the standard. */
 #include "crc32.h"
-#include "unity.h"
+#include "testing.h"
 
 #define POLYNOMIAL (0xEDB88320U)
 #define BYTES (4U)
-
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
 
 static uint32_t bit_by_bit(uint32_t before, const uint8_t *bytes)
 {
@@ -26,7 +18,7 @@ static uint32_t bit_by_bit(uint32_t before, const uint8_t *bytes)
     return crc;
 }
 
-static void test_each_value_of_each_byte_divides_as_the_polynomial_does(void)
+TEST(test_each_value_of_each_byte_divides_as_the_polynomial_does)
 {
     static const uint32_t before[] = {CRC32_START, 0U, 0x12345678U};
 
@@ -52,13 +44,13 @@ static void assert_crc(uint32_t expected, const char *text)
 }
 
 /* As every other program of this CRC gives them. */
-static void test_known_texts_have_their_known_values(void)
+TEST(test_known_texts_have_their_known_values)
 {
     assert_crc(0x9AE0DAAFU, "12345678");
     assert_crc(0xAEEF2A50U, "abcdefgh");
 }
 
-static void test_four_single_bytes_are_a_step(void)
+TEST(test_four_single_bytes_are_a_step)
 {
     static const uint8_t bytes[BYTES] = {0x5AU, 0x00U, 0xFFU, 0x96U};
     uint32_t crc = 0x12345678U;
@@ -68,13 +60,4 @@ static void test_four_single_bytes_are_a_step(void)
     }
     TEST_ASSERT_EQUAL_HEX32(bit_by_bit(0x12345678U, bytes), crc);
     TEST_ASSERT_EQUAL_HEX32(0xE8B7BE43U, ~crc32_byte(CRC32_START, (uint8_t)'a'));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_each_value_of_each_byte_divides_as_the_polynomial_does);
-    RUN_TEST(test_known_texts_have_their_known_values);
-    RUN_TEST(test_four_single_bytes_are_a_step);
-    return UNITY_END();
 }

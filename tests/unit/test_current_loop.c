@@ -5,8 +5,8 @@
 #include "example_cfg.h"
 #include "figure.h"
 #include "seeded.h"
+#include "testing.h"
 #include "trig.h"
-#include "unity.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -28,10 +28,6 @@ void setUp(void)
     current_loop_reset(&loop);
 }
 
-void tearDown(void)
-{
-}
-
 /* The model's part for this reference and speed, and one tick. */
 static dq_t planned_step(dq_t reference, dq_t measured, int32_t speed_q15, int32_t limit)
 {
@@ -46,7 +42,7 @@ static void remove_regulators(void)
     cfg.pi_q = cfg.pi_d;
 }
 
-static void test_reset_empties_both_integrals(void)
+TEST(test_reset_empties_both_integrals)
 {
     (void)planned_step((dq_t){5000, 5000}, (dq_t){0, 0}, 9000, 32767);
     TEST_ASSERT_TRUE((loop.reactance_q14.d != 0) && (loop.reactance_q14.q != 0));
@@ -61,7 +57,7 @@ static void test_reset_empties_both_integrals(void)
 }
 
 /* The square of 2^16 is 0 in 32 bits. */
-static void test_a_demand_of_which_the_square_wraps_is_outside_of_the_circle(void)
+TEST(test_a_demand_of_which_the_square_wraps_is_outside_of_the_circle)
 {
     static const dq_t demands[] = {{65536, 0}, {-65536, 0}, {0, 65536}, {0, -65536}};
 
@@ -76,7 +72,7 @@ static void test_a_demand_of_which_the_square_wraps_is_outside_of_the_circle(voi
     }
 }
 
-static void test_no_error_at_rest_demands_no_voltage(void)
+TEST(test_no_error_at_rest_demands_no_voltage)
 {
     const dq_t v = planned_step((dq_t){0, 0}, (dq_t){0, 0}, 0, 32767);
 
@@ -84,7 +80,7 @@ static void test_no_error_at_rest_demands_no_voltage(void)
     TEST_ASSERT_EQUAL_INT32(0, v.q);
 }
 
-static void test_each_axis_answers_its_own_error_only(void)
+TEST(test_each_axis_answers_its_own_error_only)
 {
     dq_t v = planned_step((dq_t){100, 0}, (dq_t){0, 0}, 0, 32767);
 
@@ -96,7 +92,7 @@ static void test_each_axis_answers_its_own_error_only(void)
     TEST_ASSERT_TRUE(v.q < 0);
 }
 
-static void test_decoupling_follows_the_motor_equations(void)
+TEST(test_decoupling_follows_the_motor_equations)
 {
     seeded_t seed = {0xDEC0DEU};
     double worst = 0.0;
@@ -124,8 +120,7 @@ static void test_decoupling_follows_the_motor_equations(void)
     figure_check("decoupling, LSB", worst, DECOUPLING_LSB, 0.4);
 }
 
-static void
-test_drop_of_the_resistance_is_that_of_the_reference_and_not_of_the_measured_current(void)
+TEST(test_drop_of_the_resistance_is_that_of_the_reference_and_not_of_the_measured_current)
 {
     dq_t v;
 
@@ -145,7 +140,7 @@ test_drop_of_the_resistance_is_that_of_the_reference_and_not_of_the_measured_cur
  */
 #define TURNED_LSB (2.0)
 
-static void test_turn_of_the_frame_keeps_the_integrals_where_they_are_in_space(void)
+TEST(test_turn_of_the_frame_keeps_the_integrals_where_they_are_in_space)
 {
     for (int32_t k = 0; k < 360; k++) {
         const double angle = k * 3.141592653589793 / 180.0;
@@ -163,7 +158,7 @@ static void test_turn_of_the_frame_keeps_the_integrals_where_they_are_in_space(v
     }
 }
 
-static void test_turn_of_integrals_at_their_ends_saturates_at_one(void)
+TEST(test_turn_of_integrals_at_their_ends_saturates_at_one)
 {
     /* 1 along both axes is √2 along the diagonal: an eighth of a turn away. */
     for (int32_t sign = -1; sign <= 1; sign += 2) {
@@ -180,7 +175,7 @@ static void test_turn_of_integrals_at_their_ends_saturates_at_one(void)
     }
 }
 
-static void test_model_is_the_products_rounded_down_for_any_speed_gain_and_current(void)
+TEST(test_model_is_the_products_rounded_down_for_any_speed_gain_and_current)
 {
     static const int32_t speeds[] = {-32768, -16385, -7, -1, 0, 1, 7, 16385, 32767};
     static const int32_t gains[] = {0, 1, 8191, 8192, 32499, 32500, 32767};
@@ -211,7 +206,7 @@ static void test_model_is_the_products_rounded_down_for_any_speed_gain_and_curre
 }
 
 /* Between two plans the speed and the reference of the model stay: only the measured current is new. */
-static void test_model_keeps_speed_and_reference_of_the_last_plan(void)
+TEST(test_model_keeps_speed_and_reference_of_the_last_plan)
 {
     dq_t before;
 
@@ -225,7 +220,7 @@ static void test_model_keeps_speed_and_reference_of_the_last_plan(void)
     TEST_ASSERT_EQUAL_INT32(0, current_loop_model(&loop, (dq_t){300, 400}).q);
 }
 
-static void test_voltage_never_leaves_the_circle(void)
+TEST(test_voltage_never_leaves_the_circle)
 {
     seeded_t seed = {0xC1AC1EU};
 
@@ -245,7 +240,7 @@ static void test_voltage_never_leaves_the_circle(void)
     }
 }
 
-static void test_extreme_gains_and_inputs_stay_in_the_circle(void)
+TEST(test_extreme_gains_and_inputs_stay_in_the_circle)
 {
     static const int32_t ends[] = {-32768, 0, 32768};
     const pi_cfg_t largest = {.kp = 32767, .ki = 32767, .kp_shift = 1U, .ki_shift = 1U};
@@ -263,7 +258,7 @@ static void test_extreme_gains_and_inputs_stay_in_the_circle(void)
     }
 }
 
-static void test_d_axis_takes_the_whole_circle_first(void)
+TEST(test_d_axis_takes_the_whole_circle_first)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         dq_t v;
@@ -276,7 +271,7 @@ static void test_d_axis_takes_the_whole_circle_first(void)
 }
 
 /* A torque against the speed: v_q has the whole circle first. ω·φ and ω·L·i are nothing at a speed of 1 LSB. */
-static void test_braking_q_axis_takes_the_whole_circle_first(void)
+TEST(test_braking_q_axis_takes_the_whole_circle_first)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         dq_t v;
@@ -293,7 +288,7 @@ static void test_braking_q_axis_takes_the_whole_circle_first(void)
     }
 }
 
-static void test_braking_d_axis_is_cut_to_what_the_circle_leaves_beside_q(void)
+TEST(test_braking_d_axis_is_cut_to_what_the_circle_leaves_beside_q)
 {
     /* v_q = −6000 of 10000 leaves 8000, exactly; what is cut goes back to the integral. */
     for (int32_t sign = -1; sign <= 1; sign += 2) {
@@ -319,7 +314,7 @@ static void test_braking_d_axis_is_cut_to_what_the_circle_leaves_beside_q(void)
  * Euler with 50 steps a tick. The circle does not give both. i_q holds within 5 % of its reference, which is the ripple
  * that the limit leaves; i_d, which is free, weakens the field. With v_d first i_q ran away to v/R.
  */
-static void test_braking_at_the_limit_holds_the_torque_current(void)
+TEST(test_braking_at_the_limit_holds_the_torque_current)
 {
     const double inductance = 0.0116;
     const double step_s = 1e-4 / 50.0;
@@ -353,7 +348,7 @@ static void test_braking_at_the_limit_holds_the_torque_current(void)
     TEST_ASSERT_TRUE(i_d < 0.0);
 }
 
-static void test_q_axis_is_cut_to_what_the_circle_leaves_beside_d(void)
+TEST(test_q_axis_is_cut_to_what_the_circle_leaves_beside_d)
 {
     /* v_d = 6000 of 10000 leaves 8000, exactly. */
     for (int32_t sign = -1; sign <= 1; sign += 2) {
@@ -367,7 +362,7 @@ static void test_q_axis_is_cut_to_what_the_circle_leaves_beside_d(void)
     }
 }
 
-static void test_demand_exactly_on_the_circle_is_not_cut(void)
+TEST(test_demand_exactly_on_the_circle_is_not_cut)
 {
     dq_t v;
 
@@ -379,7 +374,7 @@ static void test_demand_exactly_on_the_circle_is_not_cut(void)
     TEST_ASSERT_EQUAL_INT32(8000 * 2048, loop.pi_q.integral_q26);
 }
 
-static void test_cut_of_the_circle_goes_back_to_the_q_integral(void)
+TEST(test_cut_of_the_circle_goes_back_to_the_q_integral)
 {
     pi_reset(&loop.pi_d, 6000);
     pi_reset(&loop.pi_q, 9000);
@@ -387,7 +382,7 @@ static void test_cut_of_the_circle_goes_back_to_the_q_integral(void)
     TEST_ASSERT_EQUAL_INT32(8000 * 2048, loop.pi_q.integral_q26);
 }
 
-static void test_voltage_leaves_the_circle_as_soon_as_the_error_turns(void)
+TEST(test_voltage_leaves_the_circle_as_soon_as_the_error_turns)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         dq_t v = {0, 0};
@@ -403,7 +398,7 @@ static void test_voltage_leaves_the_circle_as_soon_as_the_error_turns(void)
     }
 }
 
-static void test_q_integral_takes_over_what_an_emf_exceeds_the_circle_by(void)
+TEST(test_q_integral_takes_over_what_an_emf_exceeds_the_circle_by)
 {
     /* d holds 6000 of 10000; the EMF alone asks for about 27000 of the 8000 left. */
     for (int32_t sign = -1; sign <= 1; sign += 2) {
@@ -420,7 +415,7 @@ static void test_q_integral_takes_over_what_an_emf_exceeds_the_circle_by(void)
     }
 }
 
-static void test_q_integral_saturates_at_one_while_an_emf_stays_beyond_the_circle(void)
+TEST(test_q_integral_saturates_at_one_while_an_emf_stays_beyond_the_circle)
 {
     /* 16384·30000/2^13 = 60000 less 1 is still beyond the circle. */
     cfg.emf_q13 = 30000;
@@ -443,7 +438,7 @@ static void test_q_integral_saturates_at_one_while_an_emf_stays_beyond_the_circl
  * less than 50/500 = 10 %, gone (to e^-5) after 5/(2π·50 s) = 160 ticks. Left of the error then is
  * 1 LSB, for less than that the integral still moves.
  */
-static void test_current_step_on_a_motor_settles_as_designed_without_moving_the_other_axis(void)
+TEST(test_current_step_on_a_motor_settles_as_designed_without_moving_the_other_axis)
 {
     const double inductance = 0.0116;
     const double speed = 200.0;
@@ -478,7 +473,7 @@ static void test_current_step_on_a_motor_settles_as_designed_without_moving_the_
 }
 
 /* An LSB of the voltage is 2^11 of the integral. */
-static void test_a_voltage_that_is_taken_over_goes_to_the_integral_of_its_axis(void)
+TEST(test_a_voltage_that_is_taken_over_goes_to_the_integral_of_its_axis)
 {
     loop.pi_d.integral_q26 = 5;
     loop.pi_q.integral_q26 = -7;
@@ -488,7 +483,7 @@ static void test_a_voltage_that_is_taken_over_goes_to_the_integral_of_its_axis(v
 }
 
 /* From the lower end, so that the integral's own limit takes nothing off. */
-static void test_no_more_than_the_largest_voltage_is_taken_over(void)
+TEST(test_no_more_than_the_largest_voltage_is_taken_over)
 {
     const int32_t end = 67108864;
     const int32_t most = 32767 * 2048;
@@ -503,35 +498,4 @@ static void test_no_more_than_the_largest_voltage_is_taken_over(void)
     current_loop_take_over(&loop, (dq_t){-60000, -60000});
     TEST_ASSERT_EQUAL_INT32((end - 1) - most, loop.pi_d.integral_q26);
     TEST_ASSERT_EQUAL_INT32((end - 1) - most, loop.pi_q.integral_q26);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_reset_empties_both_integrals);
-    RUN_TEST(test_a_demand_of_which_the_square_wraps_is_outside_of_the_circle);
-    RUN_TEST(test_no_error_at_rest_demands_no_voltage);
-    RUN_TEST(test_each_axis_answers_its_own_error_only);
-    RUN_TEST(test_decoupling_follows_the_motor_equations);
-    RUN_TEST(test_drop_of_the_resistance_is_that_of_the_reference_and_not_of_the_measured_current);
-    RUN_TEST(test_turn_of_the_frame_keeps_the_integrals_where_they_are_in_space);
-    RUN_TEST(test_turn_of_integrals_at_their_ends_saturates_at_one);
-    RUN_TEST(test_model_is_the_products_rounded_down_for_any_speed_gain_and_current);
-    RUN_TEST(test_model_keeps_speed_and_reference_of_the_last_plan);
-    RUN_TEST(test_voltage_never_leaves_the_circle);
-    RUN_TEST(test_extreme_gains_and_inputs_stay_in_the_circle);
-    RUN_TEST(test_d_axis_takes_the_whole_circle_first);
-    RUN_TEST(test_braking_q_axis_takes_the_whole_circle_first);
-    RUN_TEST(test_braking_d_axis_is_cut_to_what_the_circle_leaves_beside_q);
-    RUN_TEST(test_braking_at_the_limit_holds_the_torque_current);
-    RUN_TEST(test_q_axis_is_cut_to_what_the_circle_leaves_beside_d);
-    RUN_TEST(test_demand_exactly_on_the_circle_is_not_cut);
-    RUN_TEST(test_cut_of_the_circle_goes_back_to_the_q_integral);
-    RUN_TEST(test_q_integral_takes_over_what_an_emf_exceeds_the_circle_by);
-    RUN_TEST(test_q_integral_saturates_at_one_while_an_emf_stays_beyond_the_circle);
-    RUN_TEST(test_voltage_leaves_the_circle_as_soon_as_the_error_turns);
-    RUN_TEST(test_current_step_on_a_motor_settles_as_designed_without_moving_the_other_axis);
-    RUN_TEST(test_a_voltage_that_is_taken_over_goes_to_the_integral_of_its_axis);
-    RUN_TEST(test_no_more_than_the_largest_voltage_is_taken_over);
-    return UNITY_END();
 }

@@ -3,7 +3,7 @@
 #include "current_reference.h"
 
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -28,14 +28,10 @@ void setUp(void)
     weakening_reset(&weakening);
 }
 
-void tearDown(void)
-{
-}
-
 /* ---- torque ---- */
 
 /* ψ = φ + (L_d − L_q)·i_d: the reluctance torque of an i_d < 0 drives a machine with L_q > L_d. */
-static void test_the_flux_is_that_of_the_magnet_and_of_the_saliency(void)
+TEST(test_the_flux_is_that_of_the_magnet_and_of_the_saliency)
 {
     current_loop_cfg_t model = {.emf_q13 = 8000, .reactance_d_q13 = 1000, .reactance_q_q13 = 3000};
 
@@ -47,7 +43,7 @@ static void test_the_flux_is_that_of_the_magnet_and_of_the_saliency(void)
 }
 
 /* Rounded down, and within its format whatever the model. */
-static void test_the_flux_stays_within_its_format(void)
+TEST(test_the_flux_stays_within_its_format)
 {
     const current_loop_cfg_t weak = {.emf_q13 = 0, .reactance_d_q13 = 0, .reactance_q_q13 = 32767};
     const current_loop_cfg_t strong = {
@@ -61,7 +57,7 @@ static void test_the_flux_stays_within_its_format(void)
 }
 
 /* A torque goes back to the very current that makes it, so what follows a torque does not creep. */
-static void test_the_current_of_a_currents_torque_is_that_current(void)
+TEST(test_the_current_of_a_currents_torque_is_that_current)
 {
     seeded_t seed = {0x70A9U};
 
@@ -75,7 +71,7 @@ static void test_the_current_of_a_currents_torque_is_that_current(void)
 }
 
 /* Rounded towards zero: what is asked for is never exceeded. */
-static void test_the_current_is_the_torque_by_the_flux_and_ends_with_the_currents(void)
+TEST(test_the_current_is_the_torque_by_the_flux_and_ends_with_the_currents)
 {
     TEST_ASSERT_EQUAL_INT32(99, current_reference_q((100 * 7000) - 1, 7000));
     TEST_ASSERT_EQUAL_INT32(-99, current_reference_q((-100 * 7000) + 1, 7000));
@@ -93,7 +89,7 @@ static int32_t next_d(int32_t d, int32_t q)
     return current_reference_d(&cfg, &motor, &in);
 }
 
-static void test_the_least_current_comes_with_its_slope_and_goes_with_its_own_fall(void)
+TEST(test_the_least_current_comes_with_its_slope_and_goes_with_its_own_fall)
 {
     TEST_ASSERT_EQUAL_INT32(640, next_d(0, 0));
     TEST_ASSERT_EQUAL_INT32(4000, next_d(3500, 0));
@@ -104,7 +100,7 @@ static void test_the_least_current_comes_with_its_slope_and_goes_with_its_own_fa
     TEST_ASSERT_EQUAL_INT32(2000, next_d(2000, 2000));
 }
 
-static void test_the_least_current_waits_for_its_speed(void)
+TEST(test_the_least_current_waits_for_its_speed)
 {
     in.floor_speed = 1000001;
     TEST_ASSERT_EQUAL_INT32(0, next_d(0, 0));
@@ -113,7 +109,7 @@ static void test_the_least_current_waits_for_its_speed(void)
 }
 
 /* At any speed and voltage: the start-up's own current. Above the least current it goes as it came. */
-static void test_a_current_that_will_be_imposed_comes_before_the_least_one(void)
+TEST(test_a_current_that_will_be_imposed_comes_before_the_least_one)
 {
     in.floor_speed = 2000000;
     in.imposed = 9000;
@@ -149,7 +145,7 @@ static int32_t settled_d(int32_t q)
 }
 
 /* From nearly none to a machine without a magnet: L_q − L_d as a share of φ/I_b. */
-static void test_the_torque_of_a_current_is_the_largest_there_is(void)
+TEST(test_the_torque_of_a_current_is_the_largest_there_is)
 {
     cfg.most_torque = 1U;
     cfg.floor = 0;
@@ -167,7 +163,7 @@ static void test_the_torque_of_a_current_is_the_largest_there_is(void)
 }
 
 /* Of a current of this amplitude, rounded down. */
-static void test_the_largest_torque_is_that_of_the_best_angle(void)
+TEST(test_the_largest_torque_is_that_of_the_best_angle)
 {
     for (int32_t saliency = 0; saliency <= 28672; saliency += 1024) {
         for (int32_t current = 2000; current <= CURRENT_MAX; current += 2000) {
@@ -188,7 +184,7 @@ static void test_the_largest_torque_is_that_of_the_best_angle(void)
                             current_reference_torque_max(&cfg, &motor, CURRENT_MAX));
 }
 
-static void test_without_a_magnet_both_axes_have_the_same_current(void)
+TEST(test_without_a_magnet_both_axes_have_the_same_current)
 {
     cfg.most_torque = 1U;
     cfg.floor = 0;
@@ -198,7 +194,7 @@ static void test_without_a_magnet_both_axes_have_the_same_current(void)
     TEST_ASSERT_EQUAL_INT32(0, settled_d(0));
 }
 
-static void test_mtpa_is_only_for_what_asks_for_it_and_has_a_larger_l_q(void)
+TEST(test_mtpa_is_only_for_what_asks_for_it_and_has_a_larger_l_q)
 {
     motor.reactance_q_q13 = 3 * motor.reactance_d_q13;
     TEST_ASSERT_EQUAL_INT32(0, settled_d(10000));
@@ -209,7 +205,7 @@ static void test_mtpa_is_only_for_what_asks_for_it_and_has_a_larger_l_q(void)
 }
 
 /* Below its speed the least current asks for nothing, and MTPA has i_d* to itself. */
-static void test_the_larger_one_of_least_current_and_mtpa_counts(void)
+TEST(test_the_larger_one_of_least_current_and_mtpa_counts)
 {
     cfg.most_torque = 1U;
     motor.reactance_q_q13 = 3 * motor.reactance_d_q13;
@@ -231,21 +227,21 @@ static int32_t mtpa_d(int32_t emf_q13, int32_t saliency_q13, int32_t q)
 }
 
 /* c = 8·16384 = 131072 is the first beyond the end; c = ⌊32767·16384/4096⌋ = 131068 the last before it: 2^28 / (4·(32767 + 33022)). */
-static void test_mtpa_ends_where_the_magnet_is_eight_times_the_saliency(void)
+TEST(test_mtpa_ends_where_the_magnet_is_eight_times_the_saliency)
 {
     TEST_ASSERT_EQUAL_INT32(0, mtpa_d(8192, 1024, 16384));
     TEST_ASSERT_EQUAL_INT32(-1020, mtpa_d(32767, 4096, 16384));
 }
 
 /* c = 32767 is whole: 2^28 / (32767 + 36634) = 3867.9. c = 32768 is counted in quarters: 16353² / (4·(8192 + 9155)) = 3853.9… */
-static void test_mtpa_is_rounded_down_in_depth_on_both_sides_of_the_largest_square(void)
+TEST(test_mtpa_is_rounded_down_in_depth_on_both_sides_of_the_largest_square)
 {
     TEST_ASSERT_EQUAL_INT32(-3867, mtpa_d(32767, 16384, 16384));
     TEST_ASSERT_EQUAL_INT32(-3853, mtpa_d(32766, 16383, 16353));
 }
 
 /* Without a magnet i_d = −|i_q|, from one LSB to the largest current, which no end of i_d* cuts. */
-static void test_without_a_magnet_the_smallest_and_the_largest_current_are_exact(void)
+TEST(test_without_a_magnet_the_smallest_and_the_largest_current_are_exact)
 {
     TEST_ASSERT_EQUAL_INT32(-1, mtpa_d(0, 1, 1));
     TEST_ASSERT_EQUAL_INT32(-16383, mtpa_d(0, 1, 16383));
@@ -254,7 +250,7 @@ static void test_without_a_magnet_the_smallest_and_the_largest_current_are_exact
 }
 
 /* 4000 − i_q/2 below 0 counts four times. Without a magnet MTPA is −|i_q|, far below. */
-static void test_the_least_current_gives_way_fourfold_from_where_the_torque_is_enough(void)
+TEST(test_the_least_current_gives_way_fourfold_from_where_the_torque_is_enough)
 {
     cfg.most_torque = 1U;
     motor = (current_loop_cfg_t){.reactance_q_q13 = 1};
@@ -283,19 +279,19 @@ static current_reference_t weakened(int32_t present, int32_t next, int32_t deepe
     return current_reference_weakened(&weakening, &point, next);
 }
 
-static void test_a_weakened_i_d_falls_by_a_quarter_and_rises_by_an_eighth(void)
+TEST(test_a_weakened_i_d_falls_by_a_quarter_and_rises_by_an_eighth)
 {
     TEST_ASSERT_INT32_WITHIN(4, -3734 / 4, weakened(0, 0, 9000).d);
     TEST_ASSERT_INT32_WITHIN(4, -8000 + ((8000 - 3734) / 8), weakened(-8000, 0, 9000).d);
 }
 
 /* What all else wants is below it already. */
-static void test_weakening_raises_nothing(void)
+TEST(test_weakening_raises_nothing)
 {
     TEST_ASSERT_EQUAL_INT32(-5000, weakened(-5000, -5000, 9000).d);
 }
 
-static void test_weakening_ends_where_the_magnets_bear_no_more(void)
+TEST(test_weakening_ends_where_the_magnets_bear_no_more)
 {
     const current_reference_t there = weakened(-3000, 0, 3000);
 
@@ -304,7 +300,7 @@ static void test_weakening_ends_where_the_magnets_bear_no_more(void)
 }
 
 /* `upper` is above what is wanted: the voltage leaves all of i_q*. */
-static void test_where_weakening_does_not_decide_all_of_i_q_is_left(void)
+TEST(test_where_weakening_does_not_decide_all_of_i_q_is_left)
 {
     TEST_ASSERT_EQUAL_INT32(CURRENT_REFERENCE_ALL, weakened(-5000, -5000, 9000).reach);
 }
@@ -318,7 +314,7 @@ static torque_range_t range_beside(torque_range_t range, int32_t d, int32_t reac
     return current_reference_range(&cfg, range, &reference, most);
 }
 
-static void test_the_least_current_takes_nothing_of_the_range_and_all_else_does(void)
+TEST(test_the_least_current_takes_nothing_of_the_range_and_all_else_does)
 {
     const torque_range_t whole = {-8000, 9000};
     torque_range_t left = range_beside(whole, 4000, CURRENT_MAX, 10000);
@@ -336,7 +332,7 @@ static void test_the_least_current_takes_nothing_of_the_range_and_all_else_does(
     TEST_ASSERT_EQUAL_INT32(0, left.upper);
 }
 
-static void test_i_q_ends_where_the_voltage_does(void)
+TEST(test_i_q_ends_where_the_voltage_does)
 {
     const torque_range_t most = {-CURRENT_REFERENCE_ALL, CURRENT_REFERENCE_ALL};
     torque_range_t left = range_beside((torque_range_t){-8000, 900}, 0, 1000, 10000);
@@ -352,7 +348,7 @@ static void test_i_q_ends_where_the_voltage_does(void)
 }
 
 /* From i_d* = 0 to the least current itself the range is left as it is, also one beyond the circle. */
-static void test_from_zero_to_the_least_current_the_circle_takes_nothing(void)
+TEST(test_from_zero_to_the_least_current_the_circle_takes_nothing)
 {
     const torque_range_t whole = {-10000, 10000};
 
@@ -364,7 +360,7 @@ static void test_from_zero_to_the_least_current_the_circle_takes_nothing(void)
 }
 
 /* √(10000² − 6000²) = 8000 */
-static void test_the_smaller_one_of_circle_and_voltage_ends_i_q(void)
+TEST(test_the_smaller_one_of_circle_and_voltage_ends_i_q)
 {
     const torque_range_t whole = {-9000, 9000};
 
@@ -372,7 +368,7 @@ static void test_the_smaller_one_of_circle_and_voltage_ends_i_q(void)
     TEST_ASSERT_EQUAL_INT32(8000, range_beside(whole, -6000, 8001, 10000).upper);
 }
 
-static void test_the_vector_never_leaves_its_circle(void)
+TEST(test_the_vector_never_leaves_its_circle)
 {
     seeded_t seed = {0xC1AC1EU};
 
@@ -387,35 +383,4 @@ static void test_the_vector_never_leaves_its_circle(void)
         TEST_ASSERT_EQUAL_INT32(-left.upper, left.lower);
         TEST_ASSERT_TRUE((left.upper * left.upper) <= ((room > 0) ? room : 0));
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_the_flux_is_that_of_the_magnet_and_of_the_saliency);
-    RUN_TEST(test_the_flux_stays_within_its_format);
-    RUN_TEST(test_the_current_of_a_currents_torque_is_that_current);
-    RUN_TEST(test_the_current_is_the_torque_by_the_flux_and_ends_with_the_currents);
-    RUN_TEST(test_the_least_current_comes_with_its_slope_and_goes_with_its_own_fall);
-    RUN_TEST(test_the_least_current_waits_for_its_speed);
-    RUN_TEST(test_a_current_that_will_be_imposed_comes_before_the_least_one);
-    RUN_TEST(test_the_torque_of_a_current_is_the_largest_there_is);
-    RUN_TEST(test_the_largest_torque_is_that_of_the_best_angle);
-    RUN_TEST(test_without_a_magnet_both_axes_have_the_same_current);
-    RUN_TEST(test_mtpa_is_only_for_what_asks_for_it_and_has_a_larger_l_q);
-    RUN_TEST(test_the_larger_one_of_least_current_and_mtpa_counts);
-    RUN_TEST(test_a_weakened_i_d_falls_by_a_quarter_and_rises_by_an_eighth);
-    RUN_TEST(test_weakening_raises_nothing);
-    RUN_TEST(test_weakening_ends_where_the_magnets_bear_no_more);
-    RUN_TEST(test_the_least_current_takes_nothing_of_the_range_and_all_else_does);
-    RUN_TEST(test_i_q_ends_where_the_voltage_does);
-    RUN_TEST(test_the_vector_never_leaves_its_circle);
-    RUN_TEST(test_mtpa_ends_where_the_magnet_is_eight_times_the_saliency);
-    RUN_TEST(test_mtpa_is_rounded_down_in_depth_on_both_sides_of_the_largest_square);
-    RUN_TEST(test_without_a_magnet_the_smallest_and_the_largest_current_are_exact);
-    RUN_TEST(test_the_least_current_gives_way_fourfold_from_where_the_torque_is_enough);
-    RUN_TEST(test_where_weakening_does_not_decide_all_of_i_q_is_left);
-    RUN_TEST(test_from_zero_to_the_least_current_the_circle_takes_nothing);
-    RUN_TEST(test_the_smaller_one_of_circle_and_voltage_ends_i_q);
-    return UNITY_END();
 }

@@ -2,7 +2,7 @@
 /* Derating: each curve at its ends and in the middle, heat beside its equation, the faults beyond. */
 #include "derating.h"
 #include "example_cfg.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -28,10 +28,6 @@ void setUp(void)
     fault = (fault_t){.id = FAULT_NONE};
 }
 
-void tearDown(void)
-{
-}
-
 static fault_id_t step_with(int32_t current, uint16_t adc_temperature)
 {
     return derating_step(&derating, &cfg, (dq_t){0, current}, adc_temperature, &fault);
@@ -50,14 +46,14 @@ static void assert_range(int32_t lower, int32_t upper, torque_range_t range)
     TEST_ASSERT_EQUAL_INT32(upper, range.upper);
 }
 
-static void test_nothing_is_derated_when_cold_on_a_calm_bus(void)
+TEST(test_nothing_is_derated_when_cold_on_a_calm_bus)
 {
     TEST_ASSERT_EQUAL_INT(FAULT_NONE, step_with(0, COLD));
     assert_range(-MAX, MAX, range_at(BUS_CALM, FORWARD));
     TEST_ASSERT_EQUAL_HEX32(0U, derating.flags);
 }
 
-static void test_share_is_whole_at_one_end_nothing_at_the_other_and_linear_between(void)
+TEST(test_share_is_whole_at_one_end_nothing_at_the_other_and_linear_between)
 {
     /* A gain of 2^15·2^5/1024: 1 at 4000 − 1024. */
     const fade_t falling = {.zero = 4000, .gain = 1024, .shift = 5U};
@@ -75,7 +71,7 @@ static void test_share_is_whole_at_one_end_nothing_at_the_other_and_linear_betwe
     TEST_ASSERT_EQUAL_INT32(0, derating_share(&rising, 0));
 }
 
-static void test_a_fade_without_gain_leaves_everything_at_any_x(void)
+TEST(test_a_fade_without_gain_leaves_everything_at_any_x)
 {
     const fade_t none = {.zero = 0, .gain = 0, .shift = 0U};
 
@@ -86,7 +82,7 @@ static void test_a_fade_without_gain_leaves_everything_at_any_x(void)
 /* ---- heat ---- */
 
 /* Heat after a time from cold: (i/i_c)²·(1 − e^(−t/τ)). */
-static void test_heat_follows_the_squared_current_with_the_time_constant(void)
+TEST(test_heat_follows_the_squared_current_with_the_time_constant)
 {
     /* Euler's method with T/τ = 2·10^-4: below 10^-4 of the end. The gain has 13 bits: 1.1·10^-4. A
      * step rounds down 2 units of 2^24, which the low-pass contracts to 2·5000 units: 6·10^-4. */
@@ -103,7 +99,7 @@ static void test_heat_follows_the_squared_current_with_the_time_constant(void)
     TEST_ASSERT_EQUAL_INT32(MAX, derating.thermal);
 }
 
-static void test_both_axes_heat(void)
+TEST(test_both_axes_heat)
 {
     (void)derating_step(&derating, &cfg, (dq_t){-4000, 0}, COLD, &fault);
     TEST_ASSERT_TRUE(derating.heat_q24 > 0);
@@ -118,7 +114,7 @@ static void set_heat(double heat)
     cfg.heat_rate = 0;
 }
 
-static void test_heat_takes_the_limit_from_the_largest_to_the_continuous_current(void)
+TEST(test_heat_takes_the_limit_from_the_largest_to_the_continuous_current)
 {
     static const struct {
         double heat;
@@ -138,7 +134,7 @@ static void test_heat_takes_the_limit_from_the_largest_to_the_continuous_current
 }
 
 /* A drive that takes all it is given ends at the continuous current, never at the fault. */
-static void test_a_drive_at_its_limit_ends_at_the_continuous_current_without_a_fault(void)
+TEST(test_a_drive_at_its_limit_ends_at_the_continuous_current_without_a_fault)
 {
     for (int32_t k = 0; k < 50000; k++) { /* 200 s */
         const torque_range_t range = range_at(BUS_CALM, FORWARD);
@@ -150,7 +146,7 @@ static void test_a_drive_at_its_limit_ends_at_the_continuous_current_without_a_f
     TEST_ASSERT_EQUAL_HEX32(DERATING_HEAT, derating.flags);
 }
 
-static void test_overload_is_a_fault_above_its_heat_and_not_at_it(void)
+TEST(test_overload_is_a_fault_above_its_heat_and_not_at_it)
 {
     derating.heat_q24 = 19661 << 10;
     cfg.heat_rate = 0;
@@ -163,7 +159,7 @@ static void test_overload_is_a_fault_above_its_heat_and_not_at_it(void)
 }
 
 /* Twice the continuous current makes four times its heat: 1.2 after τ·ln(4/2.8). */
-static void test_an_imposed_current_of_twice_the_continuous_one_is_a_fault_in_time(void)
+TEST(test_an_imposed_current_of_twice_the_continuous_one_is_a_fault_in_time)
 {
     const double expected = TIME_CONSTANT_S * log(4.0 / 2.8) / PERIOD_S;
     int32_t k = 0;
@@ -175,7 +171,7 @@ static void test_an_imposed_current_of_twice_the_continuous_one_is_a_fault_in_ti
     TEST_ASSERT_DOUBLE_WITHIN(expected * 2e-3, expected, k);
 }
 
-static void test_heat_stays_in_its_word_at_the_largest_current_for_every_setting(void)
+TEST(test_heat_stays_in_its_word_at_the_largest_current_for_every_setting)
 {
     for (uint32_t shift = 0U; shift <= 27U; shift++) {
         cfg.heat_shift = shift;
@@ -192,7 +188,7 @@ static void test_heat_stays_in_its_word_at_the_largest_current_for_every_setting
 
 /* ---- temperature ---- */
 
-static void test_temperature_takes_the_limit_linearly_to_nothing(void)
+TEST(test_temperature_takes_the_limit_linearly_to_nothing)
 {
     for (uint32_t raw = WARN - 10U; raw <= HOT; raw++) {
         const int32_t above = ((int32_t)raw * 10) - 16384; /* tenths of a count beyond 80 °C */
@@ -205,7 +201,7 @@ static void test_temperature_takes_the_limit_linearly_to_nothing(void)
     }
 }
 
-static void test_overtemperature_takes_more_than_its_periods_in_a_row(void)
+TEST(test_overtemperature_takes_more_than_its_periods_in_a_row)
 {
     for (uint32_t k = 0U; k < cfg.temperature_periods; k++) {
         TEST_ASSERT_EQUAL_INT(FAULT_NONE, step_with(0, HOT));
@@ -219,7 +215,7 @@ static void test_overtemperature_takes_more_than_its_periods_in_a_row(void)
     TEST_ASSERT_EQUAL_INT32((int32_t)HOT, fault.limit);
 }
 
-static void test_a_sensor_that_falls_with_the_temperature_works_the_same(void)
+TEST(test_a_sensor_that_falls_with_the_temperature_works_the_same)
 {
     cfg.temperature.gain = -cfg.temperature.gain;
     (void)step_with(0, HOT + 410U);
@@ -230,7 +226,7 @@ static void test_a_sensor_that_falls_with_the_temperature_works_the_same(void)
 
 /* ---- bus ---- */
 
-static void test_braking_fades_to_nothing_at_the_highest_bus_and_motoring_does_not(void)
+TEST(test_braking_fades_to_nothing_at_the_highest_bus_and_motoring_does_not)
 {
     static const struct {
         int32_t bus;
@@ -253,7 +249,7 @@ static void test_braking_fades_to_nothing_at_the_highest_bus_and_motoring_does_n
     }
 }
 
-static void test_motoring_fades_to_nothing_at_the_lowest_bus_and_braking_does_not(void)
+TEST(test_motoring_fades_to_nothing_at_the_lowest_bus_and_braking_does_not)
 {
     static const struct {
         int32_t bus;
@@ -269,7 +265,7 @@ static void test_motoring_fades_to_nothing_at_the_lowest_bus_and_braking_does_no
     }
 }
 
-static void test_below_the_regeneration_speed_both_directions_count_as_motoring(void)
+TEST(test_below_the_regeneration_speed_both_directions_count_as_motoring)
 {
     const step_t slow = cfg.regeneration_speed;
 
@@ -305,7 +301,7 @@ static void limit_bus_current(int32_t given, int32_t taken)
 }
 
 /* (limit·bus − v_d·i_d)/|v_q|: with the voltage power is taken, against it fed back, whatever the speed. */
-static void test_bus_current_limits_what_is_taken_and_what_is_fed_back_by_the_power(void)
+TEST(test_bus_current_limits_what_is_taken_and_what_is_fed_back_by_the_power)
 {
     static const struct {
         dq_t voltage;
@@ -333,7 +329,7 @@ static void test_bus_current_limits_what_is_taken_and_what_is_fed_back_by_the_po
     }
 }
 
-static void test_each_bus_current_limit_acts_in_its_direction_only(void)
+TEST(test_each_bus_current_limit_acts_in_its_direction_only)
 {
     limit_bus_current(GIVEN, 0);
     assert_range(-MAX, (GIVEN * BUS_CALM) / 9997, range_with((dq_t){0, 10000}, 0));
@@ -344,7 +340,7 @@ static void test_each_bus_current_limit_acts_in_its_direction_only(void)
     TEST_ASSERT_EQUAL_HEX32(DERATING_BUS_CURRENT, derating.flags);
 }
 
-static void test_without_a_bus_current_limit_no_voltage_changes_the_range(void)
+TEST(test_without_a_bus_current_limit_no_voltage_changes_the_range)
 {
     for (int32_t v = -32767; v <= 32767; v += 4681) {
         assert_range(-MAX, MAX, range_with((dq_t){v, 32767}, 16384));
@@ -354,7 +350,7 @@ static void test_without_a_bus_current_limit_no_voltage_changes_the_range(void)
 }
 
 /* At standstill i_q takes no power, even if i_d takes more than there is. */
-static void test_without_a_voltage_along_q_the_bus_current_limits_nothing(void)
+TEST(test_without_a_voltage_along_q_the_bus_current_limits_nothing)
 {
     limit_bus_current(1, 1);
     assert_range(-MAX, MAX, range_with((dq_t){0, 0}, 0));
@@ -363,7 +359,7 @@ static void test_without_a_voltage_along_q_the_bus_current_limits_nothing(void)
 }
 
 /* i_d takes more than the bus may give, or feeds back more than it may take: nothing is left, and no more than that. */
-static void test_what_the_current_along_d_takes_is_missing_for_torque(void)
+TEST(test_what_the_current_along_d_takes_is_missing_for_torque)
 {
     limit_bus_current(GIVEN, TAKEN);
     assert_range(-MAX, 0, range_with((dq_t){20000, 100}, 16384));
@@ -371,7 +367,7 @@ static void test_what_the_current_along_d_takes_is_missing_for_torque(void)
     assert_range(0, MAX, range_with((dq_t){20000, 100}, -16384));
 }
 
-static void test_a_bus_current_limit_beyond_all_that_flows_limits_nothing(void)
+TEST(test_a_bus_current_limit_beyond_all_that_flows_limits_nothing)
 {
     limit_bus_current(32767, 32767);
     assert_range(-MAX, MAX, range_with((dq_t){18918, 18918}, 16384));
@@ -379,7 +375,7 @@ static void test_a_bus_current_limit_beyond_all_that_flows_limits_nothing(void)
 }
 
 /* A step of the voltage goes by a quarter of what is missing each slow period; a reset forgets it. */
-static void test_the_voltage_of_the_bus_current_is_a_mean_of_some_slow_periods(void)
+TEST(test_the_voltage_of_the_bus_current_is_a_mean_of_some_slow_periods)
 {
     const derating_motion_t motion = {.bus = BUS_CALM, .voltage = {.d = -8192, .q = 16384}};
     double left = 1.0;
@@ -396,7 +392,7 @@ static void test_the_voltage_of_the_bus_current_is_a_mean_of_some_slow_periods(v
     TEST_ASSERT_EQUAL_INT32(0, derating.voltage.q);
 }
 
-static void test_the_smallest_of_all_limits_holds(void)
+TEST(test_the_smallest_of_all_limits_holds)
 {
     set_heat(1.0);
     (void)step_with(0, COLD);
@@ -414,7 +410,7 @@ static void test_the_smallest_of_all_limits_holds(void)
  * Half of the square in 2^1 of the scale. The gain is rounded, half of one in 15 bits, and so is the ratio of two gains, down
  * to one in 15 bits: 2^-14 for each change.
  */
-static void test_the_heat_of_a_current_is_that_of_the_same_current_in_another_scale(void)
+TEST(test_the_heat_of_a_current_is_that_of_the_same_current_in_another_scale)
 {
     const int32_t heat = 8000000;
     derating_cfg_t other = cfg;
@@ -433,7 +429,7 @@ static void test_the_heat_of_a_current_is_that_of_the_same_current_in_another_sc
     }
 }
 
-static void test_the_least_heat_is_exact_in_a_scale_that_is_much_finer(void)
+TEST(test_the_least_heat_is_exact_in_a_scale_that_is_much_finer)
 {
     derating_cfg_t other = cfg;
 
@@ -446,7 +442,7 @@ static void test_the_least_heat_is_exact_in_a_scale_that_is_much_finer(void)
     }
 }
 
-static void test_a_heat_beyond_its_range_in_another_scale_is_the_most(void)
+TEST(test_a_heat_beyond_its_range_in_another_scale_is_the_most)
 {
     derating_cfg_t other = cfg;
 
@@ -461,37 +457,4 @@ static void test_a_heat_beyond_its_range_in_another_scale_is_the_most(void)
     TEST_ASSERT_EQUAL_INT32(0x40000000, derating.heat_q24);
     derating_change(&derating, &other, &cfg);
     TEST_ASSERT_EQUAL_INT32(0, derating.heat_q24);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_nothing_is_derated_when_cold_on_a_calm_bus);
-    RUN_TEST(test_share_is_whole_at_one_end_nothing_at_the_other_and_linear_between);
-    RUN_TEST(test_a_fade_without_gain_leaves_everything_at_any_x);
-    RUN_TEST(test_heat_follows_the_squared_current_with_the_time_constant);
-    RUN_TEST(test_both_axes_heat);
-    RUN_TEST(test_heat_takes_the_limit_from_the_largest_to_the_continuous_current);
-    RUN_TEST(test_a_drive_at_its_limit_ends_at_the_continuous_current_without_a_fault);
-    RUN_TEST(test_overload_is_a_fault_above_its_heat_and_not_at_it);
-    RUN_TEST(test_an_imposed_current_of_twice_the_continuous_one_is_a_fault_in_time);
-    RUN_TEST(test_heat_stays_in_its_word_at_the_largest_current_for_every_setting);
-    RUN_TEST(test_temperature_takes_the_limit_linearly_to_nothing);
-    RUN_TEST(test_overtemperature_takes_more_than_its_periods_in_a_row);
-    RUN_TEST(test_a_sensor_that_falls_with_the_temperature_works_the_same);
-    RUN_TEST(test_braking_fades_to_nothing_at_the_highest_bus_and_motoring_does_not);
-    RUN_TEST(test_motoring_fades_to_nothing_at_the_lowest_bus_and_braking_does_not);
-    RUN_TEST(test_below_the_regeneration_speed_both_directions_count_as_motoring);
-    RUN_TEST(test_bus_current_limits_what_is_taken_and_what_is_fed_back_by_the_power);
-    RUN_TEST(test_each_bus_current_limit_acts_in_its_direction_only);
-    RUN_TEST(test_without_a_bus_current_limit_no_voltage_changes_the_range);
-    RUN_TEST(test_without_a_voltage_along_q_the_bus_current_limits_nothing);
-    RUN_TEST(test_what_the_current_along_d_takes_is_missing_for_torque);
-    RUN_TEST(test_a_bus_current_limit_beyond_all_that_flows_limits_nothing);
-    RUN_TEST(test_the_voltage_of_the_bus_current_is_a_mean_of_some_slow_periods);
-    RUN_TEST(test_the_smallest_of_all_limits_holds);
-    RUN_TEST(test_the_heat_of_a_current_is_that_of_the_same_current_in_another_scale);
-    RUN_TEST(test_the_least_heat_is_exact_in_a_scale_that_is_much_finer);
-    RUN_TEST(test_a_heat_beyond_its_range_in_another_scale_is_the_most);
-    return UNITY_END();
 }

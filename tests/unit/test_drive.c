@@ -6,7 +6,7 @@
 #include "example_motor.h"
 #include "fault_frames.h"
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -45,10 +45,6 @@ void setUp(void)
     TEST_ASSERT_NULL(drive_init(&drive, &cfg));
     quiet_frame();
     memset(&out, 0xA5, sizeof out);
-}
-
-void tearDown(void)
-{
 }
 
 static drive_t was; /* the drive before the tick */
@@ -106,7 +102,7 @@ static void assert_gates_open(void)
 
 /* ---- configuration and states ---- */
 
-static void test_init_starts_in_init_whatever_was_there_before(void)
+TEST(test_init_starts_in_init_whatever_was_there_before)
 {
     memset(&drive, 0x77, sizeof drive);
     TEST_ASSERT_NULL(drive_init(&drive, &cfg));
@@ -116,13 +112,13 @@ static void test_init_starts_in_init_whatever_was_there_before(void)
     TEST_ASSERT_EQUAL_INT32(4096, drive.modulator.inverse_bus_q12);
 }
 
-static void test_init_names_a_refused_field(void)
+TEST(test_init_names_a_refused_field)
 {
     cfg.observer.eta = -1;
     TEST_ASSERT_EQUAL_STRING("observer.eta", drive_init(&drive, &cfg));
 }
 
-static void test_first_tick_begins_the_calibration_with_open_gates(void)
+TEST(test_first_tick_begins_the_calibration_with_open_gates)
 {
     tick();
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_OFFSET_CAL, drive.state);
@@ -130,7 +126,7 @@ static void test_first_tick_begins_the_calibration_with_open_gates(void)
     TEST_ASSERT_EQUAL_UINT32(1U, drive.tick);
 }
 
-static void test_calibration_takes_exactly_its_samples_and_keeps_the_gates_open(void)
+TEST(test_calibration_takes_exactly_its_samples_and_keeps_the_gates_open)
 {
     tick();
     in.command.request = DRIVE_REQUEST_RUN;
@@ -144,7 +140,7 @@ static void test_calibration_takes_exactly_its_samples_and_keeps_the_gates_open(
     assert_gates_open();
 }
 
-static void test_ready_waits_for_the_command_with_open_gates(void)
+TEST(test_ready_waits_for_the_command_with_open_gates)
 {
     go_to(DRIVE_STATE_READY);
     for (uint32_t k = 0U; k < 100U; k++) {
@@ -154,7 +150,7 @@ static void test_ready_waits_for_the_command_with_open_gates(void)
     }
 }
 
-static void test_run_command_enables_the_gates_in_the_next_tick_and_stop_opens_them_in_its_own(void)
+TEST(test_run_command_enables_the_gates_in_the_next_tick_and_stop_opens_them_in_its_own)
 {
     go_to(DRIVE_STATE_READY);
     in.command.request = DRIVE_REQUEST_RUN;
@@ -169,7 +165,7 @@ static void test_run_command_enables_the_gates_in_the_next_tick_and_stop_opens_t
     assert_gates_open();
 }
 
-static void test_first_compare_values_of_a_run_are_the_null_vector(void)
+TEST(test_first_compare_values_of_a_run_are_the_null_vector)
 {
     go_to(DRIVE_STATE_READY);
     in.command.request = DRIVE_REQUEST_RUN;
@@ -196,7 +192,7 @@ static void run_and_stop(void)
 }
 
 /* Of the ratios that end a run neither may reach the observer of the next one. */
-static void test_a_second_run_starts_afresh(void)
+TEST(test_a_second_run_starts_afresh)
 {
     go_to(DRIVE_STATE_READY);
     await_slow_period();
@@ -213,7 +209,7 @@ static void test_a_second_run_starts_afresh(void)
     TEST_ASSERT_EQUAL_INT32(0, drive_speed(&drive));
 }
 
-static void test_the_first_ticks_of_a_second_run_leave_the_drive_as_those_of_the_first_did(void)
+TEST(test_the_first_ticks_of_a_second_run_leave_the_drive_as_those_of_the_first_did)
 {
     static drive_t first;
 
@@ -235,7 +231,7 @@ static void test_the_first_ticks_of_a_second_run_leave_the_drive_as_those_of_the
 
 /* ---- calibration ---- */
 
-static void test_offset_is_the_mean_of_the_samples_and_is_removed(void)
+TEST(test_offset_is_the_mean_of_the_samples_and_is_removed)
 {
     tick();
     for (uint32_t k = 0U; k < CALIBRATION_TICKS; k++) {
@@ -252,7 +248,7 @@ static void test_offset_is_the_mean_of_the_samples_and_is_removed(void)
     TEST_ASSERT_EQUAL_INT32(0, drive.signals.phase_b);
 }
 
-static void test_offset_mean_of_full_scale_samples_does_not_overflow(void)
+TEST(test_offset_mean_of_full_scale_samples_does_not_overflow)
 {
     cfg.sampling.offset_log2 = 12U;
     cfg.protection.offset_max = 32767;
@@ -266,7 +262,7 @@ static void test_offset_mean_of_full_scale_samples_does_not_overflow(void)
     TEST_ASSERT_EQUAL_INT32(0, drive.offset_b);
 }
 
-static void test_offset_of_one_sample_is_that_sample(void)
+TEST(test_offset_of_one_sample_is_that_sample)
 {
     cfg.sampling.offset_log2 = 0U;
     in.adc_ia = 2060U;
@@ -275,7 +271,7 @@ static void test_offset_of_one_sample_is_that_sample(void)
     TEST_ASSERT_EQUAL_INT32(2060 * 8, drive.offset_a);
 }
 
-static void test_offset_beyond_its_limit_is_a_fault_with_open_gates(void)
+TEST(test_offset_beyond_its_limit_is_a_fault_with_open_gates)
 {
     /* 819 of Q15 are 102.4 counts. */
     static const uint16_t bad[] = {MID_COUNTS + 103U, MID_COUNTS - 103U};
@@ -294,7 +290,7 @@ static void test_offset_beyond_its_limit_is_a_fault_with_open_gates(void)
     }
 }
 
-static void test_offset_at_its_limit_is_accepted(void)
+TEST(test_offset_at_its_limit_is_accepted)
 {
     in.adc_ia = MID_COUNTS + 102U;
     in.adc_ib = MID_COUNTS - 102U;
@@ -322,7 +318,7 @@ static const fault_case_t FAULTS[] = {
     {make_undervoltage, FAULT_UNDERVOLTAGE, DRIVE_STATE_RUN, 14560, 14564},
 };
 
-static void test_a_sample_at_an_end_of_the_converter_is_named_so(void)
+TEST(test_a_sample_at_an_end_of_the_converter_is_named_so)
 {
     static const uint16_t ends[] = {0U, 4095U, 4096U, 65535U};
 
@@ -358,7 +354,7 @@ static uint32_t run_to_fault(fault_id_t id, uint32_t most)
 
 #define SUPERVISION_TICKS (40U) /* of 10 */
 
-static void test_one_late_tick_more_than_allowed_is_a_fault_in_its_tick(void)
+TEST(test_one_late_tick_more_than_allowed_is_a_fault_in_its_tick)
 {
     go_to(DRIVE_STATE_RUN);
     in.flags = DRIVE_FLAG_LATE;
@@ -366,7 +362,7 @@ static void test_one_late_tick_more_than_allowed_is_a_fault_in_its_tick(void)
 }
 
 /* It is what they have led to. */
-static void test_an_overcurrent_in_the_last_late_tick_is_called_late(void)
+TEST(test_an_overcurrent_in_the_last_late_tick_is_called_late)
 {
     go_to(DRIVE_STATE_RUN);
     in.flags = DRIVE_FLAG_LATE;
@@ -375,7 +371,7 @@ static void test_an_overcurrent_in_the_last_late_tick_is_called_late(void)
     TEST_ASSERT_EQUAL_UINT32(1U, run_to_fault(FAULT_LATE, 1U));
 }
 
-static void test_late_ticks_without_current_are_no_fault(void)
+TEST(test_late_ticks_without_current_are_no_fault)
 {
     go_to(DRIVE_STATE_READY);
     in.flags = DRIVE_FLAG_LATE;
@@ -383,7 +379,7 @@ static void test_late_ticks_without_current_are_no_fault(void)
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
 }
 
-static void test_a_flipped_bit_of_the_configuration_is_a_fault_in_bounded_time_in_every_state(void)
+TEST(test_a_flipped_bit_of_the_configuration_is_a_fault_in_bounded_time_in_every_state)
 {
     const uint32_t most = 2U * (uint32_t)CONFIG_GUARD_STEPS * SUPERVISION_TICKS;
 
@@ -398,13 +394,13 @@ static void test_a_flipped_bit_of_the_configuration_is_a_fault_in_bounded_time_i
     TEST_ASSERT_EQUAL_INT(FAULT_CONFIGURATION, drive.fault.id);
 }
 
-static void test_init_refuses_a_configuration_that_is_not_what_was_built(void)
+TEST(test_init_refuses_a_configuration_that_is_not_what_was_built)
 {
     cfg.position_loop.gain ^= 1;
     TEST_ASSERT_EQUAL_STRING("crc", drive_init(&drive, &cfg));
 }
 
-static void test_overtemperature_is_a_fault_in_every_state_that_a_drive_rests_in(void)
+TEST(test_overtemperature_is_a_fault_in_every_state_that_a_drive_rests_in)
 {
     static const drive_state_t states[] = {DRIVE_STATE_READY, DRIVE_STATE_RUN};
 
@@ -422,7 +418,7 @@ static void test_overtemperature_is_a_fault_in_every_state_that_a_drive_rests_in
     }
 }
 
-static void test_currents_that_do_not_follow_at_standstill_are_a_lost_phase(void)
+TEST(test_currents_that_do_not_follow_at_standstill_are_a_lost_phase)
 {
     uint32_t k = 0U;
 
@@ -440,7 +436,7 @@ static void test_currents_that_do_not_follow_at_standstill_are_a_lost_phase(void
     assert_gates_open();
 }
 
-static void test_a_high_bus_takes_the_braking_torque_and_a_low_one_the_motoring(void)
+TEST(test_a_high_bus_takes_the_braking_torque_and_a_low_one_the_motoring)
 {
     go_to(DRIVE_STATE_RUN);
     drive.observer.speed = 10000000;
@@ -458,7 +454,7 @@ static void test_a_high_bus_takes_the_braking_torque_and_a_low_one_the_motoring(
     TEST_ASSERT_TRUE((drive.torque_range.lower == -8192) && (drive.torque_range.upper < 2000));
 }
 
-static void test_the_shortest_slow_periods_supervise_too(void)
+TEST(test_the_shortest_slow_periods_supervise_too)
 {
     for (uint32_t n = 6U; n <= 7U; n++) {
         setUp();
@@ -473,7 +469,7 @@ static void test_the_shortest_slow_periods_supervise_too(void)
     }
 }
 
-static void test_each_fault_opens_the_gates_in_its_tick_in_every_state_that_watches_it(void)
+TEST(test_each_fault_opens_the_gates_in_its_tick_in_every_state_that_watches_it)
 {
     for (uint32_t f = 0U; f < 4U; f++) {
         for (uint32_t s = 0U; s < 4U; s++) {
@@ -540,17 +536,17 @@ static void assert_fault_shorts(const char *what)
     }
 }
 
-static void test_a_fault_of_a_fast_rotor_shorts_the_motor_in_its_tick(void)
+TEST(test_a_fault_of_a_fast_rotor_shorts_the_motor_in_its_tick)
 {
     assert_fault_shorts("estimate");
 }
 
-static void test_where_the_estimate_is_lost_the_reference_tells_the_speed(void)
+TEST(test_where_the_estimate_is_lost_the_reference_tells_the_speed)
 {
     assert_fault_shorts("reference");
 }
 
-static void test_a_fault_of_a_slow_rotor_opens_the_gates(void)
+TEST(test_a_fault_of_a_slow_rotor_opens_the_gates)
 {
     run_at(OPEN_SPEED - 1000000, OPEN_SPEED - 1000000);
     drive.vector.step = OPEN_SPEED + 1; /* where it was caught */
@@ -561,7 +557,7 @@ static void test_a_fault_of_a_slow_rotor_opens_the_gates(void)
 }
 
 /* A load may drive the rotor on while the vector is slow. */
-static void test_below_run_the_estimate_tells_the_speed_too(void)
+TEST(test_below_run_the_estimate_tells_the_speed_too)
 {
     run_at(OPEN_SPEED + 100000, 0);
     drive.state = DRIVE_STATE_HANDOVER;
@@ -580,7 +576,7 @@ static void leave_probe(step_t vector)
     tick();
 }
 
-static void test_in_probe_the_vector_tells_the_speed(void)
+TEST(test_in_probe_the_vector_tells_the_speed)
 {
     leave_probe(-OPEN_SPEED - 1);
     assert_short();
@@ -604,8 +600,7 @@ static void leave_torque_control(step_t forward, step_t backward, bool by_fault)
     tick();
 }
 
-static void
-test_behind_a_fault_of_torque_control_the_rotor_may_be_as_fast_as_the_window_allows(void)
+TEST(test_behind_a_fault_of_torque_control_the_rotor_may_be_as_fast_as_the_window_allows)
 {
     leave_torque_control(OPEN_SPEED + 1, 0, true);
     assert_short();
@@ -617,7 +612,7 @@ test_behind_a_fault_of_torque_control_the_rotor_may_be_as_fast_as_the_window_all
     assert_gates_open();
 }
 
-static void test_a_stop_of_a_fast_rotor_shorts_the_motor_until_it_is_slow(void)
+TEST(test_a_stop_of_a_fast_rotor_shorts_the_motor_until_it_is_slow)
 {
     run_at(OPEN_SPEED + 100000, 0);
     in.command.request = 0U;
@@ -632,7 +627,7 @@ static void test_a_stop_of_a_fast_rotor_shorts_the_motor_until_it_is_slow(void)
 }
 
 /* The currents of the short circuit are no zero of a sensor, and no place to start from. */
-static void test_while_the_motor_is_shorted_nothing_begins(void)
+TEST(test_while_the_motor_is_shorted_nothing_begins)
 {
     run_at(OPEN_SPEED + 100000, 0);
     make_overcurrent(&in);
@@ -656,7 +651,7 @@ static void test_while_the_motor_is_shorted_nothing_begins(void)
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
 }
 
-static void test_a_break_opens_the_gates_at_any_speed_until_it_is_cleared(void)
+TEST(test_a_break_opens_the_gates_at_any_speed_until_it_is_cleared)
 {
     run_at(OPEN_SPEED + 100000, 0);
     make_break(&in);
@@ -682,7 +677,7 @@ static void test_a_break_opens_the_gates_at_any_speed_until_it_is_cleared(void)
 }
 
 /* A load turns the motor: with open gates its EMF charges the bus. */
-static void test_a_high_bus_shorts_a_motor_that_is_not_driven(void)
+TEST(test_a_high_bus_shorts_a_motor_that_is_not_driven)
 {
     short_above_speed();
     go_to(DRIVE_STATE_READY);
@@ -694,7 +689,7 @@ static void test_a_high_bus_shorts_a_motor_that_is_not_driven(void)
     TEST_ASSERT_EQUAL_INT(FAULT_OVERVOLTAGE, drive.fault.id);
 }
 
-static void test_faults_that_a_state_does_not_watch_leave_it_with_open_gates(void)
+TEST(test_faults_that_a_state_does_not_watch_leave_it_with_open_gates)
 {
     for (uint32_t f = 0U; f < 4U; f++) {
         for (uint32_t s = 0U; STATES[s] < FAULTS[f].first; s++) {
@@ -709,7 +704,7 @@ static void test_faults_that_a_state_does_not_watch_leave_it_with_open_gates(voi
 }
 
 /* Both are watched from RUN on only: the tick that enters RUN must watch them already. */
-static void test_a_run_command_at_overcurrent_or_undervoltage_never_enables_the_gates(void)
+TEST(test_a_run_command_at_overcurrent_or_undervoltage_never_enables_the_gates)
 {
     for (uint32_t f = 1U; f < 4U; f += 2U) {
         setUp();
@@ -730,7 +725,7 @@ static void test_a_run_command_at_overcurrent_or_undervoltage_never_enables_the_
 }
 
 /* The command comes first: with the gates open anyway only what READY watches can be wrong. */
-static void test_a_stop_in_the_frame_of_a_fault_latches_only_what_ready_watches(void)
+TEST(test_a_stop_in_the_frame_of_a_fault_latches_only_what_ready_watches)
 {
     for (uint32_t f = 0U; f < 4U; f++) {
         const bool watched = FAULTS[f].first <= DRIVE_STATE_READY;
@@ -746,7 +741,7 @@ static void test_a_stop_in_the_frame_of_a_fault_latches_only_what_ready_watches(
     }
 }
 
-static void test_nothing_new_is_latched_in_fault(void)
+TEST(test_nothing_new_is_latched_in_fault)
 {
     for (uint32_t f = 0U; f < 4U; f++) {
         fault_t first;
@@ -768,7 +763,7 @@ static void test_nothing_new_is_latched_in_fault(void)
     }
 }
 
-static void test_a_fault_stays_latched_until_cleared_without_the_run_command(void)
+TEST(test_a_fault_stays_latched_until_cleared_without_the_run_command)
 {
     static const uint8_t requests[] = {0U, DRIVE_REQUEST_RUN,
                                        DRIVE_REQUEST_RUN | DRIVE_REQUEST_CLEAR};
@@ -795,7 +790,7 @@ static void test_a_fault_stays_latched_until_cleared_without_the_run_command(voi
     }
 }
 
-static void test_the_first_fault_is_kept_while_others_follow(void)
+TEST(test_the_first_fault_is_kept_while_others_follow)
 {
     go_to(DRIVE_STATE_RUN);
     make_undervoltage(&in);
@@ -807,7 +802,7 @@ static void test_the_first_fault_is_kept_while_others_follow(void)
     TEST_ASSERT_EQUAL_INT32(14560, drive.fault.value);
 }
 
-static void test_a_fault_that_persists_comes_back_after_clearing(void)
+TEST(test_a_fault_that_persists_comes_back_after_clearing)
 {
     go_to(DRIVE_STATE_RUN);
     make_break(&in);
@@ -820,7 +815,7 @@ static void test_a_fault_that_persists_comes_back_after_clearing(void)
     TEST_ASSERT_EQUAL_INT(FAULT_BREAK, drive.fault.id);
 }
 
-static void test_a_clear_in_the_frame_of_the_fault_does_not_acknowledge_it(void)
+TEST(test_a_clear_in_the_frame_of_the_fault_does_not_acknowledge_it)
 {
     go_to(DRIVE_STATE_READY);
     in.command.request = DRIVE_REQUEST_CLEAR;
@@ -831,7 +826,7 @@ static void test_a_clear_in_the_frame_of_the_fault_does_not_acknowledge_it(void)
 
 /* ---- running ---- */
 
-static void test_current_demand_changes_once_in_a_slow_period_only(void)
+TEST(test_current_demand_changes_once_in_a_slow_period_only)
 {
     int32_t before = 0;
     uint32_t changes = 0U;
@@ -852,7 +847,7 @@ static void test_current_demand_changes_once_in_a_slow_period_only(void)
     TEST_ASSERT_TRUE(changes > 4U);
 }
 
-static void test_observer_sees_the_ratio_of_two_ticks_ago_times_the_mean_bus(void)
+TEST(test_observer_sees_the_ratio_of_two_ticks_ago_times_the_mean_bus)
 {
     ab_t ratios[2] = {{0, 0}, {0, 0}};
     seeded_t seed = {0x0B5E4EU};
@@ -877,7 +872,7 @@ static void test_observer_sees_the_ratio_of_two_ticks_ago_times_the_mean_bus(voi
     TEST_ASSERT_TRUE(ratios[0].beta != 0);
 }
 
-static void test_change_to_position_mode_takes_the_present_position_as_its_start(void)
+TEST(test_change_to_position_mode_takes_the_present_position_as_its_start)
 {
     go_to(DRIVE_STATE_RUN);
     drive.position.turns_q32 = 123456789012;
@@ -891,7 +886,7 @@ static void test_change_to_position_mode_takes_the_present_position_as_its_start
     TEST_ASSERT_TRUE(llabs(drive.position_loop.profile_q32 - 123456789012) < 1000000);
 }
 
-static void test_profile_moves_by_its_speed_times_the_ticks_of_the_slow_period(void)
+TEST(test_profile_moves_by_its_speed_times_the_ticks_of_the_slow_period)
 {
     static const uint32_t periods[] = {6U, 37U};
 
@@ -919,7 +914,7 @@ static void test_profile_moves_by_its_speed_times_the_ticks_of_the_slow_period(v
     }
 }
 
-static void test_an_unknown_mode_counts_as_speed(void)
+TEST(test_an_unknown_mode_counts_as_speed)
 {
     go_to(DRIVE_STATE_RUN);
     in.command.mode = 7U;
@@ -928,7 +923,7 @@ static void test_an_unknown_mode_counts_as_speed(void)
     TEST_ASSERT_EQUAL_INT32(143166, drive.speed_reference); /* one ramp */
 }
 
-static void test_saturated_samples_keep_their_sign(void)
+TEST(test_saturated_samples_keep_their_sign)
 {
     go_to(DRIVE_STATE_READY);
     in.adc_ia = 65535U;
@@ -958,7 +953,7 @@ static drive_in_t seeded_frame(seeded_t *seed)
     };
 }
 
-static void test_equal_frames_give_equal_states_and_outputs_byte_by_byte(void)
+TEST(test_equal_frames_give_equal_states_and_outputs_byte_by_byte)
 {
     seeded_t seed = {0x9E37U};
     static drive_t other;
@@ -980,7 +975,7 @@ static void test_equal_frames_give_equal_states_and_outputs_byte_by_byte(void)
     }
 }
 
-static void test_a_copy_is_a_snapshot_from_which_the_same_future_follows(void)
+TEST(test_a_copy_is_a_snapshot_from_which_the_same_future_follows)
 {
     static drive_in_t frames[2000];
     static drive_t snapshot;
@@ -1045,7 +1040,7 @@ static int32_t extreme_target(seeded_t *seed)
     return ends[seeded_u32(seed) % 5U];
 }
 
-static void test_any_raw_frame_keeps_all_outputs_in_range(void)
+TEST(test_any_raw_frame_keeps_all_outputs_in_range)
 {
     seeded_t seed = {0xF4A4E5U};
 
@@ -1073,7 +1068,7 @@ static void test_any_raw_frame_keeps_all_outputs_in_range(void)
     }
 }
 
-static void test_wild_but_allowed_measurements_keep_a_running_drive_in_range(void)
+TEST(test_wild_but_allowed_measurements_keep_a_running_drive_in_range)
 {
     seeded_t seed = {0x3177DU};
 
@@ -1108,7 +1103,7 @@ static void run_motor(example_motor_t *m, uint32_t count, double load_nm)
 /* Speeds in tests below hold to 1 % of rated speed: 18 rpm, half the specified 2 % band. */
 #define SPEED_TOLERANCE_RPM (18.0)
 
-static void test_speed_command_is_followed_by_a_motor_in_both_directions_and_under_load(void)
+TEST(test_speed_command_is_followed_by_a_motor_in_both_directions_and_under_load)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         example_motor_t m = example_motor_at(0.0, 0.0);
@@ -1131,7 +1126,7 @@ static void test_speed_command_is_followed_by_a_motor_in_both_directions_and_und
 /* Position holds to 2° mechanical as specified; the estimate itself follows the rotor. */
 #define POSITION_TOLERANCE_TURNS (2.0 / 360.0)
 
-static void test_position_command_is_reached_by_a_motor_in_both_directions(void)
+TEST(test_position_command_is_reached_by_a_motor_in_both_directions)
 {
     example_motor_t m = example_motor_at(0.0, 0.0);
 
@@ -1166,7 +1161,7 @@ static void run_without_bump(example_motor_t *m)
     TEST_ASSERT_TRUE(abs(drive.signals.current_ref.q) < cfg.derating.current_max);
 }
 
-static void test_change_to_position_mode_at_speed_has_no_bump_and_comes_back_to_the_target(void)
+TEST(test_change_to_position_mode_at_speed_has_no_bump_and_comes_back_to_the_target)
 {
     static const double speeds_rpm[] = {-1950.0, -1200.0, -300.0, 600.0, 900.0, 1500.0, 1800.0};
 
@@ -1192,7 +1187,7 @@ static void test_change_to_position_mode_at_speed_has_no_bump_and_comes_back_to_
     }
 }
 
-static void test_a_late_tick_leaves_the_observer_without_voltage(void)
+TEST(test_a_late_tick_leaves_the_observer_without_voltage)
 {
     example_motor_t m = example_motor_at(0.0, 0.0);
 
@@ -1258,7 +1253,7 @@ static void check_angle_of_the_vector(void)
     telling += ((unlike.alpha != expected.alpha) || (unlike.beta != expected.beta)) ? 1U : 0U;
 }
 
-static void test_vector_is_turned_for_the_middle_of_the_period_in_which_it_acts(void)
+TEST(test_vector_is_turned_for_the_middle_of_the_period_in_which_it_acts)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         telling = 0U;
@@ -1285,12 +1280,12 @@ static void check_bus(void)
     TEST_ASSERT_EQUAL_INT32(ratio.beta, drive.signals.ratio_ab.beta);
 }
 
-static void test_voltage_circle_and_reciprocal_follow_the_bus_of_the_same_tick(void)
+TEST(test_voltage_circle_and_reciprocal_follow_the_bus_of_the_same_tick)
 {
     run_beside(1, check_bus);
 }
 
-static void test_reciprocal_follows_the_bus_of_the_same_tick_with_open_gates(void)
+TEST(test_reciprocal_follows_the_bus_of_the_same_tick_with_open_gates)
 {
     seeded_t seed = {0x0FFU};
 
@@ -1324,7 +1319,7 @@ static void check_speed_and_demand(void)
     telling += (other != demand) ? 1U : 0U;
 }
 
-static void test_speed_signal_and_current_demand_come_from_the_integral_of_the_observer(void)
+TEST(test_speed_signal_and_current_demand_come_from_the_integral_of_the_observer)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         telling = 0U;
@@ -1350,7 +1345,7 @@ static void check_voltage(void)
     TEST_ASSERT_EQUAL_INT32(voltage.q, s->voltage.q);
 }
 
-static void test_voltage_demand_is_that_of_the_current_loop_with_no_current_along_the_flux(void)
+TEST(test_voltage_demand_is_that_of_the_current_loop_with_no_current_along_the_flux)
 {
     run_beside(1, check_voltage);
 }
@@ -1360,7 +1355,7 @@ static void test_voltage_demand_is_that_of_the_current_loop_with_no_current_alon
 /* 1.2 V of 310 V are 33 counts of 8500. */
 #define DROP_COUNTS (33)
 
-static void test_a_device_drop_without_dead_time_is_given_back_to_the_legs_with_current(void)
+TEST(test_a_device_drop_without_dead_time_is_given_back_to_the_legs_with_current)
 {
     drive_cfg_t lossy = cfg;
     drive_t with_drop;
@@ -1380,7 +1375,7 @@ static void test_a_device_drop_without_dead_time_is_given_back_to_the_legs_with_
 }
 
 /* As if nothing were planned before: what RUN begins with fits its own reference, speed and model. */
-static void test_run_begins_with_a_plan_of_its_current_control(void)
+TEST(test_run_begins_with_a_plan_of_its_current_control)
 {
     current_loop_t fresh;
 
@@ -1394,74 +1389,4 @@ static void test_run_begins_with_a_plan_of_its_current_control(void)
     current_loop_plan(&fresh, &drive.model.run_loop, drive.signals.current_ref,
                       drive_speed_q15(&drive, drive.observer.speed));
     TEST_ASSERT_EQUAL_MEMORY(&fresh, &drive.current_loop, sizeof fresh);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_init_starts_in_init_whatever_was_there_before);
-    RUN_TEST(test_init_names_a_refused_field);
-    RUN_TEST(test_first_tick_begins_the_calibration_with_open_gates);
-    RUN_TEST(test_calibration_takes_exactly_its_samples_and_keeps_the_gates_open);
-    RUN_TEST(test_ready_waits_for_the_command_with_open_gates);
-    RUN_TEST(test_run_command_enables_the_gates_in_the_next_tick_and_stop_opens_them_in_its_own);
-    RUN_TEST(test_first_compare_values_of_a_run_are_the_null_vector);
-    RUN_TEST(test_a_second_run_starts_afresh);
-    RUN_TEST(test_the_first_ticks_of_a_second_run_leave_the_drive_as_those_of_the_first_did);
-    RUN_TEST(test_offset_is_the_mean_of_the_samples_and_is_removed);
-    RUN_TEST(test_offset_mean_of_full_scale_samples_does_not_overflow);
-    RUN_TEST(test_offset_of_one_sample_is_that_sample);
-    RUN_TEST(test_offset_beyond_its_limit_is_a_fault_with_open_gates);
-    RUN_TEST(test_offset_at_its_limit_is_accepted);
-    RUN_TEST(test_a_sample_at_an_end_of_the_converter_is_named_so);
-    RUN_TEST(test_one_late_tick_more_than_allowed_is_a_fault_in_its_tick);
-    RUN_TEST(test_an_overcurrent_in_the_last_late_tick_is_called_late);
-    RUN_TEST(test_late_ticks_without_current_are_no_fault);
-    RUN_TEST(test_a_flipped_bit_of_the_configuration_is_a_fault_in_bounded_time_in_every_state);
-    RUN_TEST(test_init_refuses_a_configuration_that_is_not_what_was_built);
-    RUN_TEST(test_overtemperature_is_a_fault_in_every_state_that_a_drive_rests_in);
-    RUN_TEST(test_currents_that_do_not_follow_at_standstill_are_a_lost_phase);
-    RUN_TEST(test_a_high_bus_takes_the_braking_torque_and_a_low_one_the_motoring);
-    RUN_TEST(test_the_shortest_slow_periods_supervise_too);
-    RUN_TEST(test_each_fault_opens_the_gates_in_its_tick_in_every_state_that_watches_it);
-    RUN_TEST(test_a_fault_of_a_fast_rotor_shorts_the_motor_in_its_tick);
-    RUN_TEST(test_where_the_estimate_is_lost_the_reference_tells_the_speed);
-    RUN_TEST(test_a_fault_of_a_slow_rotor_opens_the_gates);
-    RUN_TEST(test_below_run_the_estimate_tells_the_speed_too);
-    RUN_TEST(test_in_probe_the_vector_tells_the_speed);
-    RUN_TEST(test_behind_a_fault_of_torque_control_the_rotor_may_be_as_fast_as_the_window_allows);
-    RUN_TEST(test_a_stop_of_a_fast_rotor_shorts_the_motor_until_it_is_slow);
-    RUN_TEST(test_while_the_motor_is_shorted_nothing_begins);
-    RUN_TEST(test_a_break_opens_the_gates_at_any_speed_until_it_is_cleared);
-    RUN_TEST(test_a_high_bus_shorts_a_motor_that_is_not_driven);
-    RUN_TEST(test_faults_that_a_state_does_not_watch_leave_it_with_open_gates);
-    RUN_TEST(test_a_run_command_at_overcurrent_or_undervoltage_never_enables_the_gates);
-    RUN_TEST(test_a_stop_in_the_frame_of_a_fault_latches_only_what_ready_watches);
-    RUN_TEST(test_nothing_new_is_latched_in_fault);
-    RUN_TEST(test_a_fault_stays_latched_until_cleared_without_the_run_command);
-    RUN_TEST(test_the_first_fault_is_kept_while_others_follow);
-    RUN_TEST(test_a_fault_that_persists_comes_back_after_clearing);
-    RUN_TEST(test_a_clear_in_the_frame_of_the_fault_does_not_acknowledge_it);
-    RUN_TEST(test_current_demand_changes_once_in_a_slow_period_only);
-    RUN_TEST(test_observer_sees_the_ratio_of_two_ticks_ago_times_the_mean_bus);
-    RUN_TEST(test_a_late_tick_leaves_the_observer_without_voltage);
-    RUN_TEST(test_change_to_position_mode_takes_the_present_position_as_its_start);
-    RUN_TEST(test_profile_moves_by_its_speed_times_the_ticks_of_the_slow_period);
-    RUN_TEST(test_an_unknown_mode_counts_as_speed);
-    RUN_TEST(test_saturated_samples_keep_their_sign);
-    RUN_TEST(test_equal_frames_give_equal_states_and_outputs_byte_by_byte);
-    RUN_TEST(test_a_copy_is_a_snapshot_from_which_the_same_future_follows);
-    RUN_TEST(test_any_raw_frame_keeps_all_outputs_in_range);
-    RUN_TEST(test_wild_but_allowed_measurements_keep_a_running_drive_in_range);
-    RUN_TEST(test_speed_command_is_followed_by_a_motor_in_both_directions_and_under_load);
-    RUN_TEST(test_position_command_is_reached_by_a_motor_in_both_directions);
-    RUN_TEST(test_change_to_position_mode_at_speed_has_no_bump_and_comes_back_to_the_target);
-    RUN_TEST(test_vector_is_turned_for_the_middle_of_the_period_in_which_it_acts);
-    RUN_TEST(test_voltage_circle_and_reciprocal_follow_the_bus_of_the_same_tick);
-    RUN_TEST(test_reciprocal_follows_the_bus_of_the_same_tick_with_open_gates);
-    RUN_TEST(test_speed_signal_and_current_demand_come_from_the_integral_of_the_observer);
-    RUN_TEST(test_voltage_demand_is_that_of_the_current_loop_with_no_current_along_the_flux);
-    RUN_TEST(test_a_device_drop_without_dead_time_is_given_back_to_the_legs_with_current);
-    RUN_TEST(test_run_begins_with_a_plan_of_its_current_control);
-    return UNITY_END();
 }

@@ -8,7 +8,7 @@
 #include "example_motor.h"
 #include "model.h"
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -94,10 +94,6 @@ void setUp(void)
     begin();
 }
 
-void tearDown(void)
-{
-}
-
 static void tick(void)
 {
     example_motor_measure(&motor, &in);
@@ -146,7 +142,7 @@ static int32_t scaled(int32_t value, double factor)
 
 /* ---- what it does not touch ---- */
 
-static void test_the_same_configuration_changes_nothing_but_its_place(void)
+TEST(test_the_same_configuration_changes_nothing_but_its_place)
 {
     static const drive_state_t states[] = {
         DRIVE_STATE_READY,   DRIVE_STATE_PROBE,    DRIVE_STATE_FLYING_START, DRIVE_STATE_ALIGN,
@@ -166,7 +162,7 @@ static void test_the_same_configuration_changes_nothing_but_its_place(void)
 }
 
 /* What a recording says of a change is its CRC: whoever follows the drive by its inputs sees none here. */
-static void test_the_same_configuration_leaves_the_hash_of_the_state(void)
+TEST(test_the_same_configuration_leaves_the_hash_of_the_state)
 {
     const drive_t before = drive;
 
@@ -174,7 +170,7 @@ static void test_the_same_configuration_leaves_the_hash_of_the_state(void)
     TEST_ASSERT_EQUAL_HEX32(drive_words_hash(&before), drive_words_hash(&drive));
 }
 
-static void test_the_guard_accepts_the_new_configuration_wherever_it_was(void)
+TEST(test_the_guard_accepts_the_new_configuration_wherever_it_was)
 {
     ticks(GUARD_TICKS / 3U);
     TEST_ASSERT_TRUE(drive.guard.at > 0U);
@@ -189,7 +185,7 @@ static void test_the_guard_accepts_the_new_configuration_wherever_it_was(void)
 
 /* ---- what it computes anew ---- */
 
-static void test_limits_are_in_force_at_once(void)
+TEST(test_limits_are_in_force_at_once)
 {
     other.protection.bus_max = 20000;
     other.protection.bus_min = 1000;
@@ -238,7 +234,7 @@ static void assert_times(int32_t expected, double ratio, int32_t value)
     TEST_ASSERT_INT32_WITHIN(2, (int32_t)lround((double)expected * ratio), value);
 }
 
-static void test_what_was_measured_stays_as_a_ratio_to_the_new_values(void)
+TEST(test_what_was_measured_stays_as_a_ratio_to_the_new_values)
 {
     model_t before;
 
@@ -261,7 +257,7 @@ static void test_what_was_measured_stays_as_a_ratio_to_the_new_values(void)
 }
 
 /* Each part that keeps something of the configuration, or in its scale, is told. */
-static void test_every_part_takes_the_change_over(void)
+TEST(test_every_part_takes_the_change_over)
 {
     static const struct {
         const char *name;
@@ -292,7 +288,7 @@ static void test_every_part_takes_the_change_over(void)
 /* ---- a measurement that is under way ---- */
 
 /* Whatever has changed: with other pulses its sums would be of both, and what was pulsed to one side would not be pulsed back. */
-static void test_an_alignment_measures_again(void)
+TEST(test_an_alignment_measures_again)
 {
     go_to(DRIVE_STATE_ALIGN);
     for (uint32_t k = 0U; (k < PATIENCE_TICKS) && (drive.align.phase != ALIGN_INDUCTANCE); k++) {
@@ -308,7 +304,7 @@ static void test_an_alignment_measures_again(void)
     TEST_ASSERT_INT32_WITHIN(164, 16384, drive.model.inductance_q14); /* within 1 %, as without */
 }
 
-static void test_a_rotor_that_is_pulled_is_pulled_on(void)
+TEST(test_a_rotor_that_is_pulled_is_pulled_on)
 {
     align_t before;
 
@@ -320,7 +316,7 @@ static void test_a_rotor_that_is_pulled_is_pulled_on(void)
     TEST_ASSERT_EQUAL_MEMORY(&before, &drive.align, sizeof before);
 }
 
-static void test_a_flying_start_looks_again(void)
+TEST(test_a_flying_start_looks_again)
 {
     go_to(DRIVE_STATE_FLYING_START);
     for (uint32_t k = 0U;
@@ -378,14 +374,14 @@ static void assert_no_jump(double factor)
     TEST_ASSERT_INT32_WITHIN(NETWORK_MAX, before.current.q, after.current.q);
 }
 
-static void test_with_other_values_of_the_motor_voltage_and_network_do_not_jump(void)
+TEST(test_with_other_values_of_the_motor_voltage_and_network_do_not_jump)
 {
     assert_no_jump(1.1);
     setUp();
     assert_no_jump(0.9);
 }
 
-static void test_with_another_saliency_the_network_does_not_jump(void)
+TEST(test_with_another_saliency_the_network_does_not_jump)
 {
     next_t before;
     next_t after;
@@ -400,7 +396,7 @@ static void test_with_another_saliency_the_network_does_not_jump(void)
     TEST_ASSERT_INT32_WITHIN(NETWORK_MAX, before.current.q, after.current.q);
 }
 
-static void test_an_imposed_current_does_not_jump(void)
+TEST(test_an_imposed_current_does_not_jump)
 {
     next_t before;
     next_t after;
@@ -416,7 +412,7 @@ static void test_an_imposed_current_does_not_jump(void)
 }
 
 /* A filter that comes into force holds the torque current of now, not that of the beginning of RUN. */
-static void test_a_torque_filter_begins_with_the_present_torque(void)
+TEST(test_a_torque_filter_begins_with_the_present_torque)
 {
     int32_t torque;
 
@@ -436,7 +432,7 @@ static void test_a_torque_filter_begins_with_the_present_torque(void)
 }
 
 /* Nothing limits the current there, so it begins again by itself when all is calm. */
-static void test_a_voltage_drive_goes_back_to_current_control(void)
+TEST(test_a_voltage_drive_goes_back_to_current_control)
 {
     dq_t voltage;
 
@@ -465,7 +461,7 @@ static void test_a_voltage_drive_goes_back_to_current_control(void)
 
 /* ---- settings for which it begins anew ---- */
 
-static void test_a_setting_of_rest_makes_a_drive_at_rest_calibrate_again(void)
+TEST(test_a_setting_of_rest_makes_a_drive_at_rest_calibrate_again)
 {
     const uint32_t tick_before = drive.tick;
     const uint32_t left = drive.slow_count;
@@ -484,7 +480,7 @@ static void test_a_setting_of_rest_makes_a_drive_at_rest_calibrate_again(void)
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
 }
 
-static void test_a_shorter_slow_period_is_not_exceeded(void)
+TEST(test_a_shorter_slow_period_is_not_exceeded)
 {
     cfg.slow_ticks = 100U;
     begin();
@@ -494,7 +490,7 @@ static void test_a_shorter_slow_period_is_not_exceeded(void)
     TEST_ASSERT_EQUAL_UINT32(6U, drive.slow_count);
 }
 
-static void test_in_run_it_opens_the_gates(void)
+TEST(test_in_run_it_opens_the_gates)
 {
     go_to(DRIVE_STATE_RUN);
     ticks(100U);
@@ -506,7 +502,7 @@ static void test_in_run_it_opens_the_gates(void)
 }
 
 /* A fast rotor is shorted instead; the drive begins anew when it is slow. */
-static void test_in_run_it_shorts_a_motor_that_is_too_fast_for_open_gates(void)
+TEST(test_in_run_it_shorts_a_motor_that_is_too_fast_for_open_gates)
 {
     cfg.safe_state = example_safe_state_cfg(1, 32767, 50U);
     begin();
@@ -525,7 +521,7 @@ static void test_in_run_it_shorts_a_motor_that_is_too_fast_for_open_gates(void)
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_OFFSET_CAL, drive.state);
 }
 
-static void test_a_latched_fault_stays(void)
+TEST(test_a_latched_fault_stays)
 {
     in.flags = DRIVE_FLAG_BREAK;
     tick();
@@ -622,7 +618,7 @@ static void assert_within_its_ranges(void)
     }
 }
 
-static void test_from_any_state_any_change_ends_within_the_ranges_of_the_state(void)
+TEST(test_from_any_state_any_change_ends_within_the_ranges_of_the_state)
 {
     cfg.voltage_drive = example_voltage_drive_cfg();
     for (int32_t k = 0; k < STATES; k++) {
@@ -639,30 +635,4 @@ static void test_from_any_state_any_change_ends_within_the_ranges_of_the_state(v
         drive_step(&drive, &in, &out);
         assert_within_its_ranges();
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_the_same_configuration_changes_nothing_but_its_place);
-    RUN_TEST(test_the_same_configuration_leaves_the_hash_of_the_state);
-    RUN_TEST(test_the_guard_accepts_the_new_configuration_wherever_it_was);
-    RUN_TEST(test_limits_are_in_force_at_once);
-    RUN_TEST(test_what_was_measured_stays_as_a_ratio_to_the_new_values);
-    RUN_TEST(test_every_part_takes_the_change_over);
-    RUN_TEST(test_an_alignment_measures_again);
-    RUN_TEST(test_a_rotor_that_is_pulled_is_pulled_on);
-    RUN_TEST(test_a_flying_start_looks_again);
-    RUN_TEST(test_with_other_values_of_the_motor_voltage_and_network_do_not_jump);
-    RUN_TEST(test_with_another_saliency_the_network_does_not_jump);
-    RUN_TEST(test_an_imposed_current_does_not_jump);
-    RUN_TEST(test_a_torque_filter_begins_with_the_present_torque);
-    RUN_TEST(test_a_voltage_drive_goes_back_to_current_control);
-    RUN_TEST(test_a_setting_of_rest_makes_a_drive_at_rest_calibrate_again);
-    RUN_TEST(test_a_shorter_slow_period_is_not_exceeded);
-    RUN_TEST(test_in_run_it_opens_the_gates);
-    RUN_TEST(test_in_run_it_shorts_a_motor_that_is_too_fast_for_open_gates);
-    RUN_TEST(test_a_latched_fault_stays);
-    RUN_TEST(test_from_any_state_any_change_ends_within_the_ranges_of_the_state);
-    return UNITY_END();
 }

@@ -10,8 +10,8 @@
 #include "open_loop.h"
 #include "run.h"
 #include "schedule.h"
+#include "testing.h"
 #include "transitions.h"
-#include "unity.h"
 
 #include <math.h>
 #include <string.h>
@@ -56,13 +56,9 @@ void setUp(void)
     supervision_reset(&drive.supervision);
 }
 
-void tearDown(void)
-{
-}
-
 /* ---- what a start begins with ---- */
 
-static void test_a_reset_forgets_all_that_a_run_has_left(void)
+TEST(test_a_reset_forgets_all_that_a_run_has_left)
 {
     const drive_t fresh = drive;
 
@@ -89,7 +85,7 @@ static void test_a_reset_forgets_all_that_a_run_has_left(void)
     TEST_ASSERT_EQUAL_MEMORY(&fresh, &drive, sizeof drive);
 }
 
-static void test_a_reset_is_at_rest_at_angle_0(void)
+TEST(test_a_reset_is_at_rest_at_angle_0)
 {
     TEST_ASSERT_EQUAL_INT64(0, drive.position.turns_q32);
     TEST_ASSERT_EQUAL_INT64(0, drive.vector.position.turns_q32);
@@ -103,7 +99,7 @@ static void test_a_reset_is_at_rest_at_angle_0(void)
     TEST_ASSERT_EQUAL_INT32(0, drive.signals.current_ref.q);
 }
 
-static void test_a_run_begins_with_nothing_counted(void)
+TEST(test_a_run_begins_with_nothing_counted)
 {
     static const struct {
         const char *name;
@@ -152,7 +148,7 @@ static void test_a_run_begins_with_nothing_counted(void)
 }
 
 /* Whatever slot falls on the tick of the start: it has measured nothing that a motion loop could use. */
-static void test_a_start_moves_nothing_in_its_own_tick(void)
+TEST(test_a_start_moves_nothing_in_its_own_tick)
 {
     cfg.startup.current_hold = 0;
     for (uint32_t slot_count = 1U; slot_count <= cfg.slow_ticks; slot_count++) {
@@ -182,7 +178,7 @@ static void test_a_start_moves_nothing_in_its_own_tick(void)
     }
 }
 
-static void test_no_slot_moves_a_drive_without_a_motion_loop(void)
+TEST(test_no_slot_moves_a_drive_without_a_motion_loop)
 {
     static const drive_state_t states[] = {DRIVE_STATE_READY, DRIVE_STATE_ALIGN, DRIVE_STATE_FAULT};
 
@@ -213,7 +209,7 @@ static void assert_imposed(int32_t expected, int32_t thermal, step_t reference)
     TEST_ASSERT_EQUAL_INT32(expected, drive.signals.current_ref.d);
 }
 
-static void test_derating_holds_for_an_imposed_current_too(void)
+TEST(test_derating_holds_for_an_imposed_current_too)
 {
     enter(DRIVE_STATE_HOLD);
     assert_imposed(cfg.startup.current_hold, cfg.derating.current_max, 0);
@@ -239,7 +235,7 @@ static void drag_with(step_t speed)
     drag(speed);
 }
 
-static void test_a_hand_over_takes_its_time_to_settle(void)
+TEST(test_a_hand_over_takes_its_time_to_settle)
 {
     cfg.startup.settle_periods = 3U;
     enter(DRIVE_STATE_IF_RAMP);
@@ -262,7 +258,7 @@ static drive_state_t handed_over_with_slip(step_t slip)
     return drive.state;
 }
 
-static void test_an_observer_that_turns_otherwise_than_the_vector_has_not_found_the_rotor(void)
+TEST(test_an_observer_that_turns_otherwise_than_the_vector_has_not_found_the_rotor)
 {
     const step_t half = cfg.startup.handover_speed / 2;
 
@@ -272,7 +268,7 @@ static void test_an_observer_that_turns_otherwise_than_the_vector_has_not_found_
     TEST_ASSERT_EQUAL(DRIVE_STATE_HANDOVER, handed_over_with_slip(-half));
 }
 
-static void test_a_hand_over_begins_to_count_and_counts_each_period(void)
+TEST(test_a_hand_over_begins_to_count_and_counts_each_period)
 {
     enter(DRIVE_STATE_IF_RAMP);
     drive.handover_periods = STALE;
@@ -290,7 +286,7 @@ static void test_a_hand_over_begins_to_count_and_counts_each_period(void)
     TEST_ASSERT_EQUAL_UINT32(1U, drive.attempts);
 }
 
-static void test_a_hand_over_that_succeeds_forgets_the_attempts(void)
+TEST(test_a_hand_over_that_succeeds_forgets_the_attempts)
 {
     enter(DRIVE_STATE_HANDOVER);
     drive.identified = true;
@@ -322,7 +318,7 @@ static int32_t hand_over_with(step_t change)
     return speed_loop_accelerate(&before, &cfg.speed_loop, reference, drive.torque_range);
 }
 
-static void test_a_hand_over_gives_the_load_to_the_integral_and_not_the_torque_of_the_ramp(void)
+TEST(test_a_hand_over_gives_the_load_to_the_integral_and_not_the_torque_of_the_ramp)
 {
     const double cos_30 = 0.8660254037844387;
     int32_t of_ramp = hand_over_with(0);
@@ -336,7 +332,7 @@ static void test_a_hand_over_gives_the_load_to_the_integral_and_not_the_torque_o
 }
 
 /* A sixth of a turn is 2^32/6 = 715827882.7 steps. */
-static void test_the_observer_proves_itself_within_a_sixth_of_a_turn_of_the_vector(void)
+TEST(test_the_observer_proves_itself_within_a_sixth_of_a_turn_of_the_vector)
 {
     static const struct {
         int64_t load_angle;
@@ -356,7 +352,7 @@ static void test_the_observer_proves_itself_within_a_sixth_of_a_turn_of_the_vect
     }
 }
 
-static void test_the_last_attempt_that_fails_is_a_fault(void)
+TEST(test_the_last_attempt_that_fails_is_a_fault)
 {
     enter(DRIVE_STATE_HANDOVER);
     drive.identified = true;
@@ -370,7 +366,7 @@ static void test_the_last_attempt_that_fails_is_a_fault(void)
     TEST_ASSERT_EQUAL_INT32(cfg.startup.residual_max, drive.fault.limit);
 }
 
-static void test_a_rotor_is_lost_when_periods_above_the_limit_outweigh_those_below(void)
+TEST(test_a_rotor_is_lost_when_periods_above_the_limit_outweigh_those_below)
 {
     enter(DRIVE_STATE_HOLD);
     drive.identified = true;
@@ -415,7 +411,7 @@ static void before_the_hand_back(void)
     drive.speed_reference = 1000;
 }
 
-static void test_the_hand_back_begins_with_what_flows_and_nothing_older(void)
+TEST(test_the_hand_back_begins_with_what_flows_and_nothing_older)
 {
     before_the_hand_back();
     slot(SLOT_SPEED);
@@ -429,7 +425,7 @@ static void test_the_hand_back_begins_with_what_flows_and_nothing_older(void)
 }
 
 /* As long as before, and in the frame, which has turned forwards from the rotor by the angle of the reference. */
-static void test_the_hand_back_turns_the_currents_into_its_frame(void)
+TEST(test_the_hand_back_turns_the_currents_into_its_frame)
 {
     int64_t along;
     int64_t across;
@@ -459,7 +455,7 @@ static int32_t residual_in(drive_state_t state, step_t vector_speed)
 }
 
 /* At rest a leg without current lies along q. The filter takes an eighth of it. */
-static void test_the_residual_is_that_across_the_flux_and_at_rest_that_along_the_vector(void)
+TEST(test_the_residual_is_that_across_the_flux_and_at_rest_that_along_the_vector)
 {
     TEST_ASSERT_EQUAL_INT32(100, residual_in(DRIVE_STATE_HOLD, 0));
     TEST_ASSERT_EQUAL_INT32(200, residual_in(DRIVE_STATE_HOLD, 1));
@@ -480,7 +476,7 @@ static void assert_rho_follows(step_t own, step_t speed)
     TEST_ASSERT_EQUAL((speed > 0), (drive.observer.rho_q13 > 0));
 }
 
-static void test_the_static_part_follows_the_estimate_from_twice_the_hand_over_speed_on(void)
+TEST(test_the_static_part_follows_the_estimate_from_twice_the_hand_over_speed_on)
 {
     const step_t fast = 2 * cfg.startup.handover_speed;
 
@@ -523,7 +519,7 @@ static void assert_goes_on(torque_range_t range, step_t change)
     TEST_ASSERT_TRUE(drive.position_loop.profile_q32 == 0);
 }
 
-static void test_ramp_and_profile_wait_at_the_end_of_a_narrowed_torque_and_only_there(void)
+TEST(test_ramp_and_profile_wait_at_the_end_of_a_narrowed_torque_and_only_there)
 {
     const int32_t full = cfg.derating.current_max;
     const torque_range_t no_braking = {0, full};
@@ -556,7 +552,7 @@ static int32_t learned_under(torque_range_t range, step_t change)
     return drive.speed_loop.inertia_q17 - 131072;
 }
 
-static void test_j_is_learned_on_a_ramp_and_not_at_the_end_of_the_torque(void)
+TEST(test_j_is_learned_on_a_ramp_and_not_at_the_end_of_the_torque)
 {
     const int32_t full = cfg.derating.current_max;
     const step_t ramp = cfg.speed_loop.ramp;
@@ -569,7 +565,7 @@ static void test_j_is_learned_on_a_ramp_and_not_at_the_end_of_the_torque(void)
     TEST_ASSERT_TRUE(learned_under(whole, ramp) > 0);
 }
 
-static void test_what_was_learned_of_j_is_forgotten_with_a_fault(void)
+TEST(test_what_was_learned_of_j_is_forgotten_with_a_fault)
 {
     drive.speed_loop.inertia_q17 = 200000;
     enter(DRIVE_STATE_FAULT);
@@ -592,7 +588,7 @@ static step_t estimate_after(step_t change, int32_t share_q14)
 }
 
 /* Within a quarter of the hand-over speed of the reference, which begins at 0, the rotor follows it. */
-static void test_the_estimate_of_a_rotor_that_is_elsewhere_is_left_alone(void)
+TEST(test_the_estimate_of_a_rotor_that_is_elsewhere_is_left_alone)
 {
     const int32_t full = cfg.derating.current_max;
     const step_t near = cfg.startup.handover_speed / 4;
@@ -610,7 +606,7 @@ static void test_the_estimate_of_a_rotor_that_is_elsewhere_is_left_alone(void)
 }
 
 /* The product has 14 bits behind the point, 4 steps. */
-static void test_the_estimate_takes_on_its_share_of_what_the_reference_changes(void)
+TEST(test_the_estimate_takes_on_its_share_of_what_the_reference_changes)
 {
     const step_t ramp = 4 * (cfg.speed_loop.ramp / 4);
 
@@ -621,7 +617,7 @@ static void test_the_estimate_takes_on_its_share_of_what_the_reference_changes(v
     TEST_ASSERT_EQUAL_INT32(500000, estimate_after(-ramp, 0));
 }
 
-static void test_the_estimate_waits_with_a_ramp_that_waits(void)
+TEST(test_the_estimate_waits_with_a_ramp_that_waits)
 {
     cfg.run.acceleration_q14 = 16384;
     drive.observer.speed = 0;
@@ -649,7 +645,7 @@ static int32_t current_d_after(int32_t d, int32_t q)
     return drive.signals.current_ref.d;
 }
 
-static void test_the_least_current_comes_with_its_slope_and_goes_with_its_own(void)
+TEST(test_the_least_current_comes_with_its_slope_and_goes_with_its_own)
 {
     const int32_t slope = 64 * (int32_t)cfg.slow_ticks;
     const int32_t fall = 2 * (int32_t)cfg.slow_ticks;
@@ -680,7 +676,7 @@ static int32_t current_d_beyond_base_speed(dq_t demand)
     return drive.signals.current_ref.d;
 }
 
-static void test_the_least_current_gives_way_to_a_weakened_field_where_the_voltage_ends(void)
+TEST(test_the_least_current_gives_way_to_a_weakened_field_where_the_voltage_ends)
 {
     const int32_t near = (15 * modulator_limit(&cfg.modulator, drive.signals.bus)) / 16;
 
@@ -691,7 +687,7 @@ static void test_the_least_current_gives_way_to_a_weakened_field_where_the_volta
 }
 
 /* The voltage drive has neither i_d* nor a range. */
-static void test_the_voltage_drive_leaves_the_current_reference_alone(void)
+TEST(test_the_voltage_drive_leaves_the_current_reference_alone)
 {
     drive.voltage_drive.active = true;
     TEST_ASSERT_EQUAL_INT32(0, current_d_after(0, 0));
@@ -700,7 +696,7 @@ static void test_the_voltage_drive_leaves_the_current_reference_alone(void)
 }
 
 /* What was imposed is above the least current, and of no use: it goes as it came. */
-static void test_what_was_imposed_goes_with_the_slope_down_to_the_least_current(void)
+TEST(test_what_was_imposed_goes_with_the_slope_down_to_the_least_current)
 {
     const int32_t slope = 64 * (int32_t)cfg.slow_ticks;
 
@@ -748,14 +744,14 @@ static void end_alignment(int32_t swing)
     end_alignment_with(swing, 2000);
 }
 
-static void test_an_alignment_is_believed_when_the_rotor_rested(void)
+TEST(test_an_alignment_is_believed_when_the_rotor_rested)
 {
     end_alignment(cfg.startup.align.swing_max);
     TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, drive.state);
     TEST_ASSERT_TRUE(drive.identified);
 }
 
-static void test_an_alignment_without_an_inductance_leaves_the_model_and_is_not_repeated(void)
+TEST(test_an_alignment_without_an_inductance_leaves_the_model_and_is_not_repeated)
 {
     const int32_t resistance = drive.model.resistance_q14;
 
@@ -767,7 +763,7 @@ static void test_an_alignment_without_an_inductance_leaves_the_model_and_is_not_
     TEST_ASSERT_EQUAL_INT32(resistance, drive.model.resistance_q14);
 }
 
-static void test_the_second_measurement_follows_when_the_rotor_rested_in_the_first(void)
+TEST(test_the_second_measurement_follows_when_the_rotor_rested_in_the_first)
 {
     end_measurement(ALIGN_MEASURE_HIGH, cfg.startup.align.swing_max, 2000);
     TEST_ASSERT_EQUAL(DRIVE_STATE_ALIGN, drive.state);
@@ -775,7 +771,7 @@ static void test_the_second_measurement_follows_when_the_rotor_rested_in_the_fir
     TEST_ASSERT_EQUAL_UINT32(0U, drive.attempts);
 }
 
-static void test_a_rotor_that_does_not_rest_is_looked_for_after_the_measurement_that_shows_it(void)
+TEST(test_a_rotor_that_does_not_rest_is_looked_for_after_the_measurement_that_shows_it)
 {
     static const align_phase_t PHASES[] = {ALIGN_MEASURE_HIGH, ALIGN_MEASURE_LOW};
 
@@ -788,7 +784,7 @@ static void test_a_rotor_that_does_not_rest_is_looked_for_after_the_measurement_
     }
 }
 
-static void test_the_last_alignment_without_rest_is_a_fault_that_names_the_current_across(void)
+TEST(test_the_last_alignment_without_rest_is_a_fault_that_names_the_current_across)
 {
     drive.attempts = cfg.startup.attempts - 1U;
     end_alignment(cfg.startup.align.swing_max + 1);
@@ -815,7 +811,7 @@ static step_t reference_from(step_t present, uint32_t attempts, bool identified)
     return drive.speed_reference;
 }
 
-static void test_a_rotor_that_slipped_is_brought_to_rest_before_it_obeys(void)
+TEST(test_a_rotor_that_slipped_is_brought_to_rest_before_it_obeys)
 {
     const step_t ramp = cfg.startup.ramp;
     const step_t present = 4 * ramp;
@@ -839,7 +835,7 @@ static drive_state_t state_of_fast_vector(uint32_t attempts, bool identified)
     return drive.state;
 }
 
-static void test_a_rotor_that_slipped_is_not_handed_over_before_it_has_stood(void)
+TEST(test_a_rotor_that_slipped_is_not_handed_over_before_it_has_stood)
 {
     TEST_ASSERT_EQUAL(DRIVE_STATE_IF_RAMP, state_of_fast_vector(1U, false));
     TEST_ASSERT_EQUAL(DRIVE_STATE_HANDOVER, state_of_fast_vector(0U, false));
@@ -863,7 +859,7 @@ static dq_t voltage_of_imposed(dq_t current)
 }
 
 /* What K_p of RUN makes of 500 beyond each limit, on top of the soft control; roundings of both. */
-static void test_an_imposed_current_is_controlled_firmly_beyond_its_limits_alone(void)
+TEST(test_an_imposed_current_is_controlled_firmly_beyond_its_limits_alone)
 {
     const current_loop_cfg_t *const firm = &cfg.current_loop;
     const int32_t d =
@@ -911,7 +907,7 @@ static int32_t torque_beside(int32_t current_d, int32_t sign)
     return drive.signals.current_ref.q;
 }
 
-static void test_the_torque_leaves_an_imposed_current_its_part_of_the_largest_one(void)
+TEST(test_the_torque_leaves_an_imposed_current_its_part_of_the_largest_one)
 {
     const int32_t most = cfg.derating.current_max;
     const int32_t slope = (int32_t)cfg.slow_ticks;
@@ -926,7 +922,7 @@ static void test_the_torque_leaves_an_imposed_current_its_part_of_the_largest_on
 }
 
 /* R = 512·(v_h − v_l)/(i_h − i_l) says 800 − 0.2·1500 = 500 of 1000 at zero current: far above the compensation. */
-static void test_what_the_alignment_finds_lost_corrects_the_dead_time_within_its_limits(void)
+TEST(test_what_the_alignment_finds_lost_corrects_the_dead_time_within_its_limits)
 {
     cfg.modulator = example_modulator_cfg_with_dead_time();
     cfg.modulator.dead_time_band_q15 = 245;
@@ -936,7 +932,7 @@ static void test_what_the_alignment_finds_lost_corrects_the_dead_time_within_its
 }
 
 /* A vector elsewhere loads the legs otherwise: after a catch the rotor is held where it came to rest. */
-static void test_a_vector_off_the_axis_of_phase_a_does_not_correct_the_dead_time(void)
+TEST(test_a_vector_off_the_axis_of_phase_a_does_not_correct_the_dead_time)
 {
     cfg.modulator = example_modulator_cfg_with_dead_time();
     cfg.modulator.dead_time_band_q15 = 245;
@@ -962,7 +958,7 @@ static bool sweeps_backwards(uint32_t attempts)
     return drive.align.backwards;
 }
 
-static void test_each_further_attempt_sweeps_the_other_way(void)
+TEST(test_each_further_attempt_sweeps_the_other_way)
 {
     in.command.target = 1000;
     TEST_ASSERT_FALSE(sweeps_backwards(0U));
@@ -991,7 +987,7 @@ static int32_t compensated_a(int32_t reference, int32_t mean)
 }
 
 /* Else the dead time would keep the current at zero, and zero current the compensation. */
-static void test_an_imposed_current_is_compensated_before_it_flows_and_follows_a_swing(void)
+TEST(test_an_imposed_current_is_compensated_before_it_flows_and_follows_a_swing)
 {
     cfg.modulator = example_modulator_cfg_with_dead_time();
     modulator_reset(&drive.modulator, &cfg.modulator);
@@ -1015,7 +1011,7 @@ static step_t planned_from(step_t reference, step_t target)
     return drive.speed_reference;
 }
 
-static void test_below_the_hold_speed_run_follows_the_ramp_of_an_imposed_vector(void)
+TEST(test_below_the_hold_speed_run_follows_the_ramp_of_an_imposed_vector)
 {
     const step_t hold = cfg.startup.hold_speed;
 
@@ -1042,7 +1038,7 @@ static drive_state_t after_a_period_at(step_t reference)
 }
 
 /* Half of it, and half of that: rounded down, as hold_speed is no multiple of four. */
-static void test_the_hand_back_waits_for_three_quarters_of_the_hold_speed(void)
+TEST(test_the_hand_back_waits_for_three_quarters_of_the_hold_speed)
 {
     const step_t settled = (cfg.startup.hold_speed / 2) + (cfg.startup.hold_speed / 4);
 
@@ -1067,7 +1063,7 @@ static drive_state_t after_a_loaded_period_at(step_t reference, int32_t load)
 }
 
 /* The period's own change of the integral is below one LSB. */
-static void test_with_a_load_run_goes_down_to_the_loaded_speed(void)
+TEST(test_with_a_load_run_goes_down_to_the_loaded_speed)
 {
     const step_t loaded = cfg.startup.hold_speed / 4;
     const step_t settled = (loaded / 2) + (loaded / 4); /* loaded_speed is odd: rounded down */
@@ -1088,7 +1084,7 @@ static void test_with_a_load_run_goes_down_to_the_loaded_speed(void)
 }
 
 /* A load angle holds the position there too. */
-static void test_a_position_profile_is_held_by_an_imposed_current_whatever_its_load(void)
+TEST(test_a_position_profile_is_held_by_an_imposed_current_whatever_its_load)
 {
     cfg.startup.loaded_speed = cfg.startup.hold_speed / 4;
     drive.mode = (uint8_t)DRIVE_MODE_POSITION;
@@ -1097,7 +1093,7 @@ static void test_a_position_profile_is_held_by_an_imposed_current_whatever_its_l
 }
 
 /* The profile still brakes there. */
-static void test_the_hand_back_of_a_position_profile_waits_for_half_of_the_hold_speed(void)
+TEST(test_the_hand_back_of_a_position_profile_waits_for_half_of_the_hold_speed)
 {
     const step_t half = cfg.startup.hold_speed / 2;
 
@@ -1123,7 +1119,7 @@ static void offer_voltage_drive(void)
     drive.signals.voltage = (dq_t){0, 8000};
 }
 
-static void test_the_voltage_drive_takes_over_after_its_periods_and_counts_anew(void)
+TEST(test_the_voltage_drive_takes_over_after_its_periods_and_counts_anew)
 {
     offer_voltage_drive();
     drive.voltage_drive.end_periods = STALE;
@@ -1138,7 +1134,7 @@ static void test_the_voltage_drive_takes_over_after_its_periods_and_counts_anew(
 }
 
 /* A fiftieth of the speed is missing: 113 LSB of proportional part; 1 of integral a period, and 1 for each of four roundings. */
-static void test_the_voltage_drive_begins_with_the_voltage_that_acts_whatever_speed_is_missing(void)
+TEST(test_the_voltage_drive_begins_with_the_voltage_that_acts_whatever_speed_is_missing)
 {
     int32_t begun;
 
@@ -1157,7 +1153,7 @@ static void test_the_voltage_drive_begins_with_the_voltage_that_acts_whatever_sp
 }
 
 /* Also while the rotor is already as fast as the command asks. */
-static void test_the_voltage_drive_waits_for_the_speed_that_its_loop_is_asked_for(void)
+TEST(test_the_voltage_drive_waits_for_the_speed_that_its_loop_is_asked_for)
 {
     step_t least;
 
@@ -1174,8 +1170,7 @@ static void test_the_voltage_drive_waits_for_the_speed_that_its_loop_is_asked_fo
     TEST_ASSERT_EQUAL_UINT32(1U, drive.voltage_drive.calm_periods);
 }
 
-static void
-test_the_voltage_drive_gives_back_after_its_periods_and_current_control_counts_anew(void)
+TEST(test_the_voltage_drive_gives_back_after_its_periods_and_current_control_counts_anew)
 {
     offer_voltage_drive();
     drive.voltage_drive.active = true;
@@ -1205,7 +1200,7 @@ static void ask_for(int32_t current)
     drive.torque_range = (torque_range_t){-6000, 6000};
 }
 
-static void test_the_torque_filter_stands_behind_the_speed_loop(void)
+TEST(test_the_torque_filter_stands_behind_the_speed_loop)
 {
     ask_for(4000);
     torque_filter_start(&drive.torque_filter, 1000);
@@ -1219,7 +1214,7 @@ static void test_the_torque_filter_stands_behind_the_speed_loop(void)
 }
 
 /* A low-pass that is still above a range that has just become narrow. */
-static void test_behind_the_torque_filter_the_torque_keeps_its_limits(void)
+TEST(test_behind_the_torque_filter_the_torque_keeps_its_limits)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         ask_for(sign * 6000);
@@ -1236,7 +1231,7 @@ static void test_behind_the_torque_filter_the_torque_keeps_its_limits(void)
 }
 
 /* However long a rotor is too slow for the whole torque. */
-static void test_at_the_end_of_its_range_the_torque_winds_up_no_more_than_without_a_filter(void)
+TEST(test_at_the_end_of_its_range_the_torque_winds_up_no_more_than_without_a_filter)
 {
     int32_t integral[2];
 
@@ -1257,7 +1252,7 @@ static void test_at_the_end_of_its_range_the_torque_winds_up_no_more_than_withou
 }
 
 /* Sine and cosine are rounded, so the gain of a notch at rest is not quite 1. */
-static void test_behind_a_notch_the_limit_of_the_torque_is_reached_in_the_end(void)
+TEST(test_behind_a_notch_the_limit_of_the_torque_is_reached_in_the_end)
 {
     static const double notches_hz[] = {4.0, 10.0, 23.4, 120.0, 495.0}; /* at 1 kHz */
 
@@ -1296,7 +1291,7 @@ static void leave_a_swing_in_the_filter(void)
 }
 
 /* A twelfth of a turn of load angle leaves half of the imposed current as torque. */
-static void test_run_begins_with_the_torque_filter_at_the_torque_that_acts(void)
+TEST(test_run_begins_with_the_torque_filter_at_the_torque_that_acts)
 {
     enter(DRIVE_STATE_HANDOVER);
     leave_a_swing_in_the_filter();
@@ -1319,7 +1314,7 @@ static void test_run_begins_with_the_torque_filter_at_the_torque_that_acts(void)
     assert_filter_begins_with(drive.signals.current_ref.q);
 }
 
-static void test_current_control_is_given_back_with_the_torque_filter_at_the_torque_that_acts(void)
+TEST(test_current_control_is_given_back_with_the_torque_filter_at_the_torque_that_acts)
 {
     offer_voltage_drive();
     leave_a_swing_in_the_filter();
@@ -1357,8 +1352,7 @@ static dq_t held_error_with(dq_t current)
     return drive.supervision.off_current;
 }
 
-static void
-test_at_rest_half_of_what_the_imposed_current_lacks_counts_and_nothing_of_what_a_swing_adds(void)
+TEST(test_at_rest_half_of_what_the_imposed_current_lacks_counts_and_nothing_of_what_a_swing_adds)
 {
     TEST_ASSERT_EQUAL_INT32(500, held_error_with((dq_t){4000, 0}).d);
     TEST_ASSERT_EQUAL_INT32(0, held_error_with((dq_t){6000, 0}).d);
@@ -1366,7 +1360,7 @@ test_at_rest_half_of_what_the_imposed_current_lacks_counts_and_nothing_of_what_a
     TEST_ASSERT_EQUAL_INT32(500, held_error_with((dq_t){5000, -1000}).q);
 }
 
-static void test_at_rest_the_motor_cools_whatever_current_was_measured_last(void)
+TEST(test_at_rest_the_motor_cools_whatever_current_was_measured_last)
 {
     in.adc_temperature = 0U;
     TEST_ASSERT_TRUE(heat_after_one_look(DRIVE_STATE_RUN) > 1000000);
@@ -1401,7 +1395,7 @@ static void turn_with_a_dead_phase(int32_t of_rotor, int32_t of_vector)
 }
 
 /* In RUN the rotor's angle counts, below it that of the imposed vector, which the other has not to follow. */
-static void test_phases_are_watched_over_the_turns_of_what_turns_in_this_state(void)
+TEST(test_phases_are_watched_over_the_turns_of_what_turns_in_this_state)
 {
     const struct {
         drive_state_t state;
@@ -1425,7 +1419,7 @@ static void test_phases_are_watched_over_the_turns_of_what_turns_in_this_state(v
 }
 
 /* What a current control's integrals cannot need is a fault of an imposed current, not of a run. */
-static void test_a_run_is_not_judged_by_the_voltage_of_its_current_control(void)
+TEST(test_a_run_is_not_judged_by_the_voltage_of_its_current_control)
 {
     enter(DRIVE_STATE_RUN);
     pi_reset(&drive.current_loop.pi_q, 2 * cfg.supervision.voltage_max);
@@ -1437,7 +1431,7 @@ static void test_a_run_is_not_judged_by_the_voltage_of_its_current_control(void)
 }
 
 /* The vector turns at 2^26 steps per tick / 2^11 = 32768, Q15 of Ω_b; a quarter of that here. */
-static void test_the_check_of_an_imposed_current_allows_the_whole_emf_in_either_direction(void)
+TEST(test_the_check_of_an_imposed_current_allows_the_whole_emf_in_either_direction)
 {
     const step_t speeds[] = {8192 * 2048, -8192 * 2048};
     const int32_t emf = (8192 * cfg.hold_loop.emf_q13) / 8192;
@@ -1460,7 +1454,7 @@ static void test_the_check_of_an_imposed_current_allows_the_whole_emf_in_either_
     }
 }
 
-static void test_the_torques_limits_follow_the_bus_of_this_tick(void)
+TEST(test_the_torques_limits_follow_the_bus_of_this_tick)
 {
     cfg.startup.current_hold = 0; /* no imposed current comes in */
     enter(DRIVE_STATE_RUN);
@@ -1474,8 +1468,7 @@ static void test_the_torques_limits_follow_the_bus_of_this_tick(void)
     TEST_ASSERT_EQUAL_INT32(-cfg.derating.current_max, drive.torque_range.lower);
 }
 
-static void
-test_the_torques_limits_follow_the_rotor_where_it_runs_and_the_vector_where_it_is_dragged(void)
+TEST(test_the_torques_limits_follow_the_rotor_where_it_runs_and_the_vector_where_it_is_dragged)
 {
     cfg.startup.current_hold = 0;                   /* no imposed current comes in */
     drive.signals.bus = cfg.derating.bus_high.zero; /* no braking */
@@ -1492,7 +1485,7 @@ test_the_torques_limits_follow_the_rotor_where_it_runs_and_the_vector_where_it_i
 }
 
 /* A rotor that stands at full torque is stalled in either direction, and not with one LSB to spare. */
-static void test_a_stall_is_told_from_either_limit_of_the_torque(void)
+TEST(test_a_stall_is_told_from_either_limit_of_the_torque)
 {
     const int32_t torques[] = {8192, -8192, 8191, -8191};
 
@@ -1524,7 +1517,7 @@ static void swing_for(uint32_t periods)
 #define SWING_FOUND \
     (650U) /* 20 half-waves of 25, three more to begin with, and the end of the last */
 
-static void test_a_swing_in_run_is_a_fault_with_its_amplitude(void)
+TEST(test_a_swing_in_run_is_a_fault_with_its_amplitude)
 {
     enter(DRIVE_STATE_RUN);
     swing_for(SWING_FOUND);
@@ -1535,7 +1528,7 @@ static void test_a_swing_in_run_is_a_fault_with_its_amplitude(void)
     TEST_ASSERT_EQUAL_UINT32(0U, drive.speed_loop.halvings);
 }
 
-static void test_a_swing_lowers_the_bandwidth_once_where_that_is_configured(void)
+TEST(test_a_swing_lowers_the_bandwidth_once_where_that_is_configured)
 {
     cfg.oscillation.act = (uint32_t)OSCILLATION_ACT_LOWER;
     enter(DRIVE_STATE_RUN);
@@ -1547,7 +1540,7 @@ static void test_a_swing_lowers_the_bandwidth_once_where_that_is_configured(void
     TEST_ASSERT_EQUAL(FAULT_OSCILLATION, drive.fault.id);
 }
 
-static void test_no_swing_is_looked_for_where_that_is_configured_nor_below_run(void)
+TEST(test_no_swing_is_looked_for_where_that_is_configured_nor_below_run)
 {
     cfg.oscillation.act = (uint32_t)OSCILLATION_ACT_NONE;
     enter(DRIVE_STATE_RUN);
@@ -1560,7 +1553,7 @@ static void test_no_swing_is_looked_for_where_that_is_configured_nor_below_run(v
 }
 
 /* Its speed loop is another one, so there is nothing to lower. */
-static void test_a_swing_of_the_voltage_drive_is_a_fault_at_once(void)
+TEST(test_a_swing_of_the_voltage_drive_is_a_fault_at_once)
 {
     cfg.oscillation.act = (uint32_t)OSCILLATION_ACT_LOWER;
     enter(DRIVE_STATE_RUN);
@@ -1575,7 +1568,7 @@ static void test_a_swing_of_the_voltage_drive_is_a_fault_at_once(void)
 }
 
 /* In position control the reference of the speed follows the measured position: a swing of it is none that is asked for. */
-static void test_a_swing_in_position_control_is_found_while_the_profile_rests(void)
+TEST(test_a_swing_in_position_control_is_found_while_the_profile_rests)
 {
     enter(DRIVE_STATE_RUN);
     drive.mode = (uint8_t)DRIVE_MODE_POSITION;
@@ -1587,7 +1580,7 @@ static void test_a_swing_in_position_control_is_found_while_the_profile_rests(vo
     TEST_ASSERT_EQUAL(FAULT_OSCILLATION, drive.fault.id);
 }
 
-static void test_a_profile_that_moves_is_no_swing(void)
+TEST(test_a_profile_that_moves_is_no_swing)
 {
     enter(DRIVE_STATE_RUN);
     drive.mode = (uint8_t)DRIVE_MODE_POSITION;
@@ -1597,82 +1590,4 @@ static void test_a_profile_that_moves_is_no_swing(void)
         slot(SLOT_PHASES);
     }
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, drive.state);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_reset_forgets_all_that_a_run_has_left);
-    RUN_TEST(test_a_reset_is_at_rest_at_angle_0);
-    RUN_TEST(test_a_run_begins_with_nothing_counted);
-    RUN_TEST(test_a_start_moves_nothing_in_its_own_tick);
-    RUN_TEST(test_no_slot_moves_a_drive_without_a_motion_loop);
-    RUN_TEST(test_derating_holds_for_an_imposed_current_too);
-    RUN_TEST(test_a_hand_over_takes_its_time_to_settle);
-    RUN_TEST(test_an_observer_that_turns_otherwise_than_the_vector_has_not_found_the_rotor);
-    RUN_TEST(test_a_hand_over_begins_to_count_and_counts_each_period);
-    RUN_TEST(test_a_hand_over_that_succeeds_forgets_the_attempts);
-    RUN_TEST(test_a_hand_over_gives_the_load_to_the_integral_and_not_the_torque_of_the_ramp);
-    RUN_TEST(test_the_observer_proves_itself_within_a_sixth_of_a_turn_of_the_vector);
-    RUN_TEST(test_the_last_attempt_that_fails_is_a_fault);
-    RUN_TEST(test_a_rotor_is_lost_when_periods_above_the_limit_outweigh_those_below);
-    RUN_TEST(test_an_alignment_is_believed_when_the_rotor_rested);
-    RUN_TEST(test_an_alignment_without_an_inductance_leaves_the_model_and_is_not_repeated);
-    RUN_TEST(test_the_second_measurement_follows_when_the_rotor_rested_in_the_first);
-    RUN_TEST(test_a_rotor_that_does_not_rest_is_looked_for_after_the_measurement_that_shows_it);
-    RUN_TEST(test_the_last_alignment_without_rest_is_a_fault_that_names_the_current_across);
-    RUN_TEST(test_a_rotor_that_slipped_is_brought_to_rest_before_it_obeys);
-    RUN_TEST(test_a_rotor_that_slipped_is_not_handed_over_before_it_has_stood);
-    RUN_TEST(test_an_imposed_current_is_controlled_firmly_beyond_its_limits_alone);
-    RUN_TEST(test_the_torque_leaves_an_imposed_current_its_part_of_the_largest_one);
-    RUN_TEST(test_what_the_alignment_finds_lost_corrects_the_dead_time_within_its_limits);
-    RUN_TEST(test_a_vector_off_the_axis_of_phase_a_does_not_correct_the_dead_time);
-    RUN_TEST(test_each_further_attempt_sweeps_the_other_way);
-    RUN_TEST(test_an_imposed_current_is_compensated_before_it_flows_and_follows_a_swing);
-    RUN_TEST(test_below_the_hold_speed_run_follows_the_ramp_of_an_imposed_vector);
-    RUN_TEST(test_the_hand_back_waits_for_three_quarters_of_the_hold_speed);
-    RUN_TEST(test_with_a_load_run_goes_down_to_the_loaded_speed);
-    RUN_TEST(test_a_position_profile_is_held_by_an_imposed_current_whatever_its_load);
-    RUN_TEST(test_the_hand_back_of_a_position_profile_waits_for_half_of_the_hold_speed);
-    RUN_TEST(test_the_hand_back_begins_with_what_flows_and_nothing_older);
-    RUN_TEST(test_the_hand_back_turns_the_currents_into_its_frame);
-    RUN_TEST(test_the_residual_is_that_across_the_flux_and_at_rest_that_along_the_vector);
-    RUN_TEST(test_the_static_part_follows_the_estimate_from_twice_the_hand_over_speed_on);
-    RUN_TEST(test_ramp_and_profile_wait_at_the_end_of_a_narrowed_torque_and_only_there);
-    RUN_TEST(test_the_estimate_takes_on_its_share_of_what_the_reference_changes);
-    RUN_TEST(test_the_estimate_waits_with_a_ramp_that_waits);
-    RUN_TEST(test_j_is_learned_on_a_ramp_and_not_at_the_end_of_the_torque);
-    RUN_TEST(test_what_was_learned_of_j_is_forgotten_with_a_fault);
-    RUN_TEST(test_the_estimate_of_a_rotor_that_is_elsewhere_is_left_alone);
-    RUN_TEST(test_the_least_current_comes_with_its_slope_and_goes_with_its_own);
-    RUN_TEST(test_the_least_current_gives_way_to_a_weakened_field_where_the_voltage_ends);
-    RUN_TEST(test_the_voltage_drive_leaves_the_current_reference_alone);
-    RUN_TEST(test_what_was_imposed_goes_with_the_slope_down_to_the_least_current);
-    RUN_TEST(test_the_voltage_drive_takes_over_after_its_periods_and_counts_anew);
-    RUN_TEST(test_the_voltage_drive_begins_with_the_voltage_that_acts_whatever_speed_is_missing);
-    RUN_TEST(test_the_voltage_drive_waits_for_the_speed_that_its_loop_is_asked_for);
-    RUN_TEST(test_the_voltage_drive_gives_back_after_its_periods_and_current_control_counts_anew);
-    RUN_TEST(test_the_torque_filter_stands_behind_the_speed_loop);
-    RUN_TEST(test_behind_the_torque_filter_the_torque_keeps_its_limits);
-    RUN_TEST(test_at_the_end_of_its_range_the_torque_winds_up_no_more_than_without_a_filter);
-    RUN_TEST(test_behind_a_notch_the_limit_of_the_torque_is_reached_in_the_end);
-    RUN_TEST(test_run_begins_with_the_torque_filter_at_the_torque_that_acts);
-    RUN_TEST(test_current_control_is_given_back_with_the_torque_filter_at_the_torque_that_acts);
-    RUN_TEST(
-        test_at_rest_half_of_what_the_imposed_current_lacks_counts_and_nothing_of_what_a_swing_adds);
-    RUN_TEST(test_at_rest_the_motor_cools_whatever_current_was_measured_last);
-    RUN_TEST(test_phases_are_watched_over_the_turns_of_what_turns_in_this_state);
-    RUN_TEST(test_a_run_is_not_judged_by_the_voltage_of_its_current_control);
-    RUN_TEST(test_the_check_of_an_imposed_current_allows_the_whole_emf_in_either_direction);
-    RUN_TEST(test_the_torques_limits_follow_the_bus_of_this_tick);
-    RUN_TEST(
-        test_the_torques_limits_follow_the_rotor_where_it_runs_and_the_vector_where_it_is_dragged);
-    RUN_TEST(test_a_stall_is_told_from_either_limit_of_the_torque);
-    RUN_TEST(test_a_swing_in_run_is_a_fault_with_its_amplitude);
-    RUN_TEST(test_a_swing_lowers_the_bandwidth_once_where_that_is_configured);
-    RUN_TEST(test_no_swing_is_looked_for_where_that_is_configured_nor_below_run);
-    RUN_TEST(test_a_swing_of_the_voltage_drive_is_a_fault_at_once);
-    RUN_TEST(test_a_swing_in_position_control_is_found_while_the_profile_rests);
-    RUN_TEST(test_a_profile_that_moves_is_no_swing);
-    return UNITY_END();
 }

@@ -3,7 +3,7 @@
  * The state as words: none is missed, none is the machine's, and each goes back to where it came from.
  */
 #include "drive_words.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -29,16 +29,8 @@
      AT_THE_END)
 #define MACHINE_BYTES (sizeof(void *) + BYTE_PADDING + ALIGNMENT)
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 /* A field that is added to the state and not to its words is found here. */
-static void test_hash_sees_every_byte(void)
+TEST(test_hash_sees_every_byte)
 {
     drive_t drive;
     uint8_t bytes[sizeof(drive)];
@@ -59,7 +51,7 @@ static void test_hash_sees_every_byte(void)
 }
 
 /* FNV-1a by its definition, over a state of zeros; bytes go in as words. */
-static void test_hash_is_fnv_1a(void)
+TEST(test_hash_is_fnv_1a)
 {
     drive_t drive;
     uint32_t expected = 2166136261U;
@@ -71,14 +63,14 @@ static void test_hash_is_fnv_1a(void)
     TEST_ASSERT_EQUAL_HEX32(expected, drive_words_hash(&drive));
 }
 
-static void test_number_of_words_is_that_of_the_states_bytes(void)
+TEST(test_number_of_words_is_that_of_the_states_bytes)
 {
     TEST_ASSERT_EQUAL_UINT32(sizeof(drive_t) - sizeof(void *) - ALIGNMENT,
                              WORD * drive_words_count());
 }
 
 /* Bytes of 1, so that a flag is one. */
-static void test_state_of_a_states_words_has_its_hash(void)
+TEST(test_state_of_a_states_words_has_its_hash)
 {
     drive_t from;
     drive_t to;
@@ -99,7 +91,7 @@ static void test_state_of_a_states_words_has_its_hash(void)
     TEST_ASSERT_NULL(to.cfg);
 }
 
-static void test_hash_is_over_the_words_in_their_order(void)
+TEST(test_hash_is_over_the_words_in_their_order)
 {
     uint32_t expected = 2166136261U;
     drive_t drive;
@@ -118,7 +110,7 @@ static void test_hash_is_over_the_words_in_their_order(void)
     TEST_ASSERT_EQUAL_HEX32(expected, drive_words_hash(&drive));
 }
 
-static void test_beyond_the_last_word_there_is_nothing(void)
+TEST(test_beyond_the_last_word_there_is_nothing)
 {
     drive_t drive;
     uint32_t hash;
@@ -130,7 +122,7 @@ static void test_beyond_the_last_word_there_is_nothing(void)
     TEST_ASSERT_EQUAL_HEX32(hash, drive_words_hash(&drive));
 }
 
-static void test_a_hash_in_parts_of_any_size_is_the_whole_one(void)
+TEST(test_a_hash_in_parts_of_any_size_is_the_whole_one)
 {
     drive_t drive;
 
@@ -147,17 +139,4 @@ static void test_a_hash_in_parts_of_any_size_is_the_whole_one(void)
         }
         TEST_ASSERT_EQUAL_HEX32(drive_words_hash(&drive), hash);
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_hash_sees_every_byte);
-    RUN_TEST(test_hash_is_fnv_1a);
-    RUN_TEST(test_number_of_words_is_that_of_the_states_bytes);
-    RUN_TEST(test_state_of_a_states_words_has_its_hash);
-    RUN_TEST(test_hash_is_over_the_words_in_their_order);
-    RUN_TEST(test_beyond_the_last_word_there_is_nothing);
-    RUN_TEST(test_a_hash_in_parts_of_any_size_is_the_whole_one);
-    return UNITY_END();
 }

@@ -1,21 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* Texts of the faults: complete, on one line, and safe for any number. */
 #include "fault_text.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <string.h>
 
 #define ADVICE_MAX (120U) /* characters: a line of a terminal beside its indent */
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
-static void test_every_fault_has_a_name_of_its_own(void)
+TEST(test_every_fault_has_a_name_of_its_own)
 {
     for (int32_t id = 0; id < (int32_t)FAULT_COUNT; id++) {
         const char *const name = fault_text((fault_id_t)id)->name;
@@ -28,7 +20,7 @@ static void test_every_fault_has_a_name_of_its_own(void)
     }
 }
 
-static void test_every_fault_has_one_line_of_cause_and_next_check(void)
+TEST(test_every_fault_has_one_line_of_cause_and_next_check)
 {
     for (int32_t id = 1; id < (int32_t)FAULT_COUNT; id++) {
         const char *const advice = fault_text((fault_id_t)id)->advice;
@@ -42,13 +34,13 @@ static void test_every_fault_has_one_line_of_cause_and_next_check(void)
     }
 }
 
-static void test_a_number_that_is_no_fault_has_the_text_of_none(void)
+TEST(test_a_number_that_is_no_fault_has_the_text_of_none)
 {
     TEST_ASSERT_EQUAL_PTR(fault_text(FAULT_NONE), fault_text(FAULT_COUNT));
     TEST_ASSERT_EQUAL_PTR(fault_text(FAULT_NONE), fault_text((fault_id_t)200));
 }
 
-static void test_numbers_of_recorded_faults_do_not_move(void)
+TEST(test_numbers_of_recorded_faults_do_not_move)
 {
     static const char *const names[] = {"NONE",        "BREAK",        "OVERCURRENT",
                                         "OVERVOLTAGE", "UNDERVOLTAGE", "CURRENT_OFFSET"};
@@ -56,14 +48,4 @@ static void test_numbers_of_recorded_faults_do_not_move(void)
     for (int32_t id = 0; id < 6; id++) {
         TEST_ASSERT_EQUAL_STRING(names[id], fault_text((fault_id_t)id)->name);
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_every_fault_has_a_name_of_its_own);
-    RUN_TEST(test_every_fault_has_one_line_of_cause_and_next_check);
-    RUN_TEST(test_a_number_that_is_no_fault_has_the_text_of_none);
-    RUN_TEST(test_numbers_of_recorded_faults_do_not_move);
-    return UNITY_END();
 }

@@ -4,7 +4,7 @@
 #include "figure.h"
 #include "flying_start.h"
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -36,10 +36,6 @@ void setUp(void)
     inductance = INDUCTANCE;
     cfg.pause_max = 256U; /* the pulse's length alone sets the pause */
     flying_start_reset(&start);
-}
-
-void tearDown(void)
-{
 }
 
 /* ---- a motor at constant speed ---- */
@@ -130,7 +126,7 @@ static void look_at(double speed, double angle, seeded_t *seed, int32_t noise)
     worst_angle = fmax(worst_angle, fabs(angle_error) / (late + error + (error / 9.0)));
 }
 
-static void test_speed_and_angle_of_a_turning_rotor_are_found_in_both_directions(void)
+TEST(test_speed_and_angle_of_a_turning_rotor_are_found_in_both_directions)
 {
     static const double speeds[] = {10.0, 20.0, 40.0, 90.0, 150.0, 251.0, 377.0, 419.0};
     seeded_t seed = {0x5917U};
@@ -147,7 +143,7 @@ static void test_speed_and_angle_of_a_turning_rotor_are_found_in_both_directions
     figure_check("angle, as a share of its bound", worst_angle, 1.0, 0.2);
 }
 
-static void test_noise_of_a_count_turns_the_directions_and_nothing_else(void)
+TEST(test_noise_of_a_count_turns_the_directions_and_nothing_else)
 {
     static const double speeds[] = {20.0, 90.0, 377.0};
     seeded_t seed = {0x5918U};
@@ -182,7 +178,7 @@ static double inductance_tolerance(double speed, double ratio)
            (taken * fabs(1.0 - (1.0 / ratio))) + 1e-3;
 }
 
-static void test_the_current_of_the_pulses_tells_the_inductance(void)
+TEST(test_the_current_of_the_pulses_tells_the_inductance)
 {
     static const double speeds[] = {90.0, -150.0, 251.0, -419.0};
     static const double ratios[] = {0.7, 1.0, 1.25, 1.5};
@@ -209,7 +205,7 @@ static void test_the_current_of_the_pulses_tells_the_inductance(void)
 }
 
 /* 9 ticks of 41.9 mrad from one pulse of one tick to the other, and 16 of 9 mrad: 22° and 8°. */
-static void test_a_rotor_that_turns_little_between_the_pulses_does_not_tell_the_inductance(void)
+TEST(test_a_rotor_that_turns_little_between_the_pulses_does_not_tell_the_inductance)
 {
     seeded_t seed = {0x591DU};
 
@@ -224,7 +220,7 @@ static void test_a_rotor_that_turns_little_between_the_pulses_does_not_tell_the_
     inductance = INDUCTANCE;
 }
 
-static void test_a_standing_rotor_is_standing_with_and_without_noise(void)
+TEST(test_a_standing_rotor_is_standing_with_and_without_noise)
 {
     seeded_t seed = {0x5919U};
 
@@ -237,7 +233,7 @@ static void test_a_standing_rotor_is_standing_with_and_without_noise(void)
 }
 
 /* 8 ticks at 3 rad/s give 64 LSB: below a quarter of the threshold. */
-static void test_a_rotor_too_slow_to_tell_is_standing(void)
+TEST(test_a_rotor_too_slow_to_tell_is_standing)
 {
     seeded_t seed = {0x591AU};
 
@@ -250,7 +246,7 @@ static void test_a_rotor_too_slow_to_tell_is_standing(void)
 
 /* ---- sequence ---- */
 
-static void test_a_long_pulse_is_followed_by_the_longest_pause_allowed(void)
+TEST(test_a_long_pulse_is_followed_by_the_longest_pause_allowed)
 {
     uint32_t off = 0U;
 
@@ -263,7 +259,7 @@ static void test_a_long_pulse_is_followed_by_the_longest_pause_allowed(void)
     TEST_ASSERT_EQUAL_INT(FLYING_START_STANDING, flying_start_step(&start, &cfg, (ab_t){0, 0}));
 }
 
-static void test_gates_are_on_in_the_pulses_and_off_in_the_pause(void)
+TEST(test_gates_are_on_in_the_pulses_and_off_in_the_pause)
 {
     TEST_ASSERT_FALSE(start.gates);
     for (uint32_t tick = 1U; tick <= LONGEST_TICKS; tick++) {
@@ -277,7 +273,7 @@ static void test_gates_are_on_in_the_pulses_and_off_in_the_pause(void)
     }
 }
 
-static void test_first_pulse_ends_above_the_current_and_the_second_is_as_long(void)
+TEST(test_first_pulse_ends_above_the_current_and_the_second_is_as_long)
 {
     for (uint32_t length = 1U; length <= 8U; length++) {
         flying_start_result_t result = FLYING_START_BUSY;
@@ -326,7 +322,7 @@ static charge_t charge_at_rest(void)
     return seen;
 }
 
-static void test_at_a_standing_rotor_the_gates_stay_on_for_exactly_the_charge(void)
+TEST(test_at_a_standing_rotor_the_gates_stay_on_for_exactly_the_charge)
 {
     static const uint32_t lengths[] = {0U, 1U, 2U, 200U, 0x100000U};
 
@@ -341,7 +337,7 @@ static void test_at_a_standing_rotor_the_gates_stay_on_for_exactly_the_charge(vo
     }
 }
 
-static void test_a_turning_rotor_is_not_braked_by_a_charge(void)
+TEST(test_a_turning_rotor_is_not_braked_by_a_charge)
 {
     seeded_t seed = {0x591BU};
 
@@ -353,7 +349,7 @@ static void test_a_turning_rotor_is_not_braked_by_a_charge(void)
     }
 }
 
-static void test_reset_forgets_what_was_there_before(void)
+TEST(test_reset_forgets_what_was_there_before)
 {
     memset(&start, 0x5A, sizeof start);
     flying_start_reset(&start);
@@ -362,7 +358,7 @@ static void test_reset_forgets_what_was_there_before(void)
     TEST_ASSERT_EQUAL_INT32(0, start.speed | start.first.alpha | start.first.beta);
 }
 
-static void test_gates_stay_open_until_the_current_from_before_has_ended(void)
+TEST(test_gates_stay_open_until_the_current_from_before_has_ended)
 {
     const int32_t quiet = cfg.current / 4; /* 102 */
 
@@ -375,7 +371,7 @@ static void test_gates_stay_open_until_the_current_from_before_has_ended(void)
     TEST_ASSERT_TRUE(start.gates);
 }
 
-static void test_without_a_current_the_gates_wait_until_the_compare_values_of_now_act(void)
+TEST(test_without_a_current_the_gates_wait_until_the_compare_values_of_now_act)
 {
     cfg.wait_ticks = 1U;
     TEST_ASSERT_EQUAL_INT(FLYING_START_BUSY, flying_start_step(&start, &cfg, (ab_t){0, 0}));
@@ -384,7 +380,7 @@ static void test_without_a_current_the_gates_wait_until_the_compare_values_of_no
     TEST_ASSERT_TRUE(start.gates);
 }
 
-static void test_a_current_that_does_not_end_in_time_is_reported_with_open_gates(void)
+TEST(test_a_current_that_does_not_end_in_time_is_reported_with_open_gates)
 {
     for (uint32_t tick = 1U; tick < cfg.wait_ticks; tick++) {
         TEST_ASSERT_EQUAL_INT(FLYING_START_BUSY, flying_start_step(&start, &cfg, (ab_t){2000, 0}));
@@ -413,7 +409,7 @@ static step_t speed_of_live_current(int32_t length, double turn, int32_t noise, 
 }
 
 /* The directions of the first current and of the last are off by noise and rounding, which counts over all ticks. */
-static void test_a_current_that_does_not_end_tells_its_speed(void)
+TEST(test_a_current_that_does_not_end_tells_its_speed)
 {
     seeded_t seed = {0x0DDU};
 
@@ -429,7 +425,7 @@ static void test_a_current_that_does_not_end_tells_its_speed(void)
     }
 }
 
-static void test_the_longest_wait_tells_the_speed_of_a_current_too(void)
+TEST(test_the_longest_wait_tells_the_speed_of_a_current_too)
 {
     seeded_t seed = {0x10E6U};
 
@@ -438,7 +434,7 @@ static void test_the_longest_wait_tells_the_speed_of_a_current_too(void)
     TEST_ASSERT_TRUE(fabs(speed_of_live_current(2000, 0.125, 0, &seed) - (0.125 * TURN)) <= 4.0);
 }
 
-static void test_a_current_that_stands_still_has_no_speed(void)
+TEST(test_a_current_that_stands_still_has_no_speed)
 {
     seeded_t seed = {0x57AU};
 
@@ -469,7 +465,7 @@ static flying_start_result_t judge(double current, double turned_rad)
 }
 
 /* A twentieth of a turn in 9 ticks: 23860929 steps, for which φ/L·ω·T, less what R takes in a tick, is 945.3 LSB. */
-static void test_a_current_that_the_speed_explains_within_a_factor_of_two_is_believed(void)
+TEST(test_a_current_that_the_speed_explains_within_a_factor_of_two_is_believed)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         const double turned = sign * TWO_PI / 20.0;
@@ -483,7 +479,7 @@ static void test_a_current_that_the_speed_explains_within_a_factor_of_two_is_bel
 }
 
 /* A quarter of a turn in 9 ticks: 119304647 steps, for which that is 4726 LSB, rounded down. */
-static void test_half_and_twice_the_current_that_the_speed_explains_are_not_believed(void)
+TEST(test_half_and_twice_the_current_that_the_speed_explains_are_not_believed)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         const double turned = sign * TWO_PI / 4.0;
@@ -495,13 +491,13 @@ static void test_half_and_twice_the_current_that_the_speed_explains_are_not_beli
     }
 }
 
-static void test_a_current_that_rests_in_space_is_no_turning_rotor(void)
+TEST(test_a_current_that_rests_in_space_is_no_turning_rotor)
 {
     TEST_ASSERT_EQUAL_INT(FLYING_START_STANDING, judge(500.0, 0.0));
     TEST_ASSERT_EQUAL_INT(FLYING_START_STANDING, judge(20000.0, 0.0));
 }
 
-static void test_too_fast_a_turn_for_its_current_is_no_turning_rotor(void)
+TEST(test_too_fast_a_turn_for_its_current_is_no_turning_rotor)
 {
     TEST_ASSERT_EQUAL_INT(FLYING_START_STANDING, judge(500.0, TWO_PI / 4.0));
     TEST_ASSERT_EQUAL_INT(FLYING_START_STANDING, judge(500.0, -TWO_PI / 2.1));
@@ -509,7 +505,7 @@ static void test_too_fast_a_turn_for_its_current_is_no_turning_rotor(void)
 
 /* ---- any current ---- */
 
-static void test_any_current_gives_a_result_in_time_with_a_speed_below_a_quarter_turn_a_tick(void)
+TEST(test_any_current_gives_a_result_in_time_with_a_speed_below_a_quarter_turn_a_tick)
 {
     static const int32_t ends[] = {0, 1, -1, 32767, -32768, 65535, -65535, 409, 411};
     seeded_t seed = {0xCA7C4U};
@@ -542,33 +538,4 @@ static void test_any_current_gives_a_result_in_time_with_a_speed_below_a_quarter
         TEST_ASSERT_TRUE(abs(start.speed) <= 0x40000000);
         TEST_ASSERT_TRUE((start.inductance_q14 >= 0) && (start.inductance_q14 <= 32767));
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_speed_and_angle_of_a_turning_rotor_are_found_in_both_directions);
-    RUN_TEST(test_noise_of_a_count_turns_the_directions_and_nothing_else);
-    RUN_TEST(test_the_current_of_the_pulses_tells_the_inductance);
-    RUN_TEST(test_a_rotor_that_turns_little_between_the_pulses_does_not_tell_the_inductance);
-    RUN_TEST(test_a_standing_rotor_is_standing_with_and_without_noise);
-    RUN_TEST(test_a_rotor_too_slow_to_tell_is_standing);
-    RUN_TEST(test_a_long_pulse_is_followed_by_the_longest_pause_allowed);
-    RUN_TEST(test_gates_are_on_in_the_pulses_and_off_in_the_pause);
-    RUN_TEST(test_first_pulse_ends_above_the_current_and_the_second_is_as_long);
-    RUN_TEST(test_gates_stay_open_until_the_current_from_before_has_ended);
-    RUN_TEST(test_without_a_current_the_gates_wait_until_the_compare_values_of_now_act);
-    RUN_TEST(test_a_current_that_does_not_end_in_time_is_reported_with_open_gates);
-    RUN_TEST(test_a_current_that_does_not_end_tells_its_speed);
-    RUN_TEST(test_the_longest_wait_tells_the_speed_of_a_current_too);
-    RUN_TEST(test_a_current_that_stands_still_has_no_speed);
-    RUN_TEST(test_at_a_standing_rotor_the_gates_stay_on_for_exactly_the_charge);
-    RUN_TEST(test_a_turning_rotor_is_not_braked_by_a_charge);
-    RUN_TEST(test_reset_forgets_what_was_there_before);
-    RUN_TEST(test_a_current_that_the_speed_explains_within_a_factor_of_two_is_believed);
-    RUN_TEST(test_half_and_twice_the_current_that_the_speed_explains_are_not_believed);
-    RUN_TEST(test_a_current_that_rests_in_space_is_no_turning_rotor);
-    RUN_TEST(test_too_fast_a_turn_for_its_current_is_no_turning_rotor);
-    RUN_TEST(test_any_current_gives_a_result_in_time_with_a_speed_below_a_quarter_turn_a_tick);
-    return UNITY_END();
 }

@@ -2,7 +2,7 @@
 /* The code of frames: what was coded comes back, it is short where it should be, and no bytes do harm. */
 #include "frame_code.h"
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <string.h>
@@ -29,10 +29,6 @@ void setUp(void)
     chance = (seeded_t){99U};
     memset(entries, 0, sizeof entries);
     memset(code, 0xA5, sizeof code);
-}
-
-void tearDown(void)
-{
 }
 
 static recorder_entry_t frame(uint32_t ia, uint32_t ib, uint32_t bus, uint32_t flags,
@@ -89,7 +85,7 @@ static uint32_t round_trip(uint32_t count)
     return length;
 }
 
-static void test_any_frames_and_changes_come_back_and_stay_below_the_longest_code(void)
+TEST(test_any_frames_and_changes_come_back_and_stay_below_the_longest_code)
 {
     for (uint32_t run = 0U; run < 500U; run++) {
         const uint32_t count = 1U + (seeded_u32(&chance) % MAX);
@@ -105,7 +101,7 @@ static void test_any_frames_and_changes_come_back_and_stay_below_the_longest_cod
     }
 }
 
-static void test_each_single_channel_comes_back_over_all_sizes_of_its_steps(void)
+TEST(test_each_single_channel_comes_back_over_all_sizes_of_its_steps)
 {
     for (uint32_t channel = 0U; channel < 5U; channel++) {
         for (uint32_t bits = 0U; bits <= 16U; bits++) {
@@ -121,7 +117,7 @@ static void test_each_single_channel_comes_back_over_all_sizes_of_its_steps(void
 }
 
 /* 6 bits for each channel and 5 + 16 for its first value, and nothing for 63 frames. */
-static void test_frames_that_do_not_change_take_no_more_than_the_first_one(void)
+TEST(test_frames_that_do_not_change_take_no_more_than_the_first_one)
 {
     for (uint32_t k = 0U; k < MAX; k++) {
         entries[k] = frame(0xFFFFU, 2048U, 2822U, 0xFFFFU, 0x8000U);
@@ -130,7 +126,7 @@ static void test_frames_that_do_not_change_take_no_more_than_the_first_one(void)
 }
 
 /* As with a sensor at a constant speed: a bit for each frame, and some more where the second differs from the first. */
-static void test_an_angle_that_advances_evenly_takes_a_bit_a_frame(void)
+TEST(test_an_angle_that_advances_evenly_takes_a_bit_a_frame)
 {
     for (uint32_t k = 0U; k < MAX; k++) {
         entries[k] = frame(2048U, 2048U, 2822U, 0U, (65000U + (k * 200U)) & 0xFFFFU);
@@ -159,7 +155,7 @@ static uint32_t count_of(double value)
  * bits (log2(√2·√(2πe))) and a Rice code of a normal one some 0.2 more: 3 channels are 1.03 bytes; what the sine bends and the
  * first values, 0.12 bytes, come on top of it. What the line bears is 1.9.
  */
-static void test_a_running_motor_with_noise_takes_no_more_than_1_9_bytes_a_tick(void)
+TEST(test_a_running_motor_with_noise_takes_no_more_than_1_9_bytes_a_tick)
 {
     const uint32_t tenths_of_a_byte = 19U;
     uint32_t length = 0U;
@@ -178,7 +174,7 @@ static void test_a_running_motor_with_noise_takes_no_more_than_1_9_bytes_a_tick(
     TEST_ASSERT_LESS_OR_EQUAL_UINT32(tenths_of_a_byte * MAX, length);
 }
 
-static void test_a_change_comes_back_wherever_it_stands(void)
+TEST(test_a_change_comes_back_wherever_it_stands)
 {
     for (uint32_t at = 0U; at < MAX; at++) {
         for (uint32_t k = 0U; k < MAX; k++) {
@@ -191,7 +187,7 @@ static void test_a_change_comes_back_wherever_it_stands(void)
     }
 }
 
-static void test_changes_without_a_frame_come_back(void)
+TEST(test_changes_without_a_frame_come_back)
 {
     for (uint32_t k = 0U; k < MAX; k++) {
         entries[k] = change();
@@ -200,7 +196,7 @@ static void test_changes_without_a_frame_come_back(void)
 }
 
 /* Behind the room nothing is written, and one entry always fits into the smallest. */
-static void test_as_many_entries_are_coded_as_fit_and_no_byte_is_written_behind(void)
+TEST(test_as_many_entries_are_coded_as_fit_and_no_byte_is_written_behind)
 {
     for (uint32_t k = 0U; k < MAX; k++) {
         entries[k] = ((k % 16U) == 0U) ? change() : any_frame();
@@ -235,7 +231,7 @@ static bool decodes_alone(const uint8_t *bytes, uint32_t length, uint32_t count)
     return frame_code_decode(&exact[ROOM - length], length, back, count);
 }
 
-static void test_a_code_that_is_cut_or_longer_or_of_another_number_is_refused(void)
+TEST(test_a_code_that_is_cut_or_longer_or_of_another_number_is_refused)
 {
     uint32_t length;
 
@@ -254,7 +250,7 @@ static void test_a_code_that_is_cut_or_longer_or_of_another_number_is_refused(vo
 }
 
 /* What decodes is a code: the encoder's, or one with the same meaning. */
-static void test_a_flipped_bit_is_refused_or_gives_entries_and_harms_nothing(void)
+TEST(test_a_flipped_bit_is_refused_or_gives_entries_and_harms_nothing)
 {
     uint32_t length;
     uint32_t refused = 0U;
@@ -272,7 +268,7 @@ static void test_a_flipped_bit_is_refused_or_gives_entries_and_harms_nothing(voi
     TEST_ASSERT_TRUE(decodes_alone(code, length, MAX));
 }
 
-static void test_any_bytes_are_decoded_without_harm(void)
+TEST(test_any_bytes_are_decoded_without_harm)
 {
     for (uint32_t run = 0U; run < 20000U; run++) {
         const uint32_t length = seeded_u32(&chance) % 200U;
@@ -284,7 +280,7 @@ static void test_any_bytes_are_decoded_without_harm(void)
     }
 }
 
-static void test_a_mode_that_there_is_not_and_a_value_of_17_bits_are_refused(void)
+TEST(test_a_mode_that_there_is_not_and_a_value_of_17_bits_are_refused)
 {
     const uint8_t mode_46[] = {46U, 0U, 0U, 0U, 0U, 0U, 0U, 0U};
     /* 30 bits of modes, a 0, and 17 as the length of the first value */
@@ -297,22 +293,4 @@ static void test_a_mode_that_there_is_not_and_a_value_of_17_bits_are_refused(voi
     for (uint32_t length = 1U; length <= sizeof bits_17; length++) {
         TEST_ASSERT_FALSE(decodes_alone(bits_17, length, 1U));
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_any_frames_and_changes_come_back_and_stay_below_the_longest_code);
-    RUN_TEST(test_each_single_channel_comes_back_over_all_sizes_of_its_steps);
-    RUN_TEST(test_frames_that_do_not_change_take_no_more_than_the_first_one);
-    RUN_TEST(test_an_angle_that_advances_evenly_takes_a_bit_a_frame);
-    RUN_TEST(test_a_running_motor_with_noise_takes_no_more_than_1_9_bytes_a_tick);
-    RUN_TEST(test_a_change_comes_back_wherever_it_stands);
-    RUN_TEST(test_changes_without_a_frame_come_back);
-    RUN_TEST(test_as_many_entries_are_coded_as_fit_and_no_byte_is_written_behind);
-    RUN_TEST(test_a_code_that_is_cut_or_longer_or_of_another_number_is_refused);
-    RUN_TEST(test_a_flipped_bit_is_refused_or_gives_entries_and_harms_nothing);
-    RUN_TEST(test_any_bytes_are_decoded_without_harm);
-    RUN_TEST(test_a_mode_that_there_is_not_and_a_value_of_17_bits_are_refused);
-    return UNITY_END();
 }

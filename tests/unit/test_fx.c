@@ -3,7 +3,7 @@
 #include "exact.h"
 #include "fx.h"
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <stddef.h>
 #include <stdint.h>
@@ -11,20 +11,12 @@
 #define SEEDED_CASES (200000)
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 static int32_t saturate32(int64_t x)
 {
     return (int32_t)clamp64(x, INT32_MIN, INT32_MAX);
 }
 
-static void test_shift_rounds_towards_minus_infinity(void)
+TEST(test_shift_rounds_towards_minus_infinity)
 {
     TEST_ASSERT_EQUAL_INT32(-2, fx_asr(-3, 1U));
     TEST_ASSERT_EQUAL_INT32(1, fx_asr(3, 1U));
@@ -34,7 +26,7 @@ static void test_shift_rounds_towards_minus_infinity(void)
     TEST_ASSERT_EQUAL_INT32(INT32_MIN, fx_asr(INT32_MIN, 0U));
 }
 
-static void test_shift_equals_floor_division_for_every_shift(void)
+TEST(test_shift_equals_floor_division_for_every_shift)
 {
     seeded_t seed = {0x2545F491U};
 
@@ -46,7 +38,7 @@ static void test_shift_equals_floor_division_for_every_shift(void)
     }
 }
 
-static void test_min_and_max_choose_in_both_orders_and_at_equality(void)
+TEST(test_min_and_max_choose_in_both_orders_and_at_equality)
 {
     TEST_ASSERT_EQUAL_INT32(-7, fx_min(-7, 7));
     TEST_ASSERT_EQUAL_INT32(-7, fx_min(7, -7));
@@ -58,7 +50,7 @@ static void test_min_and_max_choose_in_both_orders_and_at_equality(void)
     TEST_ASSERT_EQUAL_INT32(5, fx_max(5, 5));
 }
 
-static void test_clamp_passes_the_inside_and_stops_at_both_ends(void)
+TEST(test_clamp_passes_the_inside_and_stops_at_both_ends)
 {
     TEST_ASSERT_EQUAL_INT32(-10, fx_clamp(-11, -10, 20));
     TEST_ASSERT_EQUAL_INT32(-10, fx_clamp(-10, -10, 20));
@@ -70,7 +62,7 @@ static void test_clamp_passes_the_inside_and_stops_at_both_ends(void)
     TEST_ASSERT_EQUAL_INT32(3, fx_clamp(-5, 3, 3));
 }
 
-static void test_towards_goes_by_one_step_and_stops_at_its_goal_from_both_sides(void)
+TEST(test_towards_goes_by_one_step_and_stops_at_its_goal_from_both_sides)
 {
     TEST_ASSERT_EQUAL_INT32(3, fx_towards(0, 10, 3));
     TEST_ASSERT_EQUAL_INT32(-3, fx_towards(0, -10, 3));
@@ -80,7 +72,7 @@ static void test_towards_goes_by_one_step_and_stops_at_its_goal_from_both_sides(
     TEST_ASSERT_EQUAL_INT32(7, fx_towards(7, 10, 0));
 }
 
-static void test_approach_goes_by_the_share_of_the_distance_rounded_down(void)
+TEST(test_approach_goes_by_the_share_of_the_distance_rounded_down)
 {
     /* 1000 + (5000 − 1000)/8, and back; 7/8 and −7/8 rounded down. */
     TEST_ASSERT_EQUAL_INT32(1500, fx_approach(1000, 5000, 3U));
@@ -92,7 +84,7 @@ static void test_approach_goes_by_the_share_of_the_distance_rounded_down(void)
 }
 
 /* x and x ± 2^n stand for the same bits. */
-static void test_bits_read_as_signed_and_unsigned_are_the_same_bits(void)
+TEST(test_bits_read_as_signed_and_unsigned_are_the_same_bits)
 {
     static const uint32_t bits[] = {0U, 1U, 0x7FFFFFFFU, 0x80000000U, 0xFFFFFFFFU};
     static const int32_t numbers[] = {0, 1, INT32_MAX, INT32_MIN, -1};
@@ -107,7 +99,7 @@ static void test_bits_read_as_signed_and_unsigned_are_the_same_bits(void)
     }
 }
 
-static void test_abs_of_the_whole_range_but_the_excluded_minimum(void)
+TEST(test_abs_of_the_whole_range_but_the_excluded_minimum)
 {
     TEST_ASSERT_EQUAL_INT32(0, fx_abs(0));
     TEST_ASSERT_EQUAL_INT32(1, fx_abs(-1));
@@ -132,7 +124,7 @@ static const saturation_t SATURATIONS[] = {
     {fx_usat15, 0, 32767},
 };
 
-static void test_saturation_passes_the_inside_up_to_both_ends(void)
+TEST(test_saturation_passes_the_inside_up_to_both_ends)
 {
     for (size_t i = 0; i < COUNT(SATURATIONS); i++) {
         const saturation_t *const s = &SATURATIONS[i];
@@ -147,7 +139,7 @@ static void test_saturation_passes_the_inside_up_to_both_ends(void)
     }
 }
 
-static void test_saturation_begins_one_beyond_the_ends_and_holds_to_the_extremes(void)
+TEST(test_saturation_begins_one_beyond_the_ends_and_holds_to_the_extremes)
 {
     for (size_t i = 0; i < COUNT(SATURATIONS); i++) {
         const saturation_t *const s = &SATURATIONS[i];
@@ -167,7 +159,7 @@ static void test_saturation_begins_one_beyond_the_ends_and_holds_to_the_extremes
     }
 }
 
-static void test_saturation_is_the_clamp_to_its_ends_for_seeded_values_of_any_size(void)
+TEST(test_saturation_is_the_clamp_to_its_ends_for_seeded_values_of_any_size)
 {
     seeded_t seed = {0x5A7B17E5U};
 
@@ -190,7 +182,7 @@ static const int32_t EDGES[] = {
     1,         32767,         32768,  32769,  65535,  65536,  65537,  INT32_MAX - 1, INT32_MAX,
 };
 
-static void test_mul_32x16_is_the_floored_64_bit_product_on_all_edges(void)
+TEST(test_mul_32x16_is_the_floored_64_bit_product_on_all_edges)
 {
     static const int32_t factors[] = {-32768, -32767, -2, -1, 0, 1, 2, 32766, 32767};
 
@@ -203,7 +195,7 @@ static void test_mul_32x16_is_the_floored_64_bit_product_on_all_edges(void)
     }
 }
 
-static void test_mul_32x16_is_the_floored_64_bit_product_on_seeded_pairs(void)
+TEST(test_mul_32x16_is_the_floored_64_bit_product_on_seeded_pairs)
 {
     seeded_t seed = {0xCC9E2D51U};
 
@@ -228,7 +220,7 @@ static void assert_sum_of_product(int32_t a, int32_t b, seeded_t *seed)
     }
 }
 
-static void test_sum_of_product_is_exact_on_all_edges_as_long_as_it_fits(void)
+TEST(test_sum_of_product_is_exact_on_all_edges_as_long_as_it_fits)
 {
     static const int32_t factors[] = {-32768, -32767, -2, -1, 0, 1, 2, 32766, 32767};
     seeded_t seed = {0x27D4EB2FU};
@@ -240,7 +232,7 @@ static void test_sum_of_product_is_exact_on_all_edges_as_long_as_it_fits(void)
     }
 }
 
-static void test_sum_of_product_is_exact_for_seeded_operands(void)
+TEST(test_sum_of_product_is_exact_for_seeded_operands)
 {
     seeded_t seed = {0x165667B1U};
 
@@ -251,7 +243,7 @@ static void test_sum_of_product_is_exact_for_seeded_operands(void)
     }
 }
 
-static void test_leading_zeros_are_those_above_the_highest_one(void)
+TEST(test_leading_zeros_are_those_above_the_highest_one)
 {
     for (uint32_t bit = 0U; bit < 32U; bit++) {
         const uint32_t one = (uint32_t)1U << bit;
@@ -265,7 +257,7 @@ static void test_leading_zeros_are_those_above_the_highest_one(void)
     }
 }
 
-static void test_leading_zeros_do_not_depend_on_the_bits_below_the_highest_one(void)
+TEST(test_leading_zeros_do_not_depend_on_the_bits_below_the_highest_one)
 {
     seeded_t seed = {0x85EBCA77U};
 
@@ -275,27 +267,4 @@ static void test_leading_zeros_do_not_depend_on_the_bits_below_the_highest_one(v
 
         TEST_ASSERT_EQUAL_UINT32(zeros, fx_leading_zeros(x));
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_shift_rounds_towards_minus_infinity);
-    RUN_TEST(test_shift_equals_floor_division_for_every_shift);
-    RUN_TEST(test_min_and_max_choose_in_both_orders_and_at_equality);
-    RUN_TEST(test_clamp_passes_the_inside_and_stops_at_both_ends);
-    RUN_TEST(test_towards_goes_by_one_step_and_stops_at_its_goal_from_both_sides);
-    RUN_TEST(test_approach_goes_by_the_share_of_the_distance_rounded_down);
-    RUN_TEST(test_bits_read_as_signed_and_unsigned_are_the_same_bits);
-    RUN_TEST(test_abs_of_the_whole_range_but_the_excluded_minimum);
-    RUN_TEST(test_saturation_passes_the_inside_up_to_both_ends);
-    RUN_TEST(test_saturation_begins_one_beyond_the_ends_and_holds_to_the_extremes);
-    RUN_TEST(test_saturation_is_the_clamp_to_its_ends_for_seeded_values_of_any_size);
-    RUN_TEST(test_mul_32x16_is_the_floored_64_bit_product_on_all_edges);
-    RUN_TEST(test_mul_32x16_is_the_floored_64_bit_product_on_seeded_pairs);
-    RUN_TEST(test_sum_of_product_is_exact_on_all_edges_as_long_as_it_fits);
-    RUN_TEST(test_sum_of_product_is_exact_for_seeded_operands);
-    RUN_TEST(test_leading_zeros_are_those_above_the_highest_one);
-    RUN_TEST(test_leading_zeros_do_not_depend_on_the_bits_below_the_highest_one);
-    return UNITY_END();
 }

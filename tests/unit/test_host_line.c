@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The serial line of the simulated hardware: its rate, its FIFOs, and what is not attached. */
 #include "hal_host.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <string.h>
 
@@ -21,10 +21,6 @@ void setUp(void)
     hal_host_init(&hardware, NULL);
     hal_host_line_init(&line, BAUD, TICK_PS);
     hardware.line = &line;
-}
-
-void tearDown(void)
-{
 }
 
 /* Bytes that the board can send in a second, offered as a background does: once a tick, until there is no room. */
@@ -59,18 +55,18 @@ static uint32_t received_of(uint32_t bytes, uint32_t most)
     return taken;
 }
 
-static void test_it_sends_as_many_bytes_as_its_rate_allows_and_a_fifo_more(void)
+TEST(test_it_sends_as_many_bytes_as_its_rate_allows_and_a_fifo_more)
 {
     TEST_ASSERT_UINT32_WITHIN(LAST_ROOM, BYTES_PER_S + HAL_HOST_LINE_FIFO, sent_in_a_second());
 }
 
-static void test_above_a_fifo_a_tick_it_sends_a_fifo_a_tick(void)
+TEST(test_above_a_fifo_a_tick_it_sends_a_fifo_a_tick)
 {
     hal_host_line_init(&line, FAST_BAUD, TICK_PS);
     TEST_ASSERT_EQUAL_UINT32(HAL_HOST_LINE_FIFO * TICKS_PER_S, sent_in_a_second());
 }
 
-static void test_bytes_arrive_in_order_and_not_before_their_time(void)
+TEST(test_bytes_arrive_in_order_and_not_before_their_time)
 {
     uint8_t byte = 0U;
 
@@ -87,7 +83,7 @@ static void test_bytes_arrive_in_order_and_not_before_their_time(void)
     TEST_ASSERT_EQUAL_UINT8(9U, byte);
 }
 
-static void test_what_the_board_sends_is_what_the_pc_reads(void)
+TEST(test_what_the_board_sends_is_what_the_pc_reads)
 {
     uint8_t byte = 0U;
 
@@ -99,13 +95,13 @@ static void test_what_the_board_sends_is_what_the_pc_reads(void)
     TEST_ASSERT_FALSE(hal_host_line_read(&line, &byte));
 }
 
-static void test_nothing_is_lost_while_the_board_takes_what_comes(void)
+TEST(test_nothing_is_lost_while_the_board_takes_what_comes)
 {
     TEST_ASSERT_EQUAL_UINT32(BYTES_PER_S / 2U, received_of(BYTES_PER_S / 2U, HAL_HOST_LINE_FIFO));
     TEST_ASSERT_EQUAL_UINT32(0U, line.lost);
 }
 
-static void test_bytes_that_find_the_receiver_full_are_lost_and_counted(void)
+TEST(test_bytes_that_find_the_receiver_full_are_lost_and_counted)
 {
     const uint32_t taken = received_of(100U, 0U);
 
@@ -113,7 +109,7 @@ static void test_bytes_that_find_the_receiver_full_are_lost_and_counted(void)
     TEST_ASSERT_EQUAL_UINT32(100U - HAL_HOST_LINE_FIFO, line.lost);
 }
 
-static void test_bytes_that_nobody_reads_are_lost_once_the_side_of_the_pc_is_full(void)
+TEST(test_bytes_that_nobody_reads_are_lost_once_the_side_of_the_pc_is_full)
 {
     uint32_t sent = 0U;
 
@@ -124,7 +120,7 @@ static void test_bytes_that_nobody_reads_are_lost_once_the_side_of_the_pc_is_ful
     TEST_ASSERT_EQUAL_UINT32(sent - HAL_HOST_LINE_ROOM - line.sending.count, line.lost);
 }
 
-static void test_the_pc_is_told_when_its_side_is_full(void)
+TEST(test_the_pc_is_told_when_its_side_is_full)
 {
     for (uint32_t k = 0U; k < HAL_HOST_LINE_ROOM; k++) {
         TEST_ASSERT_TRUE(hal_host_line_write(&line, 1U));
@@ -132,7 +128,7 @@ static void test_the_pc_is_told_when_its_side_is_full(void)
     TEST_ASSERT_FALSE(hal_host_line_write(&line, 1U));
 }
 
-static void test_without_line_and_flash_nothing_is_sent_received_or_stored(void)
+TEST(test_without_line_and_flash_nothing_is_sent_received_or_stored)
 {
     uint8_t bytes[HAL_STORE_UNIT_BYTES] = {1U};
 
@@ -146,7 +142,7 @@ static void test_without_line_and_flash_nothing_is_sent_received_or_stored(void)
     TEST_ASSERT_EQUAL_UINT32(1U, hal_ticks(&hardware));
 }
 
-static void test_an_attached_flash_keeps_what_is_programmed_until_it_is_erased(void)
+TEST(test_an_attached_flash_keeps_what_is_programmed_until_it_is_erased)
 {
     static hal_host_flash_t flash;
     const uint8_t written[HAL_STORE_UNIT_BYTES] = {1U, 2U, 3U, 4U, 5U, 6U, 7U, 8U};
@@ -161,20 +157,4 @@ static void test_an_attached_flash_keeps_what_is_programmed_until_it_is_erased(v
     TEST_ASSERT_TRUE(hal_store_erase(&hardware, 1U));
     TEST_ASSERT_TRUE(hal_store_read(&hardware, 1U, 3U, read));
     TEST_ASSERT_EACH_EQUAL_UINT8(0xFFU, read, sizeof read);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_it_sends_as_many_bytes_as_its_rate_allows_and_a_fifo_more);
-    RUN_TEST(test_above_a_fifo_a_tick_it_sends_a_fifo_a_tick);
-    RUN_TEST(test_bytes_arrive_in_order_and_not_before_their_time);
-    RUN_TEST(test_what_the_board_sends_is_what_the_pc_reads);
-    RUN_TEST(test_nothing_is_lost_while_the_board_takes_what_comes);
-    RUN_TEST(test_bytes_that_find_the_receiver_full_are_lost_and_counted);
-    RUN_TEST(test_bytes_that_nobody_reads_are_lost_once_the_side_of_the_pc_is_full);
-    RUN_TEST(test_the_pc_is_told_when_its_side_is_full);
-    RUN_TEST(test_without_line_and_flash_nothing_is_sent_received_or_stored);
-    RUN_TEST(test_an_attached_flash_keeps_what_is_programmed_until_it_is_erased);
-    return UNITY_END();
 }

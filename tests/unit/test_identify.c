@@ -4,6 +4,7 @@
 #include "example_identify.h"
 #include "identify_rest.h"
 #include "identify_turn.h"
+#include "testing.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -15,10 +16,6 @@ static text_t text;
 void setUp(void)
 {
     identify_example();
-}
-
-void tearDown(void)
-{
 }
 
 /* One pass of the background: what it says. */
@@ -68,7 +65,7 @@ static void assert_ended(void)
 
 /* ---- begin and end ---- */
 
-static void test_it_is_refused_unless_the_drive_is_ready(void)
+TEST(test_it_is_refused_unless_the_drive_is_ready)
 {
     power_on();
     TEST_ASSERT_EQUAL_STRING("the drive is not READY", identify_start(&identify));
@@ -80,7 +77,7 @@ static void test_it_is_refused_unless_the_drive_is_ready(void)
 }
 
 /* 192/32768 of 40 A are 0.2344 A. */
-static void test_a_current_that_the_converter_hardly_sees_is_refused_with_the_one_it_takes(void)
+TEST(test_a_current_that_the_converter_hardly_sees_is_refused_with_the_one_it_takes)
 {
     cfg.derating.current_continuous = 191;
     TEST_ASSERT_NULL(identify_start(&identify));
@@ -97,7 +94,7 @@ static void test_a_current_that_the_converter_hardly_sees_is_refused_with_the_on
 }
 
 /* 24 counts of 8 bits, which has 128 of them from its middle to its end. */
-static void test_a_coarser_converter_takes_more_current(void)
+TEST(test_a_coarser_converter_takes_more_current)
 {
     about_t coarse = *identify.about;
 
@@ -117,7 +114,7 @@ static void test_a_coarser_converter_takes_more_current(void)
     TEST_ASSERT_NULL(identify.why);
 }
 
-static void test_it_is_refused_while_it_is_under_way(void)
+TEST(test_it_is_refused_while_it_is_under_way)
 {
     start();
     TEST_ASSERT_EQUAL_STRING("it is under way", identify_start(&identify));
@@ -127,7 +124,7 @@ static void test_it_is_refused_while_it_is_under_way(void)
     assert_ended();
 }
 
-static void test_it_says_its_scales_and_what_it_will_do_before_it_does_it(void)
+TEST(test_it_says_its_scales_and_what_it_will_do_before_it_does_it)
 {
     start();
     TEST_ASSERT_EQUAL_STRING("identify 1 100000000 20000000 450000000 2 11\r\n", pass());
@@ -141,7 +138,7 @@ static void test_it_says_its_scales_and_what_it_will_do_before_it_does_it(void)
                              next_line());
 }
 
-static void test_a_stop_opens_the_gates_and_brings_the_users_command_back(void)
+TEST(test_a_stop_opens_the_gates_and_brings_the_users_command_back)
 {
     begin();
     tick(100U);
@@ -152,7 +149,7 @@ static void test_a_stop_opens_the_gates_and_brings_the_users_command_back(void)
     TEST_ASSERT_EQUAL_STRING("", next_line());
 }
 
-static void test_a_stop_without_an_identification_leaves_the_command(void)
+TEST(test_a_stop_without_an_identification_leaves_the_command)
 {
     const drive_command_t runs = {.target = 5, .request = DRIVE_REQUEST_RUN};
 
@@ -161,7 +158,7 @@ static void test_a_stop_without_an_identification_leaves_the_command(void)
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, command_mailbox_take(&app.mailbox).request);
 }
 
-static void test_a_fault_ends_it_with_a_line(void)
+TEST(test_a_fault_ends_it_with_a_line)
 {
     begin();
     fail();
@@ -171,7 +168,7 @@ static void test_a_fault_ends_it_with_a_line(void)
 }
 
 /* The clear comes before the next line: the name is that of the fault that has ended it. */
-static void test_a_fault_that_is_cleared_meanwhile_has_ended_it(void)
+TEST(test_a_fault_that_is_cleared_meanwhile_has_ended_it)
 {
     begin();
     fail();
@@ -185,7 +182,7 @@ static void test_a_fault_that_is_cleared_meanwhile_has_ended_it(void)
     assert_ended();
 }
 
-static void test_a_fault_before_its_first_word_ends_it(void)
+TEST(test_a_fault_before_its_first_word_ends_it)
 {
     start();
     fail();
@@ -194,7 +191,7 @@ static void test_a_fault_before_its_first_word_ends_it(void)
 }
 
 /* From another link of the background, whose command stays. */
-static void test_a_drive_that_leaves_probe_by_another_command_ends_it(void)
+TEST(test_a_drive_that_leaves_probe_by_another_command_ends_it)
 {
     begin();
     TEST_ASSERT_NULL(commander_run(&app));
@@ -206,7 +203,7 @@ static void test_a_drive_that_leaves_probe_by_another_command_ends_it(void)
     TEST_ASSERT_EQUAL_INT32(TARGET, command_mailbox_take(&app.mailbox).target);
 }
 
-static void test_a_drive_in_ready_is_waited_for_before_the_first_word_only(void)
+TEST(test_a_drive_in_ready_is_waited_for_before_the_first_word_only)
 {
     start();
     (void)next_line();
@@ -216,7 +213,7 @@ static void test_a_drive_in_ready_is_waited_for_before_the_first_word_only(void)
     TEST_ASSERT_NULL(identify.why);
 }
 
-static void test_it_can_be_started_again(void)
+TEST(test_it_can_be_started_again)
 {
     begin();
     identify_stop(&identify);
@@ -226,7 +223,7 @@ static void test_it_can_be_started_again(void)
 }
 
 /* Before the drive has taken it. */
-static void test_a_run_that_was_asked_for_is_not_asked_for_again_at_the_end(void)
+TEST(test_a_run_that_was_asked_for_is_not_asked_for_again_at_the_end)
 {
     (void)commander_run(&app);
     start();
@@ -257,7 +254,7 @@ static void expect_ended_for_its_time(const char *expected)
     assert_ended();
 }
 
-static void test_after_two_minutes_it_ends_whatever_it_waits_for(void)
+TEST(test_after_two_minutes_it_ends_whatever_it_waits_for)
 {
     for (uint32_t wait = 0U; wait <= (uint32_t)IDENTIFY_MEASURING; wait++) {
         setUp();
@@ -268,7 +265,7 @@ static void test_after_two_minutes_it_ends_whatever_it_waits_for(void)
     }
 }
 
-static void test_its_two_minutes_begin_with_it(void)
+TEST(test_its_two_minutes_begin_with_it)
 {
     tick(100U);
     app.drive.tick = 130000U * MS;
@@ -277,7 +274,7 @@ static void test_its_two_minutes_begin_with_it(void)
 }
 
 /* Nothing has been asked of the drive then. */
-static void test_a_line_that_nobody_reads_from_the_beginning_ends_it_too(void)
+TEST(test_a_line_that_nobody_reads_from_the_beginning_ends_it_too)
 {
     start();
     identify.began = app.drive.tick - (120000U * MS) - 1U;
@@ -287,7 +284,7 @@ static void test_a_line_that_nobody_reads_from_the_beginning_ends_it_too(void)
     assert_ended();
 }
 
-static void test_what_has_ended_keeps_its_reason_while_its_line_waits(void)
+TEST(test_what_has_ended_keeps_its_reason_while_its_line_waits)
 {
     begin();
     identify_aim_refusal(&identify, "of this");
@@ -297,7 +294,7 @@ static void test_what_has_ended_keeps_its_reason_while_its_line_waits(void)
     assert_ended();
 }
 
-static void test_it_says_nothing_while_a_line_waits(void)
+TEST(test_it_says_nothing_while_a_line_waits)
 {
     begin();
     tick(1000U);
@@ -328,14 +325,14 @@ static void expect_request_stays(uint8_t request)
     TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_SPEED, command.mode);
 }
 
-static void test_another_request_than_its_own_is_left_to_the_user(void)
+TEST(test_another_request_than_its_own_is_left_to_the_user)
 {
     expect_request_stays(DRIVE_REQUEST_CLEAR);
     expect_request_stays(DRIVE_REQUEST_RUN);
 }
 
 /* The speed that was asked for once it has ended is not that of before. */
-static void test_its_end_is_no_command_once_the_users_is_there_again(void)
+TEST(test_its_end_is_no_command_once_the_users_is_there_again)
 {
     const drive_command_t later = {.target = 7, .mode = (uint8_t)DRIVE_MODE_SPEED};
 
@@ -356,7 +353,7 @@ static void assert_says_of(identify_phase_t phase, const char *line)
 }
 
 /* 6.71875 A and the largest, and half of 2000 rpm with a third for swings: before each phase a person knows what the shaft will do. */
-static void test_each_phase_is_told_before_it_begins(void)
+TEST(test_each_phase_is_told_before_it_begins)
 {
     begin();
     assert_says_of(IDENTIFY_CATCH,
@@ -375,7 +372,7 @@ static void test_each_phase_is_told_before_it_begins(void)
 
 /* ---- words and records ---- */
 
-static void test_the_words_that_are_in_force_at_first_are_those_of_a_reset(void)
+TEST(test_the_words_that_are_in_force_at_first_are_those_of_a_reset)
 {
     probe_t probe;
 
@@ -392,7 +389,7 @@ static void test_the_words_that_are_in_force_at_first_are_those_of_a_reset(void)
 }
 
 /* Of 2 ms a tick. */
-static void test_a_millisecond_has_a_tick_at_least(void)
+TEST(test_a_millisecond_has_a_tick_at_least)
 {
     about_t slow = ABOUT;
 
@@ -408,7 +405,7 @@ static bool are_equal(const drive_command_t *a, const drive_command_t *b)
 }
 
 /* Five passes a tick: what the drive has not taken is not replaced. */
-static void test_a_word_is_posted_once_the_drive_has_taken_the_one_before(void)
+TEST(test_a_word_is_posted_once_the_drive_has_taken_the_one_before)
 {
     uint32_t posted = 0U;
 
@@ -442,7 +439,7 @@ static drive_command_t changed(drive_command_t command, uint32_t part)
     return command;
 }
 
-static void test_a_word_is_taken_once_all_of_it_is(void)
+TEST(test_a_word_is_taken_once_all_of_it_is)
 {
     for (uint32_t part = 0U; part < 3U; part++) {
         drive_command_t posted;
@@ -463,7 +460,7 @@ static void test_a_word_is_taken_once_all_of_it_is(void)
     }
 }
 
-static void test_the_drive_has_all_words_of_an_experiment_when_its_window_opens(void)
+TEST(test_the_drive_has_all_words_of_an_experiment_when_its_window_opens)
 {
     const probe_t *const probe = &app.drive.probe;
 
@@ -508,7 +505,7 @@ static const char *next_record(void)
     return next_line();
 }
 
-static void test_a_record_has_what_was_asked_for_and_the_sums_in_their_order(void)
+TEST(test_a_record_has_what_was_asked_for_and_the_sums_in_their_order)
 {
     begin();
     TEST_ASSERT_EQUAL_STRING("= pulse 0 0 0 88 0 1 64 11 -12 13 -14 15 16 17 18 -19 -21 22 -23\r\n",
@@ -517,7 +514,7 @@ static void test_a_record_has_what_was_asked_for_and_the_sums_in_their_order(voi
                              next_record());
 }
 
-static void test_each_window_has_a_word_of_its_own(void)
+TEST(test_each_window_has_a_word_of_its_own)
 {
     int32_t before = 0;
 
@@ -530,7 +527,7 @@ static void test_each_window_has_a_word_of_its_own(void)
 }
 
 /* Of 11 bits, so that the word is positive; the ticks are below them. */
-static void test_windows_are_numbered(void)
+TEST(test_windows_are_numbered)
 {
     static const uint32_t numbers[] = {5U, 6U, 0x7FFU, 0U};
 
@@ -550,7 +547,7 @@ static void test_windows_are_numbered(void)
 }
 
 /* A window of the same word that has ended is not the one that was asked for. */
-static void test_a_window_is_measured_once_its_word_is_taken(void)
+TEST(test_a_window_is_measured_once_its_word_is_taken)
 {
     begin();
     while (!is_measured()) {
@@ -591,7 +588,7 @@ static uint32_t ticks_to(identify_wait_t wait)
 }
 
 /* 100 ticks of the ramp. */
-static void test_a_window_opens_once_the_vector_has_arrived_and_settled(void)
+TEST(test_a_window_opens_once_the_vector_has_arrived_and_settled)
 {
     experiment(100000, 1000);
     (void)ticks_to(IDENTIFY_MOVING);
@@ -605,7 +602,7 @@ static void test_a_window_opens_once_the_vector_has_arrived_and_settled(void)
     TEST_ASSERT_EQUAL_INT32(WINDOW, app.drive.probe.window & 0xFFFFF);
 }
 
-static void test_a_vector_on_its_way_to_a_speed_has_not_arrived_at_any_angle(void)
+TEST(test_a_vector_on_its_way_to_a_speed_has_not_arrived_at_any_angle)
 {
     experiment(100000, 1);
     (void)ticks_to(IDENTIFY_MOVING);
@@ -618,7 +615,7 @@ static void test_a_vector_on_its_way_to_a_speed_has_not_arrived_at_any_angle(voi
     }
 }
 
-static void test_a_window_that_rushes_waits_for_no_vector(void)
+TEST(test_a_window_that_rushes_waits_for_no_vector)
 {
     experiment(100000, 1);
     identify.aim.rushes = true;
@@ -626,7 +623,7 @@ static void test_a_window_that_rushes_waits_for_no_vector(void)
     TEST_ASSERT_EQUAL_UINT32(3U, ticks_to(IDENTIFY_SETTLING));
 }
 
-static void test_a_vector_at_rest_has_arrived_at_its_angle_only(void)
+TEST(test_a_vector_at_rest_has_arrived_at_its_angle_only)
 {
     experiment(0, 1);
     *identify_aim_word(&identify, PROBE_RATE) = 0x100000;
@@ -647,7 +644,7 @@ static void have_moved(uint32_t ticks)
 }
 
 /* 5 s, and twice as long for each further attempt. */
-static void test_a_vector_that_does_not_arrive_is_caught_twice_and_then_refused(void)
+TEST(test_a_vector_that_does_not_arrive_is_caught_twice_and_then_refused)
 {
     experiment(100000, 1);
     (void)ticks_to(IDENTIFY_MOVING);
@@ -671,7 +668,7 @@ static void test_a_vector_that_does_not_arrive_is_caught_twice_and_then_refused(
     assert_ended();
 }
 
-static void test_a_vector_that_arrives_late_has_arrived(void)
+TEST(test_a_vector_that_arrives_late_has_arrived)
 {
     experiment(100000, 1);
     identify.aim.rushes = true;
@@ -696,7 +693,7 @@ static void begin_ramps_in_probe(void)
 }
 
 /* A ramp lies within its window. */
-static void test_a_window_that_leads_opens_before_its_words_are_asked_for(void)
+TEST(test_a_window_that_leads_opens_before_its_words_are_asked_for)
 {
     begin_ramps_in_probe();
     TEST_ASSERT_EQUAL(IDENTIFY_LEADING, identify.wait);
@@ -710,7 +707,7 @@ static void test_a_window_that_leads_opens_before_its_words_are_asked_for(void)
 }
 
 /* Nothing flows in the binding of memory. */
-static void test_a_motor_that_is_not_there_ends_it_with_a_line_and_open_gates(void)
+TEST(test_a_motor_that_is_not_there_ends_it_with_a_line_and_open_gates)
 {
     char last[TEXT_MAX] = "";
 
@@ -741,7 +738,7 @@ static void noisy(uint32_t step, int32_t noise_a, int32_t noise_b, const char *e
 }
 
 /* 5504/16 is 344 from sample to sample, over 10 ticks. */
-static void test_sensors_that_are_too_noisy_are_refused(void)
+TEST(test_sensors_that_are_too_noisy_are_refused)
 {
     static const char *const NOISE = "identify refused: the noise of the current sensors is too "
                                      "large for the continuous current\r\n";
@@ -752,13 +749,13 @@ static void test_sensors_that_are_too_noisy_are_refused(void)
 }
 
 /* They change the current themselves. */
-static void test_larger_pulses_are_no_noise(void)
+TEST(test_larger_pulses_are_no_noise)
 {
     noisy(IDENTIFY_AXES + 1U, 3450, 3450, NULL);
 }
 
 /* What moves the rotor changes the current too. */
-static void test_a_rotor_that_is_caught_is_no_noise(void)
+TEST(test_a_rotor_that_is_caught_is_no_noise)
 {
     begin();
     identify_aim_phase(&identify, IDENTIFY_CATCH);
@@ -815,7 +812,7 @@ static void expect_largest(identify_phase_t phase, uint32_t step, uint32_t slowe
 }
 
 /* 5/4 of the continuous current, half way from the largest one to the fault, and the fault itself. */
-static void test_a_current_beyond_that_of_the_phase_ends_it(void)
+TEST(test_a_current_beyond_that_of_the_phase_ends_it)
 {
     const int32_t fault = cfg.protection.current_max;
     const int32_t middle = (7372 + fault) / 2;
@@ -832,7 +829,7 @@ static void test_a_current_beyond_that_of_the_phase_ends_it(void)
 }
 
 /* Where it is nearer than 5/4 of the continuous one. */
-static void test_pulses_stay_below_the_middle_too(void)
+TEST(test_pulses_stay_below_the_middle_too)
 {
     be_in(IDENTIFY_PULSE, 1U, 0U);
     cfg.derating.current_continuous = 4 * CONTINUOUS;
@@ -842,7 +839,7 @@ static void test_pulses_stay_below_the_middle_too(void)
     TEST_ASSERT_EQUAL_STRING(RUNS_AWAY, identify.why);
 }
 
-static void test_a_current_before_the_first_phase_is_not_its_own(void)
+TEST(test_a_current_before_the_first_phase_is_not_its_own)
 {
     start();
     (void)next_line();
@@ -850,62 +847,10 @@ static void test_a_current_before_the_first_phase_is_not_its_own(void)
     TEST_ASSERT_NULL(identify.why);
 }
 
-static void test_a_current_that_runs_away_for_want_of_voltage_says_so(void)
+TEST(test_a_current_that_runs_away_for_want_of_voltage_says_so)
 {
     be_in(IDENTIFY_SPIN, 1U, 0U);
     app.drive.signals.voltage = (dq_t){0, 12382};
     flow(cfg.protection.current_max, 0);
     TEST_ASSERT_EQUAL_STRING(LACKS_VOLTAGE, identify.why);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_it_is_refused_unless_the_drive_is_ready);
-    RUN_TEST(test_a_current_that_the_converter_hardly_sees_is_refused_with_the_one_it_takes);
-    RUN_TEST(test_a_coarser_converter_takes_more_current);
-    RUN_TEST(test_it_is_refused_while_it_is_under_way);
-    RUN_TEST(test_it_says_its_scales_and_what_it_will_do_before_it_does_it);
-    RUN_TEST(test_a_stop_opens_the_gates_and_brings_the_users_command_back);
-    RUN_TEST(test_a_stop_without_an_identification_leaves_the_command);
-    RUN_TEST(test_a_fault_ends_it_with_a_line);
-    RUN_TEST(test_a_fault_that_is_cleared_meanwhile_has_ended_it);
-    RUN_TEST(test_a_fault_before_its_first_word_ends_it);
-    RUN_TEST(test_a_drive_that_leaves_probe_by_another_command_ends_it);
-    RUN_TEST(test_a_drive_in_ready_is_waited_for_before_the_first_word_only);
-    RUN_TEST(test_it_can_be_started_again);
-    RUN_TEST(test_a_run_that_was_asked_for_is_not_asked_for_again_at_the_end);
-    RUN_TEST(test_after_two_minutes_it_ends_whatever_it_waits_for);
-    RUN_TEST(test_its_two_minutes_begin_with_it);
-    RUN_TEST(test_a_line_that_nobody_reads_from_the_beginning_ends_it_too);
-    RUN_TEST(test_what_has_ended_keeps_its_reason_while_its_line_waits);
-    RUN_TEST(test_it_says_nothing_while_a_line_waits);
-    RUN_TEST(test_another_request_than_its_own_is_left_to_the_user);
-    RUN_TEST(test_its_end_is_no_command_once_the_users_is_there_again);
-    RUN_TEST(test_each_phase_is_told_before_it_begins);
-    RUN_TEST(test_the_words_that_are_in_force_at_first_are_those_of_a_reset);
-    RUN_TEST(test_a_millisecond_has_a_tick_at_least);
-    RUN_TEST(test_a_word_is_posted_once_the_drive_has_taken_the_one_before);
-    RUN_TEST(test_a_word_is_taken_once_all_of_it_is);
-    RUN_TEST(test_the_drive_has_all_words_of_an_experiment_when_its_window_opens);
-    RUN_TEST(test_a_record_has_what_was_asked_for_and_the_sums_in_their_order);
-    RUN_TEST(test_each_window_has_a_word_of_its_own);
-    RUN_TEST(test_windows_are_numbered);
-    RUN_TEST(test_a_window_is_measured_once_its_word_is_taken);
-    RUN_TEST(test_a_window_opens_once_the_vector_has_arrived_and_settled);
-    RUN_TEST(test_a_vector_on_its_way_to_a_speed_has_not_arrived_at_any_angle);
-    RUN_TEST(test_a_window_that_rushes_waits_for_no_vector);
-    RUN_TEST(test_a_vector_at_rest_has_arrived_at_its_angle_only);
-    RUN_TEST(test_a_vector_that_does_not_arrive_is_caught_twice_and_then_refused);
-    RUN_TEST(test_a_vector_that_arrives_late_has_arrived);
-    RUN_TEST(test_a_window_that_leads_opens_before_its_words_are_asked_for);
-    RUN_TEST(test_a_motor_that_is_not_there_ends_it_with_a_line_and_open_gates);
-    RUN_TEST(test_sensors_that_are_too_noisy_are_refused);
-    RUN_TEST(test_larger_pulses_are_no_noise);
-    RUN_TEST(test_a_rotor_that_is_caught_is_no_noise);
-    RUN_TEST(test_a_current_beyond_that_of_the_phase_ends_it);
-    RUN_TEST(test_pulses_stay_below_the_middle_too);
-    RUN_TEST(test_a_current_before_the_first_phase_is_not_its_own);
-    RUN_TEST(test_a_current_that_runs_away_for_want_of_voltage_says_so);
-    return UNITY_END();
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What an experiment asks for: its current, window and gains. */
 #include "example_identify.h"
+#include "testing.h"
 
 void setUp(void)
 {
@@ -8,11 +9,7 @@ void setUp(void)
     start();
 }
 
-void tearDown(void)
-{
-}
-
-static void test_a_current_has_no_pulses(void)
+TEST(test_a_current_has_no_pulses)
 {
     *identify_aim_word(&identify, PROBE_PULSE_D) = 1;
     *identify_aim_word(&identify, PROBE_PULSE_Q) = 2;
@@ -22,7 +19,7 @@ static void test_a_current_has_no_pulses(void)
     TEST_ASSERT_EQUAL_INT32(0, word(PROBE_PULSE_Q));
 }
 
-static void test_a_window_has_a_name_a_time_to_settle_and_its_ticks(void)
+TEST(test_a_window_has_a_name_a_time_to_settle_and_its_ticks)
 {
     identify_aim_window(&identify, "still", 12, 34);
     TEST_ASSERT_EQUAL_STRING("still", identify.aim.kind);
@@ -30,7 +27,7 @@ static void test_a_window_has_a_name_a_time_to_settle_and_its_ticks(void)
     TEST_ASSERT_EQUAL_INT32(34, identify.aim.ticks);
 }
 
-static void test_a_phase_begins_with_its_first_step_and_a_refusal_is_the_last_phase(void)
+TEST(test_a_phase_begins_with_its_first_step_and_a_refusal_is_the_last_phase)
 {
     identify.step = 7U;
     identify_aim_phase(&identify, IDENTIFY_SPIN);
@@ -43,7 +40,7 @@ static void test_a_phase_begins_with_its_first_step_and_a_refusal_is_the_last_ph
 }
 
 /* L/8 a tick along the current as a mantissa and a shift; its integral 40 times slower, with 11 bits more. */
-static void test_gains_follow_the_inductance_that_was_found(void)
+TEST(test_gains_follow_the_inductance_that_was_found)
 {
     identify.rest.inductance_q16 = 1441;
     identify_aim_gains(&identify, IDENTIFY_GAINS_FIRM);
@@ -54,7 +51,7 @@ static void test_gains_follow_the_inductance_that_was_found(void)
 }
 
 /* A sixteenth of K_p, and of K_i·T a 256th. */
-static void test_soft_gains_leave_the_current_across_to_itself(void)
+TEST(test_soft_gains_leave_the_current_across_to_itself)
 {
     identify.rest.inductance_q16 = 1441;
     identify_aim_gains(&identify, IDENTIFY_GAINS_SOFT);
@@ -65,7 +62,7 @@ static void test_soft_gains_leave_the_current_across_to_itself(void)
 }
 
 /* Four times K_i·T in both axes, and the same K_p. */
-static void test_quick_gains_have_a_quicker_integral(void)
+TEST(test_quick_gains_have_a_quicker_integral)
 {
     identify.rest.inductance_q16 = 1441;
     identify_aim_gains(&identify, IDENTIFY_GAINS_QUICK);
@@ -76,7 +73,7 @@ static void test_quick_gains_have_a_quicker_integral(void)
 }
 
 /* 2·65536/8 in Q16 is a gain of 1/4: 16384 of 2^16, and 32768 of 2^17 is one bit too many. */
-static void test_a_mantissa_has_15_bits_and_a_shift_is_30_at_most(void)
+TEST(test_a_mantissa_has_15_bits_and_a_shift_is_30_at_most)
 {
     identify.rest.inductance_q16 = 2 * 65536;
     identify_aim_gains(&identify, IDENTIFY_GAINS_FIRM);
@@ -91,24 +88,10 @@ static void test_a_mantissa_has_15_bits_and_a_shift_is_30_at_most(void)
 }
 
 /* The largest L: K_i needs more halvings than a word has. */
-static void test_a_gain_beyond_its_word_is_the_largest_that_it_has(void)
+TEST(test_a_gain_beyond_its_word_is_the_largest_that_it_has)
 {
     identify.rest.inductance_q16 = INT32_MAX;
     identify_aim_gains(&identify, IDENTIFY_GAINS_FIRM);
     TEST_ASSERT_EQUAL_INT32((3 << 16) | 32767, word(PROBE_GAIN_D));
     TEST_ASSERT_EQUAL_INT32((1 << 16) | 32767, word(PROBE_INTEGRAL_D));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_current_has_no_pulses);
-    RUN_TEST(test_a_window_has_a_name_a_time_to_settle_and_its_ticks);
-    RUN_TEST(test_a_phase_begins_with_its_first_step_and_a_refusal_is_the_last_phase);
-    RUN_TEST(test_gains_follow_the_inductance_that_was_found);
-    RUN_TEST(test_soft_gains_leave_the_current_across_to_itself);
-    RUN_TEST(test_quick_gains_have_a_quicker_integral);
-    RUN_TEST(test_a_mantissa_has_15_bits_and_a_shift_is_30_at_most);
-    RUN_TEST(test_a_gain_beyond_its_word_is_the_largest_that_it_has);
-    return UNITY_END();
 }

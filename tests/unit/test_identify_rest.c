@@ -3,14 +3,11 @@
 #include "identify_rest.h"
 
 #include "example_identify.h"
+#include "testing.h"
 
 void setUp(void)
 {
     identify_example();
-}
-
-void tearDown(void)
-{
 }
 
 /* ---- PULSE ---- */
@@ -51,7 +48,7 @@ static void answer_to_the_end(const dq_t *peaks)
     answer_pulses(peaks);
 }
 
-static void test_a_pulse_has_no_current_and_lies_on_the_axis_of_its_phase(void)
+TEST(test_a_pulse_has_no_current_and_lies_on_the_axis_of_its_phase)
 {
     static const uint32_t angles[] = {0U, 0x55555555U, 0xAAAAAAAAU};
 
@@ -71,7 +68,7 @@ static void test_a_pulse_has_no_current_and_lies_on_the_axis_of_its_phase(void)
     }
 }
 
-static void test_without_a_bus_the_first_pulse_is_1(void)
+TEST(test_without_a_bus_the_first_pulse_is_1)
 {
     begin_phase(IDENTIFY_PULSE);
     app.drive.signals.bus = 255;
@@ -80,7 +77,7 @@ static void test_without_a_bus_the_first_pulse_is_1(void)
 }
 
 /* 110 LSB are 22 more than 88: they have made 1000 more. What the legs lose is in both. */
-static void test_pulses_give_the_inductance_of_what_the_last_step_has_added(void)
+TEST(test_pulses_give_the_inductance_of_what_the_last_step_has_added)
 {
     static const dq_t first[] = {{1400, 0}, {1390, 20}, {1380, -20}};
     static const dq_t last[] = {{1380, 0}, {1390, 20}, {1400, -20}};
@@ -95,7 +92,7 @@ static void test_pulses_give_the_inductance_of_what_the_last_step_has_added(void
 }
 
 /* Those across have no pulses before them then. */
-static void test_pulses_that_have_ended_leave_none_across(void)
+TEST(test_pulses_that_have_ended_leave_none_across)
 {
     static const dq_t peaks[] = {{1400, 0}, {1400, 0}, {1400, 0}};
 
@@ -109,7 +106,7 @@ static void test_pulses_that_have_ended_leave_none_across(void)
     TEST_ASSERT_EQUAL_INT32(0, identify.rest.across_current);
 }
 
-static void test_an_inductance_saturates(void)
+TEST(test_an_inductance_saturates)
 {
     static const dq_t peaks[] = {{1400, 0}, {1400, 0}, {1400, 0}};
 
@@ -128,7 +125,7 @@ static void test_an_inductance_saturates(void)
     TEST_ASSERT_EQUAL_INT32((88 / 5) * 65536, identify.rest.inductance_q16);
 }
 
-static void test_pulses_grow_until_a_quarter_of_the_continuous_current_flows(void)
+TEST(test_pulses_grow_until_a_quarter_of_the_continuous_current_flows)
 {
     static const dq_t little[] = {{343, 0}, {0, 0}, {300, 0}};
     static const dq_t some[] = {{340, 0}, {330, 0}, {344, 0}};
@@ -161,7 +158,7 @@ static void expect_next_pulse(uint32_t axis, dq_t peak, int32_t pulse)
 }
 
 /* 344, 1/16 of the continuous current, wherever exchanged wires turn it: a quarter more of 88 follows, not twice as much. */
-static void test_a_current_shows_in_any_direction_of_any_axis(void)
+TEST(test_a_current_shows_in_any_direction_of_any_axis)
 {
     static const dq_t directions[] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
 
@@ -176,7 +173,7 @@ static void test_a_current_shows_in_any_direction_of_any_axis(void)
 }
 
 /* A first answer gives no difference of two. */
-static void test_a_large_answer_to_coarse_pulses_is_not_the_end(void)
+TEST(test_a_large_answer_to_coarse_pulses_is_not_the_end)
 {
     static const dq_t peaks[] = {{1400, 0}, {1400, 0}, {1400, 0}};
 
@@ -187,7 +184,7 @@ static void test_a_large_answer_to_coarse_pulses_is_not_the_end(void)
 }
 
 /* The voltage ends at a quarter of the bus, 5644; then the time grows. */
-static void test_pulses_get_longer_once_they_are_a_quarter_of_the_bus(void)
+TEST(test_pulses_get_longer_once_they_are_a_quarter_of_the_bus)
 {
     static const dq_t none[IDENTIFY_AXES];
     int32_t longest = 0;
@@ -214,7 +211,7 @@ static void pulses_after(int32_t pulse, int32_t peak)
 }
 
 /* 4515 and 2822 are the last ones of which a quarter more and twice as much are a quarter of the bus. */
-static void test_the_next_pulse_ends_at_a_quarter_of_the_bus(void)
+TEST(test_the_next_pulse_ends_at_a_quarter_of_the_bus)
 {
     pulses_after(4516, 400);
     TEST_ASSERT_EQUAL_INT32(5645 - 1, app.drive.signals.bus / 4);
@@ -237,7 +234,7 @@ static void test_the_next_pulse_ends_at_a_quarter_of_the_bus(void)
     TEST_ASSERT_EQUAL_INT32(7055, identify.rest.pulse);
 }
 
-static void test_an_open_phase_is_named(void)
+TEST(test_an_open_phase_is_named)
 {
     static const char *const names[] = {"phase a is open", "phase b is open", "phase c is open"};
 
@@ -260,7 +257,7 @@ static void test_an_open_phase_is_named(void)
 }
 
 /* 1/8 of the largest one, along a pulse or not. */
-static void test_the_current_of_an_open_phase_is_small_beside_any_other(void)
+TEST(test_the_current_of_an_open_phase_is_small_beside_any_other)
 {
     answer_to_the_end((const dq_t[]){{1400, 0}, {1400, -1600}, {199, 0}});
     assert_refused("phase c is open");
@@ -268,7 +265,7 @@ static void test_the_current_of_an_open_phase_is_small_beside_any_other(void)
     TEST_ASSERT_EQUAL(IDENTIFY_CATCH, identify.phase);
 }
 
-static void test_an_open_phase_is_named_before_two_that_are_exchanged(void)
+TEST(test_an_open_phase_is_named_before_two_that_are_exchanged)
 {
     answer_to_the_end((const dq_t[]){{-1400, 2000}, {-1400, -2000}, {0, 0}});
     assert_refused("phase c is open");
@@ -276,7 +273,7 @@ static void test_an_open_phase_is_named_before_two_that_are_exchanged(void)
     assert_refused("phase c is open");
 }
 
-static void test_two_exchanged_phases_are_named(void)
+TEST(test_two_exchanged_phases_are_named)
 {
     static const char *const names[] = {
         "the wires or the current sensors of phases b and c are exchanged",
@@ -293,7 +290,7 @@ static void test_two_exchanged_phases_are_named(void)
 }
 
 /* A reversed sensor of a, both reversed, wires exchanged in a circle: the current lies along none of the pulses. */
-static void test_three_axes_that_are_turned_are_refused(void)
+TEST(test_three_axes_that_are_turned_are_refused)
 {
     static const dq_t answers[][IDENTIFY_AXES] = {{{-1400, -1617}, {1400, -1617}, {0, 808}},
                                                   {{-1400, 0}, {-1400, 0}, {-1400, 0}},
@@ -308,7 +305,7 @@ static void test_three_axes_that_are_turned_are_refused(void)
 }
 
 /* A salient rotor turns the current of two axes by up to 1.25/2.25. */
-static void test_a_current_that_is_turned_by_less_than_45_degrees_is_straight(void)
+TEST(test_a_current_that_is_turned_by_less_than_45_degrees_is_straight)
 {
     static const dq_t turned[] = {{1400, 0}, {800, 800}, {800, -800}};
     static const dq_t one[] = {{1400, 0}, {800, 801}, {800, -800}};
@@ -325,7 +322,7 @@ static void test_a_current_that_is_turned_by_less_than_45_degrees_is_straight(vo
 /* ---- CATCH ---- */
 
 /* A small current rises, the vector turns in two quarters, the rest of the current follows; then it looks. */
-static void test_the_rotor_is_caught_half_a_turn_away_and_taken_along(void)
+TEST(test_the_rotor_is_caught_half_a_turn_away_and_taken_along)
 {
     static const struct {
         int32_t eighths;
@@ -367,7 +364,7 @@ static uint32_t looks_at(int32_t across)
     return looks;
 }
 
-static void test_a_rotor_at_rest_goes_on_and_one_that_never_rests_is_refused(void)
+TEST(test_a_rotor_at_rest_goes_on_and_one_that_never_rests_is_refused)
 {
     TEST_ASSERT_EQUAL_UINT32(10U + 41U, looks_at(CONTINUOUS / 16));
     assert_refused("the rotor does not come to rest on the current: does a load turn it?");
@@ -375,7 +372,7 @@ static void test_a_rotor_at_rest_goes_on_and_one_that_never_rests_is_refused(voi
     TEST_ASSERT_EQUAL(IDENTIFY_STILL, identify.phase);
 }
 
-static void test_a_rotor_that_was_lost_goes_on_turning(void)
+TEST(test_a_rotor_that_was_lost_goes_on_turning)
 {
     begin_phase(IDENTIFY_CATCH);
     identify.turn.slower = 1U;
@@ -410,7 +407,7 @@ static void look_with(int32_t noise_a, int32_t noise_b, int32_t across, bool res
 }
 
 /* 344 of 5504, and five times the mean change from sample to sample. */
-static void test_what_noise_has_for_its_largest_sample_is_no_swing(void)
+TEST(test_what_noise_has_for_its_largest_sample_is_no_swing)
 {
     look_with(10, 3, 344 + 49, true);
     look_with(10, 3, 344 + 50, false);
@@ -426,7 +423,7 @@ static void look_often(uint32_t count, int32_t across, int32_t mean)
 }
 
 /* The first look that has it, and 5 more. */
-static void test_a_mean_across_that_stays_is_no_swing(void)
+TEST(test_a_mean_across_that_stays_is_no_swing)
 {
     begin_to_look();
     look_often(5U, 1000, 800);
@@ -440,7 +437,7 @@ static void test_a_mean_across_that_stays_is_no_swing(void)
 }
 
 /* By 172 from that which the others are compared with; or it swings by 344. */
-static void test_a_mean_across_that_moves_begins_anew(void)
+TEST(test_a_mean_across_that_moves_begins_anew)
 {
     begin_to_look();
     look_often(4U, 1000, 800);
@@ -496,7 +493,7 @@ static uint32_t stay_still(const int32_t *resistances)
     return experiments;
 }
 
-static void test_levels_reach_twice_the_continuous_current_or_nine_tenths_of_the_largest(void)
+TEST(test_levels_reach_twice_the_continuous_current_or_nine_tenths_of_the_largest)
 {
     TEST_ASSERT_EQUAL_INT32(7372, identify_rest_largest(&identify));
     cfg.derating.current_continuous = 3685;
@@ -504,7 +501,7 @@ static void test_levels_reach_twice_the_continuous_current_or_nine_tenths_of_the
 }
 
 /* Down by a factor of 10, and up again in between. */
-static void test_an_axis_has_14_levels_of_current(void)
+TEST(test_an_axis_has_14_levels_of_current)
 {
     static const int32_t shares[LEVELS] = {255, 205, 164, 131, 105, 84,  67,
                                            54,  43,  34,  27,  54,  105, 205};
@@ -523,7 +520,7 @@ static void test_an_axis_has_14_levels_of_current(void)
 }
 
 /* R to an LSB of the voltage in 4319 of current. */
-static void test_each_axis_gives_its_resistance_and_the_last_one_the_loss(void)
+TEST(test_each_axis_gives_its_resistance_and_the_last_one_the_loss)
 {
     static const int32_t alike[] = {1547, 1640, 1454};
 
@@ -536,7 +533,7 @@ static void test_each_axis_gives_its_resistance_and_the_last_one_the_loss(void)
 }
 
 /* Of the first and the fifth level; the others are for the record. */
-static void test_the_resistance_is_that_of_two_levels(void)
+TEST(test_the_resistance_is_that_of_two_levels)
 {
     begin_still();
     for (uint32_t k = 0U; k <= LEVELS; k++) {
@@ -564,7 +561,7 @@ static void two_levels(dq_t high, dq_t low)
     (void)identify_rest_plan_still(&identify);
 }
 
-static void test_a_resistance_and_a_loss_are_between_nothing_and_their_largest(void)
+TEST(test_a_resistance_and_a_loss_are_between_nothing_and_their_largest)
 {
     two_levels((dq_t){1000, 5000}, (dq_t){1001, 2500}); /* falls */
     TEST_ASSERT_EQUAL_INT32(0, identify.rest.resistance_q13[0]);
@@ -583,7 +580,7 @@ static void test_a_resistance_and_a_loss_are_between_nothing_and_their_largest(v
 #define SHORTED \
     "less than 3/4 of the resistance of the other phases, is the winding shorted: phase "
 
-static void test_phases_whose_resistances_differ_by_more_than_a_quarter_are_refused(void)
+TEST(test_phases_whose_resistances_differ_by_more_than_a_quarter_are_refused)
 {
     static const int32_t unlike[][IDENTIFY_AXES] = {
         {1547, 1945, 1547}, {1547, 1547, 1945}, {1547, 1150, 1547}, {1547, 1547, 1150}};
@@ -613,7 +610,7 @@ static void leave_the_last_axis(int32_t first, int32_t second)
 }
 
 /* Of the phases, whose own differ by twice as much as the axes: a quarter and an LSB, which is all that a small one has. */
-static void test_resistances_may_differ_by_a_quarter_and_an_lsb(void)
+TEST(test_resistances_may_differ_by_a_quarter_and_an_lsb)
 {
     leave_the_last_axis(1000, 1120); /* 960 and 1200 */
     TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
@@ -625,7 +622,7 @@ static void test_resistances_may_differ_by_a_quarter_and_an_lsb(void)
     TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
 }
 
-static void test_between_two_axes_the_rotor_follows_with_the_continuous_current(void)
+TEST(test_between_two_axes_the_rotor_follows_with_the_continuous_current)
 {
     begin_still();
     identify.step = EXPERIMENTS;
@@ -644,7 +641,7 @@ static void test_between_two_axes_the_rotor_follows_with_the_continuous_current(
 }
 
 /* 4 s of looks. */
-static void test_a_rotor_that_swings_on_the_next_axis_is_looked_at_until_it_rests(void)
+TEST(test_a_rotor_that_swings_on_the_next_axis_is_looked_at_until_it_rests)
 {
     begin_still();
     identify.step = EXPERIMENTS;
@@ -663,7 +660,7 @@ static void test_a_rotor_that_swings_on_the_next_axis_is_looked_at_until_it_rest
     TEST_ASSERT_EQUAL_UINT32(0U, identify.rest.looks);
 }
 
-static void test_a_rotor_that_never_rests_on_the_next_axis_is_refused(void)
+TEST(test_a_rotor_that_never_rests_on_the_next_axis_is_refused)
 {
     begin_still();
     identify.step = EXPERIMENTS;
@@ -687,7 +684,7 @@ static void first_level(int32_t current)
 }
 
 /* 7/8 of the largest: the voltage regulates the rest of it no more. */
-static void test_a_bus_that_is_too_low_for_the_current_is_refused(void)
+TEST(test_a_bus_that_is_too_low_for_the_current_is_refused)
 {
     first_level(6425);
     TEST_ASSERT_EQUAL(IDENTIFY_STILL, identify.phase);
@@ -707,7 +704,7 @@ static void begin_bursts(void)
 }
 
 /* Twice the same eight. */
-static void test_bursts_have_their_shares_of_current_along_and_across_another_one(void)
+TEST(test_bursts_have_their_shares_of_current_along_and_across_another_one)
 {
     static const int32_t bias[] = {800, 1600, 500, 300, 200, 200, 200, 800};
     static const int32_t along[] = {3000, 6000, 4000, 2000, 0, 0, 0, 0};
@@ -739,7 +736,7 @@ static void expect_bias(uint32_t burst, int32_t current_max, int32_t bias)
 }
 
 /* Along it both add up, 600 of the pulses with it: 7/8 of 9/10 of the largest one are the end. */
-static void test_a_current_with_its_pulses_stays_below_the_largest(void)
+TEST(test_a_current_with_its_pulses_stays_below_the_largest)
 {
     expect_bias(1U, 2795, 1600); /* 2515 and 2200 */
     expect_bias(1U, 2794, 1599);
@@ -749,7 +746,7 @@ static void test_a_current_with_its_pulses_stays_below_the_largest(void)
     expect_bias(4U, 600, 200);
 }
 
-static void test_pulses_on_a_current_take_the_inductance_of_those_before(void)
+TEST(test_pulses_on_a_current_take_the_inductance_of_those_before)
 {
     begin_bursts();
     TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
@@ -761,7 +758,7 @@ static void test_pulses_on_a_current_take_the_inductance_of_those_before(void)
 }
 
 /* 600·109 and 1600·40 are just below another volt. */
-static void test_the_volts_of_pulses_are_rounded_down(void)
+TEST(test_the_volts_of_pulses_are_rounded_down)
 {
     begin_bursts();
     identify.rest.along_q16 = (10 * 65536) + 109;
@@ -781,7 +778,7 @@ static void answer_across(int32_t current)
 }
 
 /* Volts of the pulses before, and L for what is more. The first ones say nothing of L: the legs may take most of their volts. */
-static void test_pulses_across_take_the_volts_of_those_before_and_the_inductance_of_the_change(void)
+TEST(test_pulses_across_take_the_volts_of_those_before_and_the_inductance_of_the_change)
 {
     begin_bursts();
     identify.step = LEVELS + 4U;
@@ -800,7 +797,7 @@ static void test_pulses_across_take_the_volts_of_those_before_and_the_inductance
 }
 
 /* No pulse rather than one the other way. */
-static void test_volts_of_pulses_across_end_at_none(void)
+TEST(test_volts_of_pulses_across_end_at_none)
 {
     begin_bursts();
     identify.rest.across_volts = 100;
@@ -812,7 +809,7 @@ static void test_volts_of_pulses_across_end_at_none(void)
 }
 
 /* The last level is no burst. */
-static void test_what_follows_the_last_level_has_no_inductance(void)
+TEST(test_what_follows_the_last_level_has_no_inductance)
 {
     begin_bursts();
     *identify_aim_word(&identify, PROBE_PULSE_D) = 100;
@@ -821,7 +818,7 @@ static void test_what_follows_the_last_level_has_no_inductance(void)
     TEST_ASSERT_EQUAL_INT32(10 * 65536, identify.rest.along_q16);
 }
 
-static void test_pulses_without_an_answer_keep_the_inductance(void)
+TEST(test_pulses_without_an_answer_keep_the_inductance)
 {
     begin_bursts();
     identify.step = LEVELS + 1U;
@@ -853,7 +850,7 @@ static void burst_after(int32_t before, dq_t pulse, dq_t change)
     TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
 }
 
-static void test_an_inductance_of_pulses_is_from_1_to_its_largest(void)
+TEST(test_an_inductance_of_pulses_is_from_1_to_its_largest)
 {
     burst_after(0, (dq_t){8000, 0}, (dq_t){1, 0});
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, identify.rest.along_q16);
@@ -874,7 +871,7 @@ static void expect_across(int32_t before, dq_t pulse, int32_t inductance_q16)
 }
 
 /* By more than 1/8 of 800, up or down. */
-static void test_pulses_across_of_about_the_same_current_keep_the_inductance(void)
+TEST(test_pulses_across_of_about_the_same_current_keep_the_inductance)
 {
     expect_across(700, (dq_t){1300, 800}, 65536);
     expect_across(699, (dq_t){1303, 800}, 3 * 65536);
@@ -887,7 +884,7 @@ static void test_pulses_across_of_about_the_same_current_keep_the_inductance(voi
 }
 
 /* Of that which the first pulses have shown, 65537: the volts of the legs may hide all that is more. */
-static void test_an_inductance_across_is_half_of_that_along_at_least(void)
+TEST(test_an_inductance_across_is_half_of_that_along_at_least)
 {
     expect_across(400, (dq_t){1200, 800}, 32768);
     expect_across(400, (dq_t){1201, 800}, (201 * 65536) / 400);
@@ -896,7 +893,7 @@ static void test_an_inductance_across_is_half_of_that_along_at_least(void)
 }
 
 /* Of a quarter of 3 ticks. The mean change of a tick is a whole number. */
-static void test_pulses_across_add_up_over_their_quarter(void)
+TEST(test_pulses_across_add_up_over_their_quarter)
 {
     burst_after(0, (dq_t){0, 0}, (dq_t){0, 0});
     identify.step = LEVELS + 1U;
@@ -911,7 +908,7 @@ static void test_pulses_across_add_up_over_their_quarter(void)
 }
 
 /* 8466 of the bus at most in a tick: 64000 need 8. */
-static void test_long_pulses_share_their_volts(void)
+TEST(test_long_pulses_share_their_volts)
 {
     begin_bursts();
     identify.rest.across_q16 = 65536 * 40;
@@ -927,7 +924,7 @@ static void test_long_pulses_share_their_volts(void)
     TEST_ASSERT_EQUAL_INT32(240, identify.aim.ticks);
 }
 
-static void test_pulses_are_at_most_64_ticks_and_three_eighths_of_the_bus(void)
+TEST(test_pulses_are_at_most_64_ticks_and_three_eighths_of_the_bus)
 {
     begin_bursts();
     identify.rest.across_q16 = INT32_MAX;
@@ -938,65 +935,11 @@ static void test_pulses_are_at_most_64_ticks_and_three_eighths_of_the_bus(void)
     TEST_ASSERT_EQUAL_INT32(256, identify.aim.ticks);
 }
 
-static void test_without_a_bus_pulses_are_1(void)
+TEST(test_without_a_bus_pulses_are_1)
 {
     begin_bursts();
     app.drive.signals.bus = 2;
     TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
     TEST_ASSERT_EQUAL_INT32(64, word(PROBE_PULSE_TICKS));
     TEST_ASSERT_EQUAL_INT32(1, word(PROBE_PULSE_D));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_pulse_has_no_current_and_lies_on_the_axis_of_its_phase);
-    RUN_TEST(test_without_a_bus_the_first_pulse_is_1);
-    RUN_TEST(test_pulses_give_the_inductance_of_what_the_last_step_has_added);
-    RUN_TEST(test_pulses_that_have_ended_leave_none_across);
-    RUN_TEST(test_an_inductance_saturates);
-    RUN_TEST(test_pulses_grow_until_a_quarter_of_the_continuous_current_flows);
-    RUN_TEST(test_a_current_shows_in_any_direction_of_any_axis);
-    RUN_TEST(test_a_large_answer_to_coarse_pulses_is_not_the_end);
-    RUN_TEST(test_pulses_get_longer_once_they_are_a_quarter_of_the_bus);
-    RUN_TEST(test_the_next_pulse_ends_at_a_quarter_of_the_bus);
-    RUN_TEST(test_an_open_phase_is_named);
-    RUN_TEST(test_the_current_of_an_open_phase_is_small_beside_any_other);
-    RUN_TEST(test_an_open_phase_is_named_before_two_that_are_exchanged);
-    RUN_TEST(test_two_exchanged_phases_are_named);
-    RUN_TEST(test_three_axes_that_are_turned_are_refused);
-    RUN_TEST(test_a_current_that_is_turned_by_less_than_45_degrees_is_straight);
-    RUN_TEST(test_the_rotor_is_caught_half_a_turn_away_and_taken_along);
-    RUN_TEST(test_a_rotor_at_rest_goes_on_and_one_that_never_rests_is_refused);
-    RUN_TEST(test_a_rotor_that_was_lost_goes_on_turning);
-    RUN_TEST(test_what_noise_has_for_its_largest_sample_is_no_swing);
-    RUN_TEST(test_a_mean_across_that_stays_is_no_swing);
-    RUN_TEST(test_a_mean_across_that_moves_begins_anew);
-    RUN_TEST(test_levels_reach_twice_the_continuous_current_or_nine_tenths_of_the_largest);
-    RUN_TEST(test_an_axis_has_14_levels_of_current);
-    RUN_TEST(test_each_axis_gives_its_resistance_and_the_last_one_the_loss);
-    RUN_TEST(test_the_resistance_is_that_of_two_levels);
-    RUN_TEST(test_a_resistance_and_a_loss_are_between_nothing_and_their_largest);
-    RUN_TEST(test_phases_whose_resistances_differ_by_more_than_a_quarter_are_refused);
-    RUN_TEST(test_resistances_may_differ_by_a_quarter_and_an_lsb);
-    RUN_TEST(test_between_two_axes_the_rotor_follows_with_the_continuous_current);
-    RUN_TEST(test_a_rotor_that_swings_on_the_next_axis_is_looked_at_until_it_rests);
-    RUN_TEST(test_a_rotor_that_never_rests_on_the_next_axis_is_refused);
-    RUN_TEST(test_a_bus_that_is_too_low_for_the_current_is_refused);
-    RUN_TEST(test_bursts_have_their_shares_of_current_along_and_across_another_one);
-    RUN_TEST(test_a_current_with_its_pulses_stays_below_the_largest);
-    RUN_TEST(test_pulses_on_a_current_take_the_inductance_of_those_before);
-    RUN_TEST(test_the_volts_of_pulses_are_rounded_down);
-    RUN_TEST(test_pulses_across_take_the_volts_of_those_before_and_the_inductance_of_the_change);
-    RUN_TEST(test_volts_of_pulses_across_end_at_none);
-    RUN_TEST(test_what_follows_the_last_level_has_no_inductance);
-    RUN_TEST(test_pulses_without_an_answer_keep_the_inductance);
-    RUN_TEST(test_an_inductance_of_pulses_is_from_1_to_its_largest);
-    RUN_TEST(test_pulses_across_of_about_the_same_current_keep_the_inductance);
-    RUN_TEST(test_an_inductance_across_is_half_of_that_along_at_least);
-    RUN_TEST(test_pulses_across_add_up_over_their_quarter);
-    RUN_TEST(test_long_pulses_share_their_volts);
-    RUN_TEST(test_pulses_are_at_most_64_ticks_and_three_eighths_of_the_bus);
-    RUN_TEST(test_without_a_bus_pulses_are_1);
-    return UNITY_END();
 }

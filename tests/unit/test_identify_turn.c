@@ -3,6 +3,7 @@
 #include "identify_turn.h"
 
 #include "example_identify.h"
+#include "testing.h"
 
 #define TOP (14316557)    /* half of 2000 rpm */
 #define QUARTER (3579139) /* of that */
@@ -15,10 +16,6 @@
 void setUp(void)
 {
     identify_example();
-}
-
-void tearDown(void)
-{
 }
 
 /* The means of the window that has ended, at so many steps a tick. */
@@ -52,13 +49,13 @@ static void begin_spin(int32_t along, int32_t across)
     (void)identify_turn_plan_spin(&identify);
 }
 
-static void test_the_current_is_three_quarters_and_the_speed_half_of_the_name_plate(void)
+TEST(test_the_current_is_three_quarters_and_the_speed_half_of_the_name_plate)
 {
     TEST_ASSERT_EQUAL_INT32(CURRENT, identify_turn_current(&identify));
     TEST_ASSERT_EQUAL_INT32(TOP, identify_turn_speed(&identify));
 }
 
-static void test_the_words_of_a_turning_vector_are_those_of_the_winding(void)
+TEST(test_the_words_of_a_turning_vector_are_those_of_the_winding)
 {
     begin_spinning();
     TEST_ASSERT_EQUAL_INT32(CURRENT, word(PROBE_CURRENT));
@@ -71,7 +68,7 @@ static void test_the_words_of_a_turning_vector_are_those_of_the_winding(void)
 }
 
 /* Twice the loss of the legs where R·i is small. */
-static void test_an_emf_counts_from_what_the_legs_lose(void)
+TEST(test_an_emf_counts_from_what_the_legs_lose)
 {
     setUp();
     begin_phase(IDENTIFY_SPIN);
@@ -85,7 +82,7 @@ static void test_an_emf_counts_from_what_the_legs_lose(void)
     TEST_ASSERT_EQUAL_INT32(8255, word(PROBE_EMF));
 }
 
-static void test_a_reactance_saturates(void)
+TEST(test_a_reactance_saturates)
 {
     setUp();
     begin_phase(IDENTIFY_SPIN);
@@ -95,7 +92,7 @@ static void test_a_reactance_saturates(void)
 }
 
 /* From rest to the highest speed in 2 s. */
-static void test_the_vector_reaches_a_quarter_and_half_of_the_speed_on_a_gentle_ramp(void)
+TEST(test_the_vector_reaches_a_quarter_and_half_of_the_speed_on_a_gentle_ramp)
 {
     begin_spinning();
     TEST_ASSERT_EQUAL_INT32(TOP / 4, word(PROBE_SPEED));
@@ -110,7 +107,7 @@ static void test_the_vector_reaches_a_quarter_and_half_of_the_speed_on_a_gentle_
     TEST_ASSERT_EQUAL_INT32(TOP / (2000 * MS), word(PROBE_RAMP));
 }
 
-static void test_a_ramp_has_a_slope_whatever_the_speed(void)
+TEST(test_a_ramp_has_a_slope_whatever_the_speed)
 {
     cfg.speed_loop.speed_max = 0x20000000;
     begin_phase(IDENTIFY_SPIN);
@@ -122,7 +119,7 @@ static void test_a_ramp_has_a_slope_whatever_the_speed(void)
     TEST_ASSERT_EQUAL_INT32(1, word(PROBE_RAMP));
 }
 
-static void test_each_further_attempt_has_half_of_the_slope(void)
+TEST(test_each_further_attempt_has_half_of_the_slope)
 {
     for (uint32_t slower = 0U; slower < 3U; slower++) {
         setUp();
@@ -134,7 +131,7 @@ static void test_each_further_attempt_has_half_of_the_slope(void)
 }
 
 /* 12/16 of 0.5485 of the bus, 9286: with 3000 across at a quarter of it 9272/3000 of that are there. */
-static void test_the_highest_speed_is_that_for_which_the_bus_is_there(void)
+TEST(test_the_highest_speed_is_that_for_which_the_bus_is_there)
 {
     begin_spin(500, 3000);
     TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
@@ -181,7 +178,7 @@ static void lose(uint32_t times)
 }
 
 /* 1/20 of the voltage at the highest speed: 12382/20 at 13981 is a flux of 725, and 4 are L·i; 77.7 at 1747. */
-static void test_a_rotor_that_does_not_turn_has_no_emf(void)
+TEST(test_a_rotor_that_does_not_turn_has_no_emf)
 {
     begin_spin(500, 60);
     assert_caught(1U);
@@ -198,7 +195,7 @@ static void test_a_rotor_that_does_not_turn_has_no_emf(void)
 }
 
 /* Of 100 times the inductance L·i is 442: 1768 of Q13 times 4128/2^14. Of 1000 times it is 4420, and 1/4 of that above it counts. */
-static void test_the_voltage_of_the_inductance_is_no_emf(void)
+TEST(test_the_voltage_of_the_inductance_is_no_emf)
 {
     spin_with(100 * INDUCTANCE, 442 + 724);
     assert_caught(1U);
@@ -211,7 +208,7 @@ static void test_the_voltage_of_the_inductance_is_no_emf(void)
 }
 
 /* A heavy rotor follows a slower way to this speed. */
-static void test_a_rotor_that_is_left_behind_is_caught_twice_and_then_refused(void)
+TEST(test_a_rotor_that_is_left_behind_is_caught_twice_and_then_refused)
 {
     for (uint32_t lost = 0U; lost < 3U; lost++) {
         begin_spinning();
@@ -227,7 +224,7 @@ static void test_a_rotor_that_is_left_behind_is_caught_twice_and_then_refused(vo
 }
 
 /* A highest speed below one of Q15 counts as one: an EMF of 1/20 of the voltage is 619. */
-static void test_a_highest_speed_of_nothing_divides_by_nothing(void)
+TEST(test_a_highest_speed_of_nothing_divides_by_nothing)
 {
     cfg.speed_loop.speed_max = 2000;
     begin_phase(IDENTIFY_SPIN);
@@ -245,7 +242,7 @@ static void test_a_highest_speed_of_nothing_divides_by_nothing(void)
 #define TOO_LOW "the bus voltage is too low to turn the motor at 1/8 of its highest speed"
 
 /* 1/16 is half of a quarter of half: 1500 of 3000 have to be left. */
-static void test_a_bus_that_is_too_low_is_refused(void)
+TEST(test_a_bus_that_is_too_low_is_refused)
 {
     begin_spin(9200, 3000);
     assert_refused(TOO_LOW);
@@ -262,7 +259,7 @@ static void test_a_bus_that_is_too_low_is_refused(void)
 }
 
 /* A rotor that stands does so whatever voltage is left. */
-static void test_a_standing_rotor_is_named_before_a_bus_that_is_too_low(void)
+TEST(test_a_standing_rotor_is_named_before_a_bus_that_is_too_low)
 {
     begin_spin(20000, 60);
     assert_caught(1U);
@@ -277,7 +274,7 @@ static void spin_at(dq_t voltage)
 }
 
 /* 12382 is the limit: 1/32 of it is left, 386. */
-static void test_a_bus_whose_whole_voltage_is_used_is_too_low(void)
+TEST(test_a_bus_whose_whole_voltage_is_used_is_too_low)
 {
     spin_at((dq_t){0, 11996});
     TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
@@ -289,7 +286,7 @@ static void test_a_bus_whose_whole_voltage_is_used_is_too_low(void)
 }
 
 /* Later on the speed is bounded by what it has taken. */
-static void test_the_whole_voltage_counts_at_a_quarter_of_the_speed_only(void)
+TEST(test_the_whole_voltage_counts_at_a_quarter_of_the_speed_only)
 {
     begin_spinning();
     app.drive.signals.voltage = (dq_t){0, 12382};
@@ -323,7 +320,7 @@ static void spin_to(uint32_t step)
 }
 
 /* 1 s; its window has a quarter of that before it and behind. */
-static void test_the_way_from_half_of_the_speed_to_the_whole_is_a_ramp_in_its_window(void)
+TEST(test_the_way_from_half_of_the_speed_to_the_whole_is_a_ramp_in_its_window)
 {
     spin_to(3U);
     TEST_ASSERT_TRUE(identify.aim.leads);
@@ -341,7 +338,7 @@ static void test_the_way_from_half_of_the_speed_to_the_whole_is_a_ramp_in_its_wi
     TEST_ASSERT_EQUAL_INT32((150 * MS) + (8 * identify.turn.swing_ticks), identify.aim.settle);
 }
 
-static void test_the_first_ramp_of_a_further_attempt_has_half_of_the_slope(void)
+TEST(test_the_first_ramp_of_a_further_attempt_has_half_of_the_slope)
 {
     begin_spinning();
     identify.turn.slower = 1U;
@@ -359,7 +356,7 @@ static void test_the_first_ramp_of_a_further_attempt_has_half_of_the_slope(void)
  * A low bus leaves 1791690 of the highest speed, half of which is far below the quarter where that shows: 3.0 s in a first
  * attempt, and twice as much in each further one. A vector that takes 5 s, and twice as much, is lost (identify.c).
  */
-static void test_no_vector_moves_so_long_as_one_that_is_lost(void)
+TEST(test_no_vector_moves_so_long_as_one_that_is_lost)
 {
     for (uint32_t slower = 0U; slower < 3U; slower++) {
         int32_t ticks;
@@ -376,7 +373,7 @@ static void test_no_vector_moves_so_long_as_one_that_is_lost(void)
 }
 
 /* At 100 kHz the 4 s of a third attempt have three times the ticks of a window: half of a window is the ramp's. */
-static void test_a_ramp_too_long_for_its_window_begins_at_a_higher_speed(void)
+TEST(test_a_ramp_too_long_for_its_window_begins_at_a_higher_speed)
 {
     begin_spinning();
     identify.ms_ticks = 100;
@@ -394,7 +391,7 @@ static void test_a_ramp_too_long_for_its_window_begins_at_a_higher_speed(void)
 }
 
 /* The mean of its window is no EMF of one speed. */
-static void test_in_the_first_ramp_no_rotor_is_lost(void)
+TEST(test_in_the_first_ramp_no_rotor_is_lost)
 {
     spin_to(3U);
     answer_spin(500, 100, TOP);
@@ -412,7 +409,7 @@ static int32_t flux_of(int32_t turn_q16, int32_t voltage)
 }
 
 /* 32 of Q15 for 2^-16 of a turn. */
-static void test_a_flux_is_voltage_over_speed(void)
+TEST(test_a_flux_is_voltage_over_speed)
 {
     begin_spin(500, 2000);
     TEST_ASSERT_EQUAL_INT32(163840, flux_of(1000000, 320000000));
@@ -430,14 +427,14 @@ static void test_a_flux_is_voltage_over_speed(void)
 }
 
 /* The EMF of half of the speed, ωL·i with it: 4000 over 3495.3 of Q15. */
-static void test_the_flux_is_what_half_of_the_speed_shows(void)
+TEST(test_the_flux_is_what_half_of_the_speed_shows)
 {
     spin_to(3U);
     TEST_ASSERT_INT32_WITHIN(18750 / 1000, (int32_t)((4000.0 / 3495.25) * 16384.0),
                              identify.turn.flux_q14);
 }
 
-static void test_half_of_the_current_comes_last(void)
+TEST(test_half_of_the_current_comes_last)
 {
     spin_to(5U);
     TEST_ASSERT_EQUAL_INT32(CURRENT / 2, word(PROBE_CURRENT));
@@ -458,7 +455,7 @@ static void at_half_of_the_current(int32_t emf_d, int32_t emf_q)
 }
 
 /* 5/8 of 8000 at the whole speed: an EMF does not halve with the current, the L·i of a standing rotor does. */
-static void test_a_rotor_whose_emf_falls_with_the_current_has_stood(void)
+TEST(test_a_rotor_whose_emf_falls_with_the_current_has_stood)
 {
     at_half_of_the_current(0, 4990);
     assert_caught(1U);
@@ -467,7 +464,7 @@ static void test_a_rotor_whose_emf_falls_with_the_current_has_stood(void)
 }
 
 /* A flux of 5000 without a lag, of 8000 with the whole current: one less falls by more than 3/8. */
-static void test_an_emf_that_falls_by_three_eighths_is_still_one(void)
+TEST(test_an_emf_that_falls_by_three_eighths_is_still_one)
 {
     for (int32_t less = 0; less < 2; less++) {
         spin_to(5U);
@@ -480,7 +477,7 @@ static void test_an_emf_that_falls_by_three_eighths_is_still_one(void)
 }
 
 /* √(4000² + 3000²) is 5000. */
-static void test_the_emf_of_a_rotor_that_lags_is_along_the_current_too(void)
+TEST(test_the_emf_of_a_rotor_that_lags_is_along_the_current_too)
 {
     at_half_of_the_current(3980, 3000);
     assert_caught(1U);
@@ -507,7 +504,7 @@ static void expect_stood(dq_t voltage, int32_t whole_q14, bool stood)
 }
 
 /* A flux of 2.34 for a volt. Voltages end at 16 bits: |e| of 32829 and 32767. A lag ends at 32; none across counts as 1. */
-static void test_the_emf_of_a_lag_has_its_bounds(void)
+TEST(test_the_emf_of_a_lag_has_its_bounds)
 {
     expect_stood((dq_t){-41122, 2000}, 122000, false); /* 8/5 of 76944 are 123110 */
     expect_stood((dq_t){-41122, 2000}, 124000, true);
@@ -520,7 +517,7 @@ static void test_the_emf_of_a_lag_has_its_bounds(void)
 }
 
 /* A rotor whose axes have unlike L is found there only. */
-static void test_a_rotor_that_has_stood_is_caught_twice_and_then_refused(void)
+TEST(test_a_rotor_that_has_stood_is_caught_twice_and_then_refused)
 {
     for (uint32_t lost = 0U; lost < 3U; lost++) {
         spin_to(5U);
@@ -557,7 +554,7 @@ static void expect_other_current(bool loaded, int32_t current)
 }
 
 /* |e| over e_q beyond 1093/1024: beside 8192 across that is 8752, from 3081 along on. */
-static void test_a_rotor_that_lags_by_20_degrees_has_the_continuous_current(void)
+TEST(test_a_rotor_that_lags_by_20_degrees_has_the_continuous_current)
 {
     lag_with(3080, 8192);
     expect_other_current(false, CURRENT / 2);
@@ -574,7 +571,7 @@ static void test_a_rotor_that_lags_by_20_degrees_has_the_continuous_current(void
 }
 
 /* Its EMF falls with the lag, whatever it is. The ramps keep its current. */
-static void test_a_loaded_rotor_is_not_asked_whether_it_has_stood(void)
+TEST(test_a_loaded_rotor_is_not_asked_whether_it_has_stood)
 {
     lag_with(4000, 8192);
     answer_spin(0, 100, TOP);
@@ -587,7 +584,7 @@ static void test_a_loaded_rotor_is_not_asked_whether_it_has_stood(void)
 }
 
 /* Its slower ramps may leave more of the torque to friction. */
-static void test_a_further_attempt_asks_for_the_load_anew(void)
+TEST(test_a_further_attempt_asks_for_the_load_anew)
 {
     lag_with(4000, 8192);
     expect_other_current(true, CONTINUOUS);
@@ -603,7 +600,7 @@ static void test_a_further_attempt_asks_for_the_load_anew(void)
 }
 
 /* Half of the flux of before is the least. */
-static void test_a_rotor_out_of_step_is_caught_twice_and_then_refused(void)
+TEST(test_a_rotor_out_of_step_is_caught_twice_and_then_refused)
 {
     for (uint32_t lost = 0U; lost < 3U; lost++) {
         spin_to(4U);
@@ -655,7 +652,7 @@ static void pair_of_ramps(double down, double up)
 }
 
 /* 0.3 lets the rotor lag enough: 1 s stays, but 400 ms are the longest ramp, from 4/5 of the speed then. */
-static void test_a_first_ramp_that_is_steep_enough_keeps_its_slope_and_goes_less_far_down(void)
+TEST(test_a_first_ramp_that_is_steep_enough_keeps_its_slope_and_goes_less_far_down)
 {
     begin_ramps(0.3);
     TEST_ASSERT_EQUAL_INT32(400 * MS, identify.turn.ramp_ticks);
@@ -663,7 +660,7 @@ static void test_a_first_ramp_that_is_steep_enough_keeps_its_slope_and_goes_less
 }
 
 /* 2/5 of the torque, 2/5 of the time; 1/ω_n² = T·0.12/Δω in radians. */
-static void test_a_first_ramp_of_less_torque_becomes_as_much_steeper(void)
+TEST(test_a_first_ramp_of_less_torque_becomes_as_much_steeper)
 {
     int32_t swing;
 
@@ -677,7 +674,7 @@ static void test_a_first_ramp_of_less_torque_becomes_as_much_steeper(void)
 }
 
 /* A quarter of what is enough counts at least: the next ramp is 4 times as steep at most. */
-static void test_a_ramp_without_torque_becomes_four_times_as_steep(void)
+TEST(test_a_ramp_without_torque_becomes_four_times_as_steep)
 {
     begin_ramps(0.001);
     TEST_ASSERT_INT32_WITHIN(50, (1000 * MS) / 4, identify.turn.ramp_ticks);
@@ -697,7 +694,7 @@ static void steepen_from(int32_t ramp, step_t low)
 }
 
 /* 1228 of 2^14 are 76 of the 307 that are enough: 16158 becomes 4000. A longer one ends its slope above half of the speed. */
-static void test_a_ramp_of_more_than_400_ms_goes_less_far_down(void)
+TEST(test_a_ramp_of_more_than_400_ms_goes_less_far_down)
 {
     steepen_from(16158, TOP / 2);
     TEST_ASSERT_EQUAL_INT32(400 * MS, identify.turn.ramp_ticks);
@@ -708,7 +705,7 @@ static void test_a_ramp_of_more_than_400_ms_goes_less_far_down(void)
 }
 
 /* 400 ms of 200 ticks would not fit their window. */
-static void test_a_ramp_has_half_of_a_window_at_most(void)
+TEST(test_a_ramp_has_half_of_a_window_at_most)
 {
     spin_to(3U);
     identify.ms_ticks = 200;
@@ -718,7 +715,7 @@ static void test_a_ramp_has_half_of_a_window_at_most(void)
     TEST_ASSERT_EQUAL_INT32(PROBE_WINDOW_MAX / 2, identify.turn.ramp_ticks);
 }
 
-static void test_the_swing_of_any_ramp_has_its_bounds(void)
+TEST(test_the_swing_of_any_ramp_has_its_bounds)
 {
     steepen_from(12000, TOP / 2);
     TEST_ASSERT_EQUAL_INT32(292, identify.turn.swing_ticks); /* √(899·2^32/2π/7158279): 292.99 */
@@ -735,7 +732,7 @@ static void test_the_swing_of_any_ramp_has_its_bounds(void)
 }
 
 /* Windows with 8/ω_n at both ends, 450 ms at most; a vector that has arrived is held. */
-static void test_ramps_go_down_and_up_with_a_hold_behind_each(void)
+TEST(test_ramps_go_down_and_up_with_a_hold_behind_each)
 {
     int32_t edge;
 
@@ -771,7 +768,7 @@ static void ramp_with(int32_t ramp, int32_t swing)
     TEST_ASSERT_TRUE(identify_turn_plan_ramp(&identify));
 }
 
-static void test_the_ends_of_a_ramps_window_are_bounded(void)
+TEST(test_the_ends_of_a_ramps_window_are_bounded)
 {
     begin_ramps(0.3);
     ramp_with(100, 8);
@@ -791,7 +788,7 @@ static void test_the_ends_of_a_ramps_window_are_bounded(void)
 }
 
 /* What friction takes is the same up and down: (0.4 + 0.2)/2 is enough. */
-static void test_the_torque_of_a_pair_is_half_of_the_difference(void)
+TEST(test_the_torque_of_a_pair_is_half_of_the_difference)
 {
     begin_ramps(0.12);
     pair_of_ramps(-0.07, 0.17);
@@ -803,7 +800,7 @@ static void test_the_torque_of_a_pair_is_half_of_the_difference(void)
 }
 
 /* 2/3 of 0.3. */
-static void test_ramps_become_as_steep_as_the_torque_allows(void)
+TEST(test_ramps_become_as_steep_as_the_torque_allows)
 {
     begin_ramps(0.15);
     pair_of_ramps(-0.198, 0.198);
@@ -823,7 +820,7 @@ static void across_in_the_next_pair(int32_t ramps)
     }
 }
 
-static void test_a_ramp_is_not_so_short_that_a_current_across_flows(void)
+TEST(test_a_ramp_is_not_so_short_that_a_current_across_flows)
 {
     begin_ramps(0.001); /* 2500 */
     across_in_the_next_pair(1900);
@@ -841,7 +838,7 @@ static void test_a_ramp_is_not_so_short_that_a_current_across_flows(void)
     TEST_ASSERT_TRUE(identify.turn.steep);
 }
 
-static void test_without_a_current_each_one_across_counts(void)
+TEST(test_without_a_current_each_one_across_counts)
 {
     begin_ramps(0.001);
     *identify_aim_word(&identify, PROBE_CURRENT) = 0;
@@ -853,7 +850,7 @@ static void test_without_a_current_each_one_across_counts(void)
     TEST_ASSERT_EQUAL_INT32(1900, identify.turn.ramp_ticks);
 }
 
-static void test_a_ramp_has_64_ticks_at_least(void)
+TEST(test_a_ramp_has_64_ticks_at_least)
 {
     begin_ramps(0.001);
     for (uint32_t k = 0U; (k < 12U) && !identify.turn.steep; k++) {
@@ -875,7 +872,7 @@ static void expect_pairs(int32_t ms_ticks, int32_t ramp, int32_t pairs)
     TEST_ASSERT_EQUAL_INT32(pairs - 1, identify.turn.pairs_left);
 }
 
-static void test_the_pairs_take_two_and_a_half_seconds(void)
+TEST(test_the_pairs_take_two_and_a_half_seconds)
 {
     expect_pairs(10, 64, 4); /* 25000 / 5952 */
     expect_pairs(20, 64, 6); /* 50000 / 7552 */
@@ -887,7 +884,7 @@ static void test_the_pairs_take_two_and_a_half_seconds(void)
     expect_pairs(20, 677, 4);
 }
 
-static void test_after_its_pairs_of_ramps_the_rotor_coasts(void)
+TEST(test_after_its_pairs_of_ramps_the_rotor_coasts)
 {
     begin_ramps(0.3);
     pair_of_ramps(-0.3, 0.3);
@@ -903,7 +900,7 @@ static void test_after_its_pairs_of_ramps_the_rotor_coasts(void)
 }
 
 /* In the hold behind a ramp down, and behind one up. */
-static void test_a_rotor_that_is_lost_in_a_ramp_is_caught(void)
+TEST(test_a_rotor_that_is_lost_in_a_ramp_is_caught)
 {
     begin_ramps(0.3);
     (void)identify_turn_plan_ramp(&identify);
@@ -920,7 +917,7 @@ static void test_a_rotor_that_is_lost_in_a_ramp_is_caught(void)
 }
 
 /* Nothing has been measured of a ramp yet. */
-static void test_what_came_before_the_first_ramp_loses_no_rotor(void)
+TEST(test_what_came_before_the_first_ramp_loses_no_rotor)
 {
     begin_ramps(0.3);
     answer_spin(500, ACROSS / 3, QUARTER);
@@ -939,7 +936,7 @@ static int32_t torque_down_of(probe_sums_t window)
 }
 
 /* 18000000 over a current of 3 and 6000 ticks are 1000; over a flux of 300, 3.33. */
-static void test_a_torque_is_that_over_the_ramp_of_current_and_flux(void)
+TEST(test_a_torque_is_that_over_the_ramp_of_current_and_flux)
 {
     probe_sums_t window = {
         .torque = 18000000, .current = {30, 0}, .turn_q16 = 1, .voltage = {0, 32 * 300}};
@@ -951,7 +948,7 @@ static void test_a_torque_is_that_over_the_ramp_of_current_and_flux(void)
 }
 
 /* A speed, a current and an EMF of nothing, as after a contact that opens. */
-static void test_a_torque_of_no_motor_is_bounded(void)
+TEST(test_a_torque_of_no_motor_is_bounded)
 {
     TEST_ASSERT_EQUAL_INT32(4 * 16384, torque_down_of((probe_sums_t){.torque = 1000}));
     TEST_ASSERT_EQUAL_INT32(-4 * 16384, torque_down_of((probe_sums_t){.torque = -1000}));
@@ -993,7 +990,7 @@ static uint32_t coast(double fall)
     return windows;
 }
 
-static void test_coasting_has_no_current_and_follows_the_rotor(void)
+TEST(test_coasting_has_no_current_and_follows_the_rotor)
 {
     begin_coast();
     TEST_ASSERT_EQUAL_INT32(0, word(PROBE_CURRENT));
@@ -1007,7 +1004,7 @@ static void test_coasting_has_no_current_and_follows_the_rotor(void)
 }
 
 /* Four times as quick: its shift is less by two. */
-static void test_coasting_has_a_quick_integral(void)
+TEST(test_coasting_has_a_quick_integral)
 {
     int32_t quick;
 
@@ -1020,7 +1017,7 @@ static void test_coasting_has_a_quick_integral(void)
 }
 
 /* An electrical turn at half of the speed, 300 ticks; 5 and 80 ms are its bounds. */
-static void test_the_first_window_of_coasting_is_a_turn(void)
+TEST(test_the_first_window_of_coasting_is_a_turn)
 {
     static const struct {
         step_t top;
@@ -1038,7 +1035,7 @@ static void test_the_first_window_of_coasting_is_a_turn(void)
 }
 
 /* The second window gives the speed that the later ones are compared with: until then none grows. */
-static void test_windows_of_coasting_grow_once_there_is_a_speed_to_compare_with(void)
+TEST(test_windows_of_coasting_grow_once_there_is_a_speed_to_compare_with)
 {
     static const int32_t ticks[] = {300, 300, 600, 600, 600};
 
@@ -1061,7 +1058,7 @@ static bool coast_with(uint32_t step, int32_t speed)
 }
 
 /* By more than 1/64: 54. */
-static void test_windows_of_coasting_stay_once_the_speed_falls(void)
+TEST(test_windows_of_coasting_stay_once_the_speed_falls)
 {
     TEST_ASSERT_TRUE(coast_with(4U, 3495 - 54));
     TEST_ASSERT_EQUAL_INT32(300, identify.aim.ticks);
@@ -1069,7 +1066,7 @@ static void test_windows_of_coasting_stay_once_the_speed_falls(void)
     TEST_ASSERT_EQUAL_INT32(600, identify.aim.ticks);
 }
 
-static void test_a_window_of_60_ms_is_the_longest(void)
+TEST(test_a_window_of_60_ms_is_the_longest)
 {
     begin_coast();
     (void)coast_at(TOP);
@@ -1080,7 +1077,7 @@ static void test_a_window_of_60_ms_is_the_longest(void)
 }
 
 /* The second window gives the speed that halves: 0.8^4 is below a half of it. */
-static void test_coasting_ends_at_half_of_the_speed_or_after_its_windows(void)
+TEST(test_coasting_ends_at_half_of_the_speed_or_after_its_windows)
 {
     TEST_ASSERT_EQUAL_UINT32(19U, coast(1.0));
     TEST_ASSERT_EQUAL_INT32(600, identify.turn.coast_ticks);
@@ -1088,77 +1085,11 @@ static void test_coasting_ends_at_half_of_the_speed_or_after_its_windows(void)
     TEST_ASSERT_EQUAL_INT32(300, identify.turn.coast_ticks);
 }
 
-static void test_coasting_ends_with_a_window_below_half_of_the_speed_the_third_or_later(void)
+TEST(test_coasting_ends_with_a_window_below_half_of_the_speed_the_third_or_later)
 {
     TEST_ASSERT_TRUE(coast_with(3U, 1747));
     TEST_ASSERT_FALSE(coast_with(3U, 1746));
     begin_coast();
     TEST_ASSERT_TRUE(coast_at(TOP));
     TEST_ASSERT_TRUE(coast_at(TOP / 4)); /* of which the others are a share */
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_the_current_is_three_quarters_and_the_speed_half_of_the_name_plate);
-    RUN_TEST(test_the_words_of_a_turning_vector_are_those_of_the_winding);
-    RUN_TEST(test_an_emf_counts_from_what_the_legs_lose);
-    RUN_TEST(test_a_reactance_saturates);
-    RUN_TEST(test_the_vector_reaches_a_quarter_and_half_of_the_speed_on_a_gentle_ramp);
-    RUN_TEST(test_a_ramp_has_a_slope_whatever_the_speed);
-    RUN_TEST(test_each_further_attempt_has_half_of_the_slope);
-    RUN_TEST(test_the_highest_speed_is_that_for_which_the_bus_is_there);
-    RUN_TEST(test_a_rotor_that_does_not_turn_has_no_emf);
-    RUN_TEST(test_the_voltage_of_the_inductance_is_no_emf);
-    RUN_TEST(test_a_rotor_that_is_left_behind_is_caught_twice_and_then_refused);
-    RUN_TEST(test_a_highest_speed_of_nothing_divides_by_nothing);
-    RUN_TEST(test_a_bus_that_is_too_low_is_refused);
-    RUN_TEST(test_a_standing_rotor_is_named_before_a_bus_that_is_too_low);
-    RUN_TEST(test_a_bus_whose_whole_voltage_is_used_is_too_low);
-    RUN_TEST(test_the_whole_voltage_counts_at_a_quarter_of_the_speed_only);
-    RUN_TEST(test_the_way_from_half_of_the_speed_to_the_whole_is_a_ramp_in_its_window);
-    RUN_TEST(test_the_first_ramp_of_a_further_attempt_has_half_of_the_slope);
-    RUN_TEST(test_no_vector_moves_so_long_as_one_that_is_lost);
-    RUN_TEST(test_a_ramp_too_long_for_its_window_begins_at_a_higher_speed);
-    RUN_TEST(test_in_the_first_ramp_no_rotor_is_lost);
-    RUN_TEST(test_a_flux_is_voltage_over_speed);
-    RUN_TEST(test_the_flux_is_what_half_of_the_speed_shows);
-    RUN_TEST(test_half_of_the_current_comes_last);
-    RUN_TEST(test_a_rotor_whose_emf_falls_with_the_current_has_stood);
-    RUN_TEST(test_an_emf_that_falls_by_three_eighths_is_still_one);
-    RUN_TEST(test_the_emf_of_a_rotor_that_lags_is_along_the_current_too);
-    RUN_TEST(test_the_emf_of_a_lag_has_its_bounds);
-    RUN_TEST(test_a_rotor_that_has_stood_is_caught_twice_and_then_refused);
-    RUN_TEST(test_a_rotor_that_lags_by_20_degrees_has_the_continuous_current);
-    RUN_TEST(test_a_loaded_rotor_is_not_asked_whether_it_has_stood);
-    RUN_TEST(test_a_further_attempt_asks_for_the_load_anew);
-    RUN_TEST(test_a_rotor_out_of_step_is_caught_twice_and_then_refused);
-    RUN_TEST(test_a_first_ramp_that_is_steep_enough_keeps_its_slope_and_goes_less_far_down);
-    RUN_TEST(test_a_first_ramp_of_less_torque_becomes_as_much_steeper);
-    RUN_TEST(test_a_ramp_without_torque_becomes_four_times_as_steep);
-    RUN_TEST(test_a_ramp_of_more_than_400_ms_goes_less_far_down);
-    RUN_TEST(test_a_ramp_has_half_of_a_window_at_most);
-    RUN_TEST(test_the_swing_of_any_ramp_has_its_bounds);
-    RUN_TEST(test_ramps_go_down_and_up_with_a_hold_behind_each);
-    RUN_TEST(test_the_ends_of_a_ramps_window_are_bounded);
-    RUN_TEST(test_the_torque_of_a_pair_is_half_of_the_difference);
-    RUN_TEST(test_ramps_become_as_steep_as_the_torque_allows);
-    RUN_TEST(test_a_ramp_is_not_so_short_that_a_current_across_flows);
-    RUN_TEST(test_without_a_current_each_one_across_counts);
-    RUN_TEST(test_a_ramp_has_64_ticks_at_least);
-    RUN_TEST(test_the_pairs_take_two_and_a_half_seconds);
-    RUN_TEST(test_after_its_pairs_of_ramps_the_rotor_coasts);
-    RUN_TEST(test_a_rotor_that_is_lost_in_a_ramp_is_caught);
-    RUN_TEST(test_what_came_before_the_first_ramp_loses_no_rotor);
-    RUN_TEST(test_a_torque_is_that_over_the_ramp_of_current_and_flux);
-    RUN_TEST(test_a_torque_of_no_motor_is_bounded);
-    RUN_TEST(test_coasting_has_no_current_and_follows_the_rotor);
-    RUN_TEST(test_coasting_has_a_quick_integral);
-    RUN_TEST(test_the_first_window_of_coasting_is_a_turn);
-    RUN_TEST(test_windows_of_coasting_grow_once_there_is_a_speed_to_compare_with);
-    RUN_TEST(test_windows_of_coasting_stay_once_the_speed_falls);
-    RUN_TEST(test_a_window_of_60_ms_is_the_longest);
-    RUN_TEST(test_coasting_ends_at_half_of_the_speed_or_after_its_windows);
-    RUN_TEST(test_coasting_ends_with_a_window_below_half_of_the_speed_the_third_or_later);
-    return UNITY_END();
 }

@@ -4,7 +4,7 @@
 #include "figure.h"
 #include "inductance.h"
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -34,10 +34,6 @@ void setUp(void)
     resistance_q13 = 8192;
 }
 
-void tearDown(void)
-{
-}
-
 static uint32_t last_tick(void)
 {
     return (4U * cfg.pulse_ticks) + 2U + cfg.step_ticks + 2U;
@@ -45,8 +41,7 @@ static uint32_t last_tick(void)
 
 /* ---- the voltages ---- */
 
-static void
-test_voltage_across_goes_one_way_twice_as_long_the_other_and_back_then_that_along_falls(void)
+TEST(test_voltage_across_goes_one_way_twice_as_long_the_other_and_back_then_that_along_falls)
 {
     int32_t across = 0;
     int32_t along = 0;
@@ -69,7 +64,7 @@ test_voltage_across_goes_one_way_twice_as_long_the_other_and_back_then_that_alon
 }
 
 /* The last sample of a response is that two ticks after its voltage. */
-static void test_control_pauses_until_the_step_has_been_demanded_for_its_ticks(void)
+TEST(test_control_pauses_until_the_step_has_been_demanded_for_its_ticks)
 {
     const uint32_t end = (4U * cfg.pulse_ticks) + 2U + cfg.step_ticks;
 
@@ -176,7 +171,7 @@ static void check(const winding_t *w)
     worst_q = fmax(worst_q, fabs(q - 1.0) / (bound_d + bound_q + (2.0 * mixed)));
 }
 
-static void test_both_inductances_are_measured_whatever_the_resistance_and_the_saliency(void)
+TEST(test_both_inductances_are_measured_whatever_the_resistance_and_the_saliency)
 {
     static const double ratios[] = {0.6, 0.8, 1.0, 1.25, 1.4};
     static const double saliencies[] = {0.7, 1.0, 1.3, 2.0, 2.8};
@@ -194,7 +189,7 @@ static void test_both_inductances_are_measured_whatever_the_resistance_and_the_s
     figure_check("L_q/L_d, as a share of its bound", worst_q, 1.0, 0.3);
 }
 
-static void test_a_loaded_rotor_off_the_vector_is_measured_in_its_own_axes(void)
+TEST(test_a_loaded_rotor_off_the_vector_is_measured_in_its_own_axes)
 {
     static const double saliencies[] = {0.7, 1.0, 1.3, 2.0};
 
@@ -214,7 +209,7 @@ static void test_a_loaded_rotor_off_the_vector_is_measured_in_its_own_axes(void)
 }
 
 /* A gimbal motor's winding: 7 times the resistance, R·T/L = 0.13; the pulse does not reach its height. */
-static void test_a_winding_that_decays_within_the_pulse_is_measured(void)
+TEST(test_a_winding_that_decays_within_the_pulse_is_measured)
 {
     worst_d = 0.0;
     worst_q = 0.0;
@@ -228,7 +223,7 @@ static void test_a_winding_that_decays_within_the_pulse_is_measured(void)
 }
 
 /* What goes with the sign of the current across cancels: 6 V of 93 V would be 6 %. */
-static void test_voltage_lost_by_the_sign_of_the_current_across_costs_next_to_nothing(void)
+TEST(test_voltage_lost_by_the_sign_of_the_current_across_costs_next_to_nothing)
 {
     const winding_t without = {.resistance = 1.0, .inductance = 1.0, .saliency = 1.3};
     winding_t with = without;
@@ -239,7 +234,7 @@ static void test_voltage_lost_by_the_sign_of_the_current_across_costs_next_to_no
     TEST_ASSERT_INT32_WITHIN(before / 150, before, measure(&with).saliency_q13);
 }
 
-static void test_rotor_gets_no_momentum_and_the_current_across_comes_back(void)
+TEST(test_rotor_gets_no_momentum_and_the_current_across_comes_back)
 {
     const winding_t w = {.resistance = 1.0, .inductance = 1.0, .saliency = 1.0};
     vector_t current = {CURRENT_A, 0.0};
@@ -264,7 +259,7 @@ static void test_rotor_gets_no_momentum_and_the_current_across_comes_back(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.055 * 2.4 * 6.0, 0.0, momentum);
 }
 
-static void test_current_along_counts_from_the_sample_where_the_voltage_of_the_step_begins(void)
+TEST(test_current_along_counts_from_the_sample_where_the_voltage_of_the_step_begins)
 {
     for (uint32_t tick = 1U; tick <= last_tick(); tick++) {
         const bool before = tick <= ((4U * cfg.pulse_ticks) + 3U);
@@ -277,7 +272,7 @@ static void test_current_along_counts_from_the_sample_where_the_voltage_of_the_s
 
 /* ---- responses that say nothing ---- */
 
-static void test_without_a_fall_along_the_current_nothing_is_known(void)
+TEST(test_without_a_fall_along_the_current_nothing_is_known)
 {
     test.pulse.change.q = cfg.pulse_response;
     for (int32_t fall = -100000; fall <= 0; fall += 50000) {
@@ -290,7 +285,7 @@ static void test_without_a_fall_along_the_current_nothing_is_known(void)
     }
 }
 
-static void test_without_a_response_across_the_inductance_along_the_current_is_known(void)
+TEST(test_without_a_response_across_the_inductance_along_the_current_is_known)
 {
     test.step.change.d = cfg.step_response;
     for (int32_t change = -100000; change <= 0; change += 50000) {
@@ -304,7 +299,7 @@ static void test_without_a_response_across_the_inductance_along_the_current_is_k
 }
 
 /* The root is longer than the sum: one of the inductances would be negative. */
-static void test_a_cross_response_that_no_winding_has_leaves_the_saliency_unknown(void)
+TEST(test_a_cross_response_that_no_winding_has_leaves_the_saliency_unknown)
 {
     test.step.change.d = cfg.step_response;
     test.pulse.change = (dq_t){cfg.pulse_response + 100, cfg.pulse_response};
@@ -313,7 +308,7 @@ static void test_a_cross_response_that_no_winding_has_leaves_the_saliency_unknow
 }
 
 /* Twice the mean of 4 ticks, 8·5000: with R = 10904 it takes 5000·10904/8192 = 6655, the whole step. */
-static void test_when_the_resistance_takes_the_whole_voltage_nothing_is_known(void)
+TEST(test_when_the_resistance_takes_the_whole_voltage_nothing_is_known)
 {
     test.step.change.d = cfg.step_response;
     test.step.carried = 8 * 5000;
@@ -321,7 +316,7 @@ static void test_when_the_resistance_takes_the_whole_voltage_nothing_is_known(vo
     TEST_ASSERT_EQUAL_INT32(INDUCTANCE_UNKNOWN, inductance_result(&test, &cfg, 11000).ratio_q14);
 }
 
-static void test_results_end_at_15_bits(void)
+TEST(test_results_end_at_15_bits)
 {
     test.step.change.d = 1;
     test.pulse.change.q = cfg.pulse_response;
@@ -376,7 +371,7 @@ static void check_elements(int32_t dd, int32_t cross, int32_t qq, int32_t ratio_
     check_words(step, pulse, ratio_q14, saliency_q13);
 }
 
-static void test_axes_are_those_of_the_elements_to_the_last_word(void)
+TEST(test_axes_are_those_of_the_elements_to_the_last_word)
 {
     check_elements(8192, 0, 8192, 16384, 8192);
     check_elements(8192, 0, 4096, 16384, 16384);
@@ -393,7 +388,7 @@ static void test_axes_are_those_of_the_elements_to_the_last_word(void)
     check_elements(1, 71, 10000, 32767, 1);
 }
 
-static void test_elements_end_at_16_bits(void)
+TEST(test_elements_end_at_16_bits)
 {
     check_elements(40000, 0, 32767, 4096, 8192);
     check_elements(8192, 20000, 8192, 5461, INDUCTANCE_UNKNOWN);
@@ -405,7 +400,7 @@ static void check_step(response_t step, int32_t ratio_q14)
     check_words(step, unit, ratio_q14, INDUCTANCE_UNKNOWN);
 }
 
-static void test_what_is_expected_follows_the_voltage_that_the_resistance_leaves(void)
+TEST(test_what_is_expected_follows_the_voltage_that_the_resistance_leaves)
 {
     check_step((response_t){1000, 1000, 500, {250, 0}}, 32767);
     check_step((response_t){1000, 1000, 500, {500, 0}}, 16384);
@@ -422,7 +417,7 @@ static void test_what_is_expected_follows_the_voltage_that_the_resistance_leaves
 }
 
 /* Bound 262143; expected 513·511 = 262143 and 16384·16 = 262144: a change of one more or less is seen. */
-static void test_changes_end_at_18_bits(void)
+TEST(test_changes_end_at_18_bits)
 {
     response_t step = unit;
     response_t pulse = {.response = 16384, .voltage = 1, .mean = -15};
@@ -435,7 +430,7 @@ static void test_changes_end_at_18_bits(void)
     check_words(step, pulse, INDUCTANCE_UNKNOWN, INDUCTANCE_UNKNOWN);
 }
 
-static void test_any_response_gives_a_result_within_its_range(void)
+TEST(test_any_response_gives_a_result_within_its_range)
 {
     seeded_t seed = {0x1D1CU};
 
@@ -460,29 +455,4 @@ static void test_any_response_gives_a_result_within_its_range(void)
         TEST_ASSERT_TRUE((found.saliency_q13 == INDUCTANCE_UNKNOWN) ||
                          ((found.saliency_q13 >= 1) && (found.saliency_q13 <= 32767)));
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(
-        test_voltage_across_goes_one_way_twice_as_long_the_other_and_back_then_that_along_falls);
-    RUN_TEST(test_control_pauses_until_the_step_has_been_demanded_for_its_ticks);
-    RUN_TEST(test_both_inductances_are_measured_whatever_the_resistance_and_the_saliency);
-    RUN_TEST(test_a_loaded_rotor_off_the_vector_is_measured_in_its_own_axes);
-    RUN_TEST(test_a_winding_that_decays_within_the_pulse_is_measured);
-    RUN_TEST(test_voltage_lost_by_the_sign_of_the_current_across_costs_next_to_nothing);
-    RUN_TEST(test_rotor_gets_no_momentum_and_the_current_across_comes_back);
-    RUN_TEST(test_current_along_counts_from_the_sample_where_the_voltage_of_the_step_begins);
-    RUN_TEST(test_without_a_fall_along_the_current_nothing_is_known);
-    RUN_TEST(test_without_a_response_across_the_inductance_along_the_current_is_known);
-    RUN_TEST(test_a_cross_response_that_no_winding_has_leaves_the_saliency_unknown);
-    RUN_TEST(test_when_the_resistance_takes_the_whole_voltage_nothing_is_known);
-    RUN_TEST(test_results_end_at_15_bits);
-    RUN_TEST(test_axes_are_those_of_the_elements_to_the_last_word);
-    RUN_TEST(test_elements_end_at_16_bits);
-    RUN_TEST(test_what_is_expected_follows_the_voltage_that_the_resistance_leaves);
-    RUN_TEST(test_changes_end_at_18_bits);
-    RUN_TEST(test_any_response_gives_a_result_within_its_range);
-    return UNITY_END();
 }

@@ -7,6 +7,7 @@
 #include "frame_code.h"
 #include "link.h"
 #include "link_line.h"
+#include "testing.h"
 
 #define HELP \
     "error: the commands are run, stop, clear, speed RPM, torque NM, status, dump, record, identify\r\n"
@@ -64,10 +65,6 @@ void setUp(void)
     TEST_ASSERT_EQUAL(DRIVE_STATE_READY, app.drive.state);
     line_listen();
     tag = 40U;
-}
-
-void tearDown(void)
-{
 }
 
 /* The answer to a question, behind type and tag; exactly one comes. */
@@ -139,7 +136,7 @@ static void assert_text(const char *expected, const char *typed)
     TEST_ASSERT_EQUAL_STRING(expected, line.text);
 }
 
-static void test_a_person_has_the_console_from_the_start(void)
+TEST(test_a_person_has_the_console_from_the_start)
 {
     assert_text("ok\r\n", "speed 1000\r");
     assert_text(HELP, "x\n");
@@ -147,7 +144,7 @@ static void test_a_person_has_the_console_from_the_start(void)
     TEST_ASSERT_FALSE(serial.is_linked);
 }
 
-static void test_what_the_line_does_not_take_waits_and_what_does_not_fit_is_cut(void)
+TEST(test_what_the_line_does_not_take_waits_and_what_does_not_fit_is_cut)
 {
     line.room = 3U;
     assert_text("ok\r", "stop\n");
@@ -164,7 +161,7 @@ static void test_what_the_line_does_not_take_waits_and_what_does_not_fit_is_cut(
     assert_text("ok\r\n", "stop\n");
 }
 
-static void test_a_hello_makes_the_line_the_pcs_and_is_answered_with_the_identity(void)
+TEST(test_a_hello_makes_the_line_the_pcs_and_is_answered_with_the_identity)
 {
     const uint8_t version = LINK_VERSION;
     const line_message_t *const answer = ask(LINK_HELLO, &version, 1U);
@@ -189,7 +186,7 @@ static void test_a_hello_makes_the_line_the_pcs_and_is_answered_with_the_identit
     }
 }
 
-static void test_a_board_without_recorder_and_build_id_says_so(void)
+TEST(test_a_board_without_recorder_and_build_id_says_so)
 {
     const uint8_t version = LINK_VERSION;
 
@@ -207,7 +204,7 @@ static void test_a_board_without_recorder_and_build_id_says_so(void)
     TEST_ASSERT_EQUAL_UINT32(9U, ask(LINK_AGAIN, segment, 7U)->length);
 }
 
-static void test_a_board_whose_flash_cannot_be_read_says_that_it_cannot_store(void)
+TEST(test_a_board_whose_flash_cannot_be_read_says_that_it_cannot_store)
 {
     const uint8_t version = LINK_VERSION;
 
@@ -221,7 +218,7 @@ static void test_a_board_whose_flash_cannot_be_read_says_that_it_cannot_store(vo
 }
 
 /* A pass between any two of its bytes. */
-static void test_a_frame_may_come_in_pieces(void)
+TEST(test_a_frame_may_come_in_pieces)
 {
     const size_t first = line.in_length;
 
@@ -239,7 +236,7 @@ static void test_a_frame_may_come_in_pieces(void)
 }
 
 /* The last frame goes out whole before a person is written to. */
-static void test_an_answer_to_a_bye_is_whole_on_a_slow_line(void)
+TEST(test_an_answer_to_a_bye_is_whole_on_a_slow_line)
 {
     hello();
     line.room = 3U;
@@ -255,7 +252,7 @@ static void test_an_answer_to_a_bye_is_whole_on_a_slow_line(void)
     TEST_ASSERT_EQUAL_STRING("ok\r\n", line.text);
 }
 
-static void test_no_question_but_a_hello_makes_the_line_the_pcs(void)
+TEST(test_no_question_but_a_hello_makes_the_line_the_pcs)
 {
     for (uint8_t type = 0U; type < 16U; type++) {
         if (type != LINK_HELLO) {
@@ -267,7 +264,7 @@ static void test_no_question_but_a_hello_makes_the_line_the_pcs(void)
     assert_text("ok\r\n", "stop\n");
 }
 
-static void test_a_line_that_was_begun_when_the_pc_came_is_forgotten(void)
+TEST(test_a_line_that_was_begun_when_the_pc_came_is_forgotten)
 {
     const uint8_t bye = 0U;
 
@@ -278,7 +275,7 @@ static void test_a_line_that_was_begun_when_the_pc_came_is_forgotten(void)
     TEST_ASSERT_EQUAL_UINT8(0U, command_mailbox_take(&app.mailbox).request);
 }
 
-static void test_text_that_is_on_its_way_goes_on_in_frames(void)
+TEST(test_text_that_is_on_its_way_goes_on_in_frames)
 {
     line.room = 3U;
     line_type("stop\n");
@@ -289,7 +286,7 @@ static void test_text_that_is_on_its_way_goes_on_in_frames(void)
     TEST_ASSERT_EQUAL_STRING("\n", line_said());
 }
 
-static void test_a_bye_gives_the_line_back(void)
+TEST(test_a_bye_gives_the_line_back)
 {
     hello();
     TEST_ASSERT_EQUAL_UINT32(2U, ask(LINK_BYE, NULL, 0U)->length);
@@ -297,7 +294,7 @@ static void test_a_bye_gives_the_line_back(void)
     assert_text("ok\r\n", "stop\n");
 }
 
-static void test_two_seconds_without_a_frame_give_the_line_back_and_not_less(void)
+TEST(test_two_seconds_without_a_frame_give_the_line_back_and_not_less)
 {
     hello();
     passes(TICKS_OF_PAUSE - (2U * SHORT_WHILE));
@@ -311,7 +308,7 @@ static void test_two_seconds_without_a_frame_give_the_line_back_and_not_less(voi
 }
 
 /* What is no frame does not count as one. */
-static void test_broken_frames_do_not_keep_the_line(void)
+TEST(test_broken_frames_do_not_keep_the_line)
 {
     static const uint8_t ping[] = {LINK_PING, 1U};
 
@@ -326,7 +323,7 @@ static void test_broken_frames_do_not_keep_the_line(void)
 }
 
 /* As a cable makes it that is plugged in. */
-static void test_a_zero_without_a_frame_keeps_a_person_away_for_a_tenth_of_a_second(void)
+TEST(test_a_zero_without_a_frame_keeps_a_person_away_for_a_tenth_of_a_second)
 {
     line_byte(0U);
     assert_text("", "stop\n");
@@ -334,7 +331,7 @@ static void test_a_zero_without_a_frame_keeps_a_person_away_for_a_tenth_of_a_sec
     assert_text("ok\r\n", "stop\n");
 }
 
-static void test_a_frame_that_is_broken_leaves_the_console_as_it_is(void)
+TEST(test_a_frame_that_is_broken_leaves_the_console_as_it_is)
 {
     static const uint8_t message[] = {LINK_HELLO, 1U, LINK_VERSION};
 
@@ -343,7 +340,7 @@ static void test_a_frame_that_is_broken_leaves_the_console_as_it_is(void)
     TEST_ASSERT_FALSE(serial.is_linked);
 }
 
-static void test_a_ping_is_answered_with_the_health(void)
+TEST(test_a_ping_is_answered_with_the_health)
 {
     hello();
     hardware.health = (hal_health_t){
@@ -359,7 +356,7 @@ static void test_a_ping_is_answered_with_the_health(void)
     TEST_ASSERT_EQUAL_HEX32(0x0C0D0102U, words_get(&body[6]));
 }
 
-static void test_a_message_of_a_wrong_length_or_no_type_is_refused_and_does_nothing(void)
+TEST(test_a_message_of_a_wrong_length_or_no_type_is_refused_and_does_nothing)
 {
     static const struct {
         uint8_t type;
@@ -391,7 +388,7 @@ static void test_a_message_of_a_wrong_length_or_no_type_is_refused_and_does_noth
     TEST_ASSERT_FALSE(serial.stream.on);
 }
 
-static void test_a_command_reaches_the_drive_as_a_whole(void)
+TEST(test_a_command_reaches_the_drive_as_a_whole)
 {
     hello();
     assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, EXAMPLE_SPEED_STEP);
@@ -407,7 +404,7 @@ static void test_a_command_reaches_the_drive_as_a_whole(void)
     TEST_ASSERT_EQUAL(DRIVE_STATE_READY, app.drive.state);
 }
 
-static void test_a_command_that_is_refused_changes_nothing(void)
+TEST(test_a_command_that_is_refused_changes_nothing)
 {
     const char *const too_fast = "the speed is beyond that of the motor";
     const char *const request = "the requests are 0, stop, 1, run, and 2, clear";
@@ -429,7 +426,7 @@ static void test_a_command_that_is_refused_changes_nothing(void)
     TEST_ASSERT_EQUAL_UINT8(0U, app.in.command.request);
 }
 
-static void test_a_latched_fault_is_not_run_and_is_cleared_by_a_command(void)
+TEST(test_a_latched_fault_is_not_run_and_is_cleared_by_a_command)
 {
     hello();
     fail();
@@ -439,7 +436,7 @@ static void test_a_latched_fault_is_not_run_and_is_cleared_by_a_command(void)
     TEST_ASSERT_EQUAL_UINT8(0U, command_mailbox_take(&app.mailbox).request);
 }
 
-static void test_while_the_motor_is_measured_only_a_stop_is_taken(void)
+TEST(test_while_the_motor_is_measured_only_a_stop_is_taken)
 {
     hello();
     assert_line("identify");
@@ -452,7 +449,7 @@ static void test_while_the_motor_is_measured_only_a_stop_is_taken(void)
     TEST_ASSERT_EQUAL_UINT8(0U, command_mailbox_take(&app.mailbox).request);
 }
 
-static void test_a_line_is_done_by_the_console_whose_answer_comes_as_text(void)
+TEST(test_a_line_is_done_by_the_console_whose_answer_comes_as_text)
 {
     hello();
     assert_line("speed 1000");
@@ -466,7 +463,7 @@ static void test_a_line_is_done_by_the_console_whose_answer_comes_as_text(void)
     TEST_ASSERT_EQUAL_STRING(HELP, line_said());
 }
 
-static void test_a_change_of_state_is_said_in_frames(void)
+TEST(test_a_change_of_state_is_said_in_frames)
 {
     hello();
     fail();
@@ -490,7 +487,7 @@ static void read_words(uint32_t first, uint32_t count, uint32_t expected)
     }
 }
 
-static void test_the_block_in_force_is_read_as_far_as_it_goes(void)
+TEST(test_the_block_in_force_is_read_as_far_as_it_goes)
 {
     hello();
     for (uint32_t first = 0U; first < CONFIG_BLOCK_WORDS; first += LINK_READ_WORDS_MAX) {
@@ -537,7 +534,7 @@ static config_block_t with(const drive_cfg_t *settings)
     return block;
 }
 
-static void test_a_gain_is_changed_while_the_motor_runs_and_the_image_comes_back(void)
+TEST(test_a_gain_is_changed_while_the_motor_runs_and_the_image_comes_back)
 {
     drive_cfg_t settings = live.in_force->cfg;
 
@@ -552,7 +549,7 @@ static void test_a_gain_is_changed_while_the_motor_runs_and_the_image_comes_back
     TEST_ASSERT_EQUAL_INT32(cfg.observer.kappa_p, app.drive.cfg->observer.kappa_p);
 }
 
-static void test_a_setting_that_cannot_change_in_run_is_named(void)
+TEST(test_a_setting_that_cannot_change_in_run_is_named)
 {
     drive_cfg_t settings = live.in_force->cfg;
 
@@ -565,7 +562,7 @@ static void test_a_setting_that_cannot_change_in_run_is_named(void)
     assert_verdict("the drive does not rest with open gates; stop it first", LINK_STORE, NULL, 0U);
 }
 
-static void test_the_block_in_force_is_stored(void)
+TEST(test_the_block_in_force_is_stored)
 {
     drive_cfg_t settings = live.in_force->cfg;
 
@@ -578,7 +575,7 @@ static void test_the_block_in_force_is_stored(void)
     TEST_ASSERT_EQUAL_MEMORY(&wanted, live.in_force, sizeof wanted);
 }
 
-static void test_words_beyond_the_block_are_refused_by_their_verdict(void)
+TEST(test_words_beyond_the_block_are_refused_by_their_verdict)
 {
     uint8_t body[11] = {(uint8_t)((CONFIG_BLOCK_WORDS - 1U) & 0xFFU),
                         (uint8_t)((CONFIG_BLOCK_WORDS - 1U) >> 8U), 2U};
@@ -587,7 +584,7 @@ static void test_words_beyond_the_block_are_refused_by_their_verdict(void)
     assert_verdict("the block has no such word", LINK_WRITE, body, sizeof body);
 }
 
-static void test_of_words_behind_one_that_is_refused_none_is_written(void)
+TEST(test_of_words_behind_one_that_is_refused_none_is_written)
 {
     uint8_t body[11] = {0xFFU, 0xFFU, 2U};
 
@@ -602,7 +599,7 @@ static void stream_on(void)
     assert_verdict("", LINK_STREAM, &on, 1U);
 }
 
-static void test_a_stream_of_short_messages_has_as_many_entries_as_were_asked_for_at_most(void)
+TEST(test_a_stream_of_short_messages_has_as_many_entries_as_were_asked_for_at_most)
 {
     const uint8_t on = 5U;
 
@@ -619,7 +616,7 @@ static void test_a_stream_of_short_messages_has_as_many_entries_as_were_asked_fo
 }
 
 /* It is frozen until the drive leaves FAULT, but nobody waits for it. */
-static void test_a_stream_begins_in_a_fault_whose_recording_was_given_up(void)
+TEST(test_a_stream_begins_in_a_fault_whose_recording_was_given_up)
 {
     hello();
     fail();
@@ -629,7 +626,7 @@ static void test_a_stream_begins_in_a_fault_whose_recording_was_given_up(void)
     TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, app.drive.state);
 }
 
-static void test_a_stream_sends_segments_and_frames_until_it_is_ended(void)
+TEST(test_a_stream_sends_segments_and_frames_until_it_is_ended)
 {
     const uint8_t off = 0U;
 
@@ -645,7 +642,7 @@ static void test_a_stream_sends_segments_and_frames_until_it_is_ended(void)
     TEST_ASSERT_EQUAL_UINT32(0U, line.count);
 }
 
-static void test_a_stream_ends_with_the_link_and_a_fault_is_recorded_again(void)
+TEST(test_a_stream_ends_with_the_link_and_a_fault_is_recorded_again)
 {
     hello();
     stream_on();
@@ -660,7 +657,7 @@ static void test_a_stream_ends_with_the_link_and_a_fault_is_recorded_again(void)
     TEST_ASSERT_TRUE(recorder.frozen);
 }
 
-static void test_a_recording_of_a_fault_is_kept_and_no_stream_begins_before_it_is_given_up(void)
+TEST(test_a_recording_of_a_fault_is_kept_and_no_stream_begins_before_it_is_given_up)
 {
     const uint8_t on = 1U;
 
@@ -676,7 +673,7 @@ static void test_a_recording_of_a_fault_is_kept_and_no_stream_begins_before_it_i
 }
 
 /* Its answer was lost: the PC asks again with the same tag. */
-static void test_a_question_that_comes_again_is_done_once_and_answered_as_before(void)
+TEST(test_a_question_that_comes_again_is_done_once_and_answered_as_before)
 {
     uint8_t body[6];
 
@@ -697,7 +694,7 @@ static void test_a_question_that_comes_again_is_done_once_and_answered_as_before
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, app.drive.state);
 }
 
-static void test_no_stream_begins_while_a_dump_is_under_way(void)
+TEST(test_no_stream_begins_while_a_dump_is_under_way)
 {
     const uint8_t on = 1U;
 
@@ -724,7 +721,7 @@ static void assert_refused_by_a_dump(uint8_t type)
 }
 
 /* The dump reads the block that is not in force, where the words would go. */
-static void test_no_block_is_changed_while_a_dump_is_under_way(void)
+TEST(test_no_block_is_changed_while_a_dump_is_under_way)
 {
     uint8_t word[7] = {30U, 0U, 1U};
     uint8_t crc[4];
@@ -749,7 +746,7 @@ static void test_no_block_is_changed_while_a_dump_is_under_way(void)
     assert_verdict("", LINK_APPLY, crc, sizeof crc);
 }
 
-static void test_a_segments_state_is_read_in_pieces(void)
+TEST(test_a_segments_state_is_read_in_pieces)
 {
     uint8_t body[7] = {0U, 0U, 0U, 0U, 0U, 0U, LINK_READ_WORDS_MAX};
     recorder_view_t view = {0};
@@ -775,7 +772,7 @@ static void test_a_segments_state_is_read_in_pieces(void)
     TEST_ASSERT_EQUAL_HEX32(drive_words_hash(view.state), drive_words_hash(&copy));
 }
 
-static void test_a_segment_that_is_not_there_has_no_state_and_no_entries(void)
+TEST(test_a_segment_that_is_not_there_has_no_state_and_no_entries)
 {
     uint8_t body[7] = {0xFFU, 0xFFU, 0xFFU, 0x7FU, 0U, 0U, 9U};
 
@@ -784,7 +781,7 @@ static void test_a_segment_that_is_not_there_has_no_state_and_no_entries(void)
     TEST_ASSERT_EQUAL_UINT32(9U, ask(LINK_AGAIN, body, 7U)->length);
 }
 
-static void test_entries_are_sent_again(void)
+TEST(test_entries_are_sent_again)
 {
     uint8_t body[7] = {0U, 0U, 0U, 0U, 0U, 0U, 9U};
     recorder_entry_t decoded[FRAME_CODE_ENTRIES_MAX];
@@ -808,7 +805,7 @@ static void with_timeout(uint32_t timeout)
     TEST_ASSERT_EQUAL_STRING("", change_to(&wanted));
 }
 
-static void test_a_silent_pc_brings_the_motor_to_rest_when_the_configuration_says_so(void)
+TEST(test_a_silent_pc_brings_the_motor_to_rest_when_the_configuration_says_so)
 {
     hello();
     with_timeout(500U);
@@ -821,7 +818,7 @@ static void test_a_silent_pc_brings_the_motor_to_rest_when_the_configuration_say
     TEST_ASSERT_NOT_NULL(strstr(line_said(), "the link is silent: the drive stops\r\n"));
 }
 
-static void test_without_a_timeout_a_motor_runs_on_when_the_pc_is_gone(void)
+TEST(test_without_a_timeout_a_motor_runs_on_when_the_pc_is_gone)
 {
     hello();
     assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 1000000);
@@ -831,7 +828,7 @@ static void test_without_a_timeout_a_motor_runs_on_when_the_pc_is_gone(void)
 }
 
 /* The PC is gone, and the line is a person's, who commands the drive himself. */
-static void test_a_person_who_commands_the_drive_ends_the_watching_for_the_pc(void)
+TEST(test_a_person_who_commands_the_drive_ends_the_watching_for_the_pc)
 {
     hello();
     with_timeout(TICKS_OF_PAUSE + 5000U);
@@ -847,7 +844,7 @@ static void test_a_person_who_commands_the_drive_ends_the_watching_for_the_pc(vo
 }
 
 /* Who looks, or asks for what is refused, has not taken the motor over. */
-static void test_a_line_that_does_not_command_the_drive_leaves_it_watched(void)
+TEST(test_a_line_that_does_not_command_the_drive_leaves_it_watched)
 {
     hello();
     with_timeout(TICKS_OF_PAUSE + 5000U);
@@ -858,7 +855,7 @@ static void test_a_line_that_does_not_command_the_drive_leaves_it_watched(void)
     TEST_ASSERT_EQUAL_INT32(0, command_mailbox_take(&app.mailbox).target);
 }
 
-static void test_a_question_waits_while_a_frame_is_on_its_way(void)
+TEST(test_a_question_waits_while_a_frame_is_on_its_way)
 {
     hello();
     line.room = 0U;
@@ -877,7 +874,7 @@ static void test_a_question_waits_while_a_frame_is_on_its_way(void)
 }
 
 /* The configuration was refused, and the application never began: it is zero. */
-static void test_a_board_that_does_not_start_is_asked_why_all_the_same(void)
+TEST(test_a_board_that_does_not_start_is_asked_why_all_the_same)
 {
     memset(&app, 0, sizeof app);
     hardware.ticks = 0U;
@@ -911,7 +908,7 @@ static void passes_without_ticks(uint32_t count)
     line_listen();
 }
 
-static void test_without_ticks_a_zero_does_not_keep_a_person_away_for_ever(void)
+TEST(test_without_ticks_a_zero_does_not_keep_a_person_away_for_ever)
 {
     start_without_ticks();
     line_byte(0U);
@@ -926,8 +923,7 @@ static void test_without_ticks_a_zero_does_not_keep_a_person_away_for_ever(void)
     TEST_ASSERT_EQUAL_STRING("ok\r\n", line.text);
 }
 
-static void
-test_without_ticks_a_pc_that_is_gone_gives_the_line_back_and_one_that_asks_keeps_it(void)
+TEST(test_without_ticks_a_pc_that_is_gone_gives_the_line_back_and_one_that_asks_keeps_it)
 {
     start_without_ticks();
     line_ask(LINK_HELLO, 1U, &(const uint8_t){LINK_VERSION}, 1U);
@@ -937,58 +933,4 @@ test_without_ticks_a_pc_that_is_gone_gives_the_line_back_and_one_that_asks_keeps
     TEST_ASSERT_TRUE(serial.is_linked);
     passes_without_ticks(2U * SHORT_WHILE);
     TEST_ASSERT_FALSE(serial.is_linked);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_person_has_the_console_from_the_start);
-    RUN_TEST(test_what_the_line_does_not_take_waits_and_what_does_not_fit_is_cut);
-    RUN_TEST(test_a_hello_makes_the_line_the_pcs_and_is_answered_with_the_identity);
-    RUN_TEST(test_a_board_without_recorder_and_build_id_says_so);
-    RUN_TEST(test_a_board_whose_flash_cannot_be_read_says_that_it_cannot_store);
-    RUN_TEST(test_a_frame_may_come_in_pieces);
-    RUN_TEST(test_an_answer_to_a_bye_is_whole_on_a_slow_line);
-    RUN_TEST(test_no_question_but_a_hello_makes_the_line_the_pcs);
-    RUN_TEST(test_a_line_that_was_begun_when_the_pc_came_is_forgotten);
-    RUN_TEST(test_text_that_is_on_its_way_goes_on_in_frames);
-    RUN_TEST(test_a_bye_gives_the_line_back);
-    RUN_TEST(test_two_seconds_without_a_frame_give_the_line_back_and_not_less);
-    RUN_TEST(test_broken_frames_do_not_keep_the_line);
-    RUN_TEST(test_a_zero_without_a_frame_keeps_a_person_away_for_a_tenth_of_a_second);
-    RUN_TEST(test_a_frame_that_is_broken_leaves_the_console_as_it_is);
-    RUN_TEST(test_a_ping_is_answered_with_the_health);
-    RUN_TEST(test_a_message_of_a_wrong_length_or_no_type_is_refused_and_does_nothing);
-    RUN_TEST(test_a_command_reaches_the_drive_as_a_whole);
-    RUN_TEST(test_a_command_that_is_refused_changes_nothing);
-    RUN_TEST(test_a_latched_fault_is_not_run_and_is_cleared_by_a_command);
-    RUN_TEST(test_while_the_motor_is_measured_only_a_stop_is_taken);
-    RUN_TEST(test_a_line_is_done_by_the_console_whose_answer_comes_as_text);
-    RUN_TEST(test_a_change_of_state_is_said_in_frames);
-    RUN_TEST(test_the_block_in_force_is_read_as_far_as_it_goes);
-    RUN_TEST(test_a_gain_is_changed_while_the_motor_runs_and_the_image_comes_back);
-    RUN_TEST(test_a_setting_that_cannot_change_in_run_is_named);
-    RUN_TEST(test_the_block_in_force_is_stored);
-    RUN_TEST(test_words_beyond_the_block_are_refused_by_their_verdict);
-    RUN_TEST(test_a_stream_sends_segments_and_frames_until_it_is_ended);
-    RUN_TEST(test_a_stream_ends_with_the_link_and_a_fault_is_recorded_again);
-    RUN_TEST(test_a_recording_of_a_fault_is_kept_and_no_stream_begins_before_it_is_given_up);
-    RUN_TEST(test_of_words_behind_one_that_is_refused_none_is_written);
-    RUN_TEST(test_a_stream_of_short_messages_has_as_many_entries_as_were_asked_for_at_most);
-    RUN_TEST(test_a_stream_begins_in_a_fault_whose_recording_was_given_up);
-    RUN_TEST(test_a_question_that_comes_again_is_done_once_and_answered_as_before);
-    RUN_TEST(test_no_stream_begins_while_a_dump_is_under_way);
-    RUN_TEST(test_no_block_is_changed_while_a_dump_is_under_way);
-    RUN_TEST(test_a_segments_state_is_read_in_pieces);
-    RUN_TEST(test_a_segment_that_is_not_there_has_no_state_and_no_entries);
-    RUN_TEST(test_entries_are_sent_again);
-    RUN_TEST(test_a_silent_pc_brings_the_motor_to_rest_when_the_configuration_says_so);
-    RUN_TEST(test_without_a_timeout_a_motor_runs_on_when_the_pc_is_gone);
-    RUN_TEST(test_a_person_who_commands_the_drive_ends_the_watching_for_the_pc);
-    RUN_TEST(test_a_line_that_does_not_command_the_drive_leaves_it_watched);
-    RUN_TEST(test_a_question_waits_while_a_frame_is_on_its_way);
-    RUN_TEST(test_a_board_that_does_not_start_is_asked_why_all_the_same);
-    RUN_TEST(test_without_ticks_a_zero_does_not_keep_a_person_away_for_ever);
-    RUN_TEST(test_without_ticks_a_pc_that_is_gone_gives_the_line_back_and_one_that_asks_keeps_it);
-    return UNITY_END();
 }

@@ -2,7 +2,7 @@
 /* Frames of the link, in and out: what is whole is taken, and nothing else. */
 #include "link_frame.h"
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <string.h>
 
@@ -19,10 +19,6 @@ void setUp(void)
     memset(&out, 0xA5, sizeof out);
     link_in_start(&in);
     link_out_start(&out);
-}
-
-void tearDown(void)
-{
 }
 
 /* What goes out of a message of so many bytes behind type 7 and tag 9. */
@@ -59,7 +55,7 @@ static uint32_t take(const uint8_t *bytes, uint32_t count, uint32_t *length)
     return messages;
 }
 
-static void test_a_message_of_each_length_comes_in_as_it_went_out(void)
+TEST(test_a_message_of_each_length_comes_in_as_it_went_out)
 {
     for (uint32_t body = 0U; body <= LINK_FRAME_BODY_MAX; body++) {
         uint32_t length = 0U;
@@ -78,7 +74,7 @@ static void test_a_message_of_each_length_comes_in_as_it_went_out(void)
     }
 }
 
-static void test_the_bytes_on_the_line_are_those_of_the_page(void)
+TEST(test_the_bytes_on_the_line_are_those_of_the_page)
 {
     /* HELLO, tag 1, version 1: as docs/link.md shows it */
     static const uint8_t hello[] = {0x00, 0x08, 0x01, 0x01, 0x01, 0xF2, 0xB2, 0x9F, 0x90, 0x00};
@@ -96,7 +92,7 @@ static void test_the_bytes_on_the_line_are_those_of_the_page(void)
     TEST_ASSERT_TRUE(link_out_is_free(&out));
 }
 
-static void test_numbers_have_their_lowest_byte_first_and_text_its_characters(void)
+TEST(test_numbers_have_their_lowest_byte_first_and_text_its_characters)
 {
     static const uint8_t expected[] = {7U, 9U, 0x34U, 0x12U, 0x78U, 0x56U, 0x34U, 0x12U, 'a', 'b'};
 
@@ -108,7 +104,7 @@ static void test_numbers_have_their_lowest_byte_first_and_text_its_characters(vo
     TEST_ASSERT_EQUAL_HEX8_ARRAY(expected, out.bytes, sizeof expected);
 }
 
-static void test_what_does_not_fit_into_a_message_is_left_out(void)
+TEST(test_what_does_not_fit_into_a_message_is_left_out)
 {
     uint32_t room = 0U;
 
@@ -122,7 +118,7 @@ static void test_what_does_not_fit_into_a_message_is_left_out(void)
     TEST_ASSERT_EQUAL_UINT32(LINK_FRAME_BODY_MAX - 100U, room);
 }
 
-static void test_nothing_is_sent_before_the_message_ends(void)
+TEST(test_nothing_is_sent_before_the_message_ends)
 {
     uint8_t byte = 0U;
 
@@ -134,7 +130,7 @@ static void test_nothing_is_sent_before_the_message_ends(void)
 }
 
 /* A CRC-32 finds each: a byte at this length is a burst of 8 bits. */
-static void test_a_frame_with_any_byte_changed_is_dropped_and_the_next_one_is_taken(void)
+TEST(test_a_frame_with_any_byte_changed_is_dropped_and_the_next_one_is_taken)
 {
     for (uint32_t at = 0U; at < 40U; at++) {
         for (uint32_t flip = 1U; flip < 256U; flip++) {
@@ -150,7 +146,7 @@ static void test_a_frame_with_any_byte_changed_is_dropped_and_the_next_one_is_ta
     }
 }
 
-static void test_a_frame_with_a_byte_lost_or_doubled_is_dropped(void)
+TEST(test_a_frame_with_a_byte_lost_or_doubled_is_dropped)
 {
     for (uint32_t at = 1U; at < 39U; at++) {
         uint32_t length = 0U;
@@ -163,7 +159,7 @@ static void test_a_frame_with_a_byte_lost_or_doubled_is_dropped(void)
     }
 }
 
-static void test_a_frame_without_type_and_tag_or_beyond_the_longest_is_none(void)
+TEST(test_a_frame_without_type_and_tag_or_beyond_the_longest_is_none)
 {
     /* the CRC of nothing, 0, and of one byte that is 0xFF: 0xFF000000 */
     static const uint8_t nothing[] = {0U, 1U, 1U, 1U, 1U, 1U, 0U};
@@ -181,7 +177,7 @@ static void test_a_frame_without_type_and_tag_or_beyond_the_longest_is_none(void
     TEST_ASSERT_EQUAL_UINT32(1U, take(frame, frame_length, &length));
 }
 
-static void test_a_frame_is_open_from_its_first_byte_to_its_delimiter(void)
+TEST(test_a_frame_is_open_from_its_first_byte_to_its_delimiter)
 {
     uint32_t length = 0U;
 
@@ -194,7 +190,7 @@ static void test_a_frame_is_open_from_its_first_byte_to_its_delimiter(void)
     TEST_ASSERT_FALSE(link_in_is_open(&in));
 }
 
-static void test_frames_that_share_a_delimiter_are_both_taken(void)
+TEST(test_frames_that_share_a_delimiter_are_both_taken)
 {
     uint32_t length = 0U;
 
@@ -203,7 +199,7 @@ static void test_frames_that_share_a_delimiter_are_both_taken(void)
     TEST_ASSERT_EQUAL_UINT32(1U, take(&frame[1], frame_length - 1U, &length));
 }
 
-static void test_any_bytes_harm_nothing(void)
+TEST(test_any_bytes_harm_nothing)
 {
     seeded_t chance = {5U};
 
@@ -216,21 +212,4 @@ static void test_any_bytes_harm_nothing(void)
             TEST_ASSERT_GREATER_OR_EQUAL_UINT32(LINK_FRAME_HEAD_BYTES, length);
         }
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_message_of_each_length_comes_in_as_it_went_out);
-    RUN_TEST(test_the_bytes_on_the_line_are_those_of_the_page);
-    RUN_TEST(test_numbers_have_their_lowest_byte_first_and_text_its_characters);
-    RUN_TEST(test_what_does_not_fit_into_a_message_is_left_out);
-    RUN_TEST(test_nothing_is_sent_before_the_message_ends);
-    RUN_TEST(test_a_frame_with_any_byte_changed_is_dropped_and_the_next_one_is_taken);
-    RUN_TEST(test_a_frame_with_a_byte_lost_or_doubled_is_dropped);
-    RUN_TEST(test_a_frame_without_type_and_tag_or_beyond_the_longest_is_none);
-    RUN_TEST(test_a_frame_is_open_from_its_first_byte_to_its_delimiter);
-    RUN_TEST(test_frames_that_share_a_delimiter_are_both_taken);
-    RUN_TEST(test_any_bytes_harm_nothing);
-    return UNITY_END();
 }

@@ -3,6 +3,7 @@
 #include "commander.h"
 #include "example_app.h"
 #include "link_guard.h"
+#include "testing.h"
 
 #define TIMEOUT (50U)
 
@@ -15,10 +16,6 @@ void setUp(void)
     calibrate();
     identify_init(&identify, &app, &ABOUT);
     guard = (link_guard_t){0};
-}
-
-void tearDown(void)
-{
 }
 
 static bool pass(uint32_t at)
@@ -49,7 +46,7 @@ static void turn(step_t speed)
     TEST_ASSERT_EQUAL_INT32(speed, drive_speed(&app.drive));
 }
 
-static void test_the_speed_becomes_0_after_the_timeout_and_not_before(void)
+TEST(test_the_speed_becomes_0_after_the_timeout_and_not_before)
 {
     run((uint8_t)DRIVE_MODE_SPEED);
     link_guard_heard(&guard, 100U);
@@ -60,7 +57,7 @@ static void test_the_speed_becomes_0_after_the_timeout_and_not_before(void)
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, command().request);
 }
 
-static void test_a_position_is_left_for_speed_0(void)
+TEST(test_a_position_is_left_for_speed_0)
 {
     run((uint8_t)DRIVE_MODE_POSITION);
     link_guard_heard(&guard, 100U);
@@ -69,7 +66,7 @@ static void test_a_position_is_left_for_speed_0(void)
     TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_SPEED, command().mode);
 }
 
-static void test_the_request_ends_when_the_motor_is_at_rest(void)
+TEST(test_the_request_ends_when_the_motor_is_at_rest)
 {
     const step_t least = cfg.speed_loop.speed_max / 256;
 
@@ -85,7 +82,7 @@ static void test_the_request_ends_when_the_motor_is_at_rest(void)
 }
 
 /* It would end a later request otherwise. */
-static void test_a_request_that_somebody_else_has_ended_is_not_ended_again(void)
+TEST(test_a_request_that_somebody_else_has_ended_is_not_ended_again)
 {
     run((uint8_t)DRIVE_MODE_SPEED);
     link_guard_heard(&guard, 100U);
@@ -99,7 +96,7 @@ static void test_a_request_that_somebody_else_has_ended_is_not_ended_again(void)
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, command().request);
 }
 
-static void test_a_time_of_0_never_runs_out(void)
+TEST(test_a_time_of_0_never_runs_out)
 {
     run((uint8_t)DRIVE_MODE_SPEED);
     link_guard_heard(&guard, 100U);
@@ -107,7 +104,7 @@ static void test_a_time_of_0_never_runs_out(void)
     TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, command().target);
 }
 
-static void test_the_time_is_counted_across_the_wrap_of_the_ticks(void)
+TEST(test_the_time_is_counted_across_the_wrap_of_the_ticks)
 {
     run((uint8_t)DRIVE_MODE_SPEED);
     link_guard_heard(&guard, UINT32_MAX - 10U);
@@ -115,7 +112,7 @@ static void test_the_time_is_counted_across_the_wrap_of_the_ticks(void)
     TEST_ASSERT_TRUE(pass(TIMEOUT));
 }
 
-static void test_without_a_pc_and_after_its_leave_nothing_is_watched(void)
+TEST(test_without_a_pc_and_after_its_leave_nothing_is_watched)
 {
     run((uint8_t)DRIVE_MODE_SPEED);
     TEST_ASSERT_FALSE(pass(1000U));
@@ -126,7 +123,7 @@ static void test_without_a_pc_and_after_its_leave_nothing_is_watched(void)
 }
 
 /* A person starts the motor afterwards: nobody promised to be heard. */
-static void test_a_stop_comes_once_and_the_next_frame_watches_again(void)
+TEST(test_a_stop_comes_once_and_the_next_frame_watches_again)
 {
     run((uint8_t)DRIVE_MODE_SPEED);
     link_guard_heard(&guard, 100U);
@@ -140,7 +137,7 @@ static void test_a_stop_comes_once_and_the_next_frame_watches_again(void)
     TEST_ASSERT_TRUE(pass(1001U + TIMEOUT));
 }
 
-static void test_a_command_gives_a_stop_up(void)
+TEST(test_a_command_gives_a_stop_up)
 {
     run((uint8_t)DRIVE_MODE_SPEED);
     link_guard_heard(&guard, 100U);
@@ -151,7 +148,7 @@ static void test_a_command_gives_a_stop_up(void)
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, command().request);
 }
 
-static void test_a_drive_that_is_not_asked_to_run_is_left_alone(void)
+TEST(test_a_drive_that_is_not_asked_to_run_is_left_alone)
 {
     commander_set_speed(&app, EXAMPLE_SPEED_STEP);
     link_guard_heard(&guard, 100U);
@@ -160,28 +157,11 @@ static void test_a_drive_that_is_not_asked_to_run_is_left_alone(void)
     TEST_ASSERT_EQUAL_UINT8(0U, command().request);
 }
 
-static void test_a_measurement_of_the_motor_ends_at_once(void)
+TEST(test_a_measurement_of_the_motor_ends_at_once)
 {
     TEST_ASSERT_NULL(identify_start(&identify));
     link_guard_heard(&guard, 100U);
     TEST_ASSERT_TRUE(pass(101U + TIMEOUT));
     TEST_ASSERT_FALSE(identify_is_busy(&identify));
     TEST_ASSERT_EQUAL_UINT8(0U, command().request);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_the_speed_becomes_0_after_the_timeout_and_not_before);
-    RUN_TEST(test_a_position_is_left_for_speed_0);
-    RUN_TEST(test_the_request_ends_when_the_motor_is_at_rest);
-    RUN_TEST(test_a_request_that_somebody_else_has_ended_is_not_ended_again);
-    RUN_TEST(test_a_time_of_0_never_runs_out);
-    RUN_TEST(test_the_time_is_counted_across_the_wrap_of_the_ticks);
-    RUN_TEST(test_without_a_pc_and_after_its_leave_nothing_is_watched);
-    RUN_TEST(test_a_stop_comes_once_and_the_next_frame_watches_again);
-    RUN_TEST(test_a_command_gives_a_stop_up);
-    RUN_TEST(test_a_drive_that_is_not_asked_to_run_is_left_alone);
-    RUN_TEST(test_a_measurement_of_the_motor_ends_at_once);
-    return UNITY_END();
 }

@@ -4,7 +4,7 @@
 #include "frame_code.h"
 #include "link_stream.h"
 #include "recorded_run.h"
-#include "unity.h"
+#include "testing.h"
 #include "words.h"
 
 #include <string.h>
@@ -38,10 +38,6 @@ void setUp(void)
     link_out_start(&out);
     busy = 0U;
     busy_until = 0U;
-}
-
-void tearDown(void)
-{
 }
 
 static void read_segment(const uint8_t *body, uint32_t length)
@@ -136,7 +132,7 @@ static void begin(void)
     link_stream_begin(&stream, &run.recorder);
 }
 
-static void test_every_tick_of_the_run_comes_out_and_the_hashes_agree(void)
+TEST(test_every_tick_of_the_run_comes_out_and_the_hashes_agree)
 {
     begin();
     ticks(5000U);
@@ -146,7 +142,7 @@ static void test_every_tick_of_the_run_comes_out_and_the_hashes_agree(void)
     TEST_ASSERT_UINT32_WITHIN(RUN_SEGMENT_ENTRIES, 5000U, reader.ticks);
 }
 
-static void test_before_the_ring_has_a_segment_the_stream_waits_for_it(void)
+TEST(test_before_the_ring_has_a_segment_the_stream_waits_for_it)
 {
     link_stream_begin(&stream, &run.recorder);
     pass();
@@ -158,7 +154,7 @@ static void test_before_the_ring_has_a_segment_the_stream_waits_for_it(void)
 }
 
 /* A message holds 64 entries at most, and so 120 ticks for each are too many. */
-static void test_a_line_that_is_too_slow_leaves_ticks_out_and_says_how_many(void)
+TEST(test_a_line_that_is_too_slow_leaves_ticks_out_and_says_how_many)
 {
     begin();
     busy = 120U;
@@ -169,7 +165,7 @@ static void test_a_line_that_is_too_slow_leaves_ticks_out_and_says_how_many(void
                                      reader.ticks, "each tick is sent or counted as lost");
 }
 
-static void test_a_line_that_was_blocked_goes_on_with_the_newest_segment(void)
+TEST(test_a_line_that_was_blocked_goes_on_with_the_newest_segment)
 {
     begin();
     ticks(600U);
@@ -183,7 +179,7 @@ static void test_a_line_that_was_blocked_goes_on_with_the_newest_segment(void)
     TEST_ASSERT_EQUAL_UINT32(2U, reader.gaps);
 }
 
-static void test_few_entries_wait_for_more_and_not_longer_than_8_ms(void)
+TEST(test_few_entries_wait_for_more_and_not_longer_than_8_ms)
 {
     begin();
     ticks(100U);
@@ -194,7 +190,7 @@ static void test_few_entries_wait_for_more_and_not_longer_than_8_ms(void)
     TEST_ASSERT_GREATER_OR_EQUAL_UINT32(800U / 80U, reader.messages);
 }
 
-static void test_entries_that_are_limited_come_in_messages_of_so_many_at_most(void)
+TEST(test_entries_that_are_limited_come_in_messages_of_so_many_at_most)
 {
     begin();
     link_stream_limit(&stream, 16U);
@@ -205,7 +201,7 @@ static void test_entries_that_are_limited_come_in_messages_of_so_many_at_most(vo
     TEST_ASSERT_EQUAL_UINT32(1U, reader.gaps);
 }
 
-static void test_a_pass_without_a_tick_has_nothing_to_send_once_all_is_sent(void)
+TEST(test_a_pass_without_a_tick_has_nothing_to_send_once_all_is_sent)
 {
     begin();
     ticks(100U);
@@ -219,7 +215,7 @@ static void test_a_pass_without_a_tick_has_nothing_to_send_once_all_is_sent(void
     TEST_ASSERT_EQUAL_UINT32(1U, reader.gaps);
 }
 
-static void test_the_number_behind_the_largest_is_one(void)
+TEST(test_the_number_behind_the_largest_is_one)
 {
     run.recorder.ended = UINT32_MAX - 1U;
     begin();
@@ -230,7 +226,7 @@ static void test_the_number_behind_the_largest_is_one(void)
 }
 
 /* A recording that was held and is released begins anew: for a moment there is no segment. */
-static void test_a_stream_waits_while_the_recorder_begins_anew(void)
+TEST(test_a_stream_waits_while_the_recorder_begins_anew)
 {
     begin();
     ticks(500U);
@@ -250,7 +246,7 @@ static void test_a_stream_waits_while_the_recorder_begins_anew(void)
     TEST_ASSERT_GREATER_THAN_UINT32(800U, reader.ticks);
 }
 
-static void test_a_fault_does_not_end_the_stream(void)
+TEST(test_a_fault_does_not_end_the_stream)
 {
     begin();
     ticks(500U);
@@ -261,7 +257,7 @@ static void test_a_fault_does_not_end_the_stream(void)
     TEST_ASSERT_EQUAL_UINT32(0U, stream.lost);
 }
 
-static void test_a_stream_that_ends_says_nothing_and_one_that_begins_again_starts_anew(void)
+TEST(test_a_stream_that_ends_says_nothing_and_one_that_begins_again_starts_anew)
 {
     begin();
     ticks(500U);
@@ -276,7 +272,7 @@ static void test_a_stream_that_ends_says_nothing_and_one_that_begins_again_start
     TEST_ASSERT_EQUAL_UINT32_MESSAGE(0U, stream.lost, "what was not asked for is not lost");
 }
 
-static void test_a_hash_takes_many_passes_and_no_message_comes_before_it(void)
+TEST(test_a_hash_takes_many_passes_and_no_message_comes_before_it)
 {
     begin();
     for (uint32_t words = 32U; words < drive_words_count(); words += 32U) {
@@ -293,7 +289,7 @@ static uint32_t put(uint32_t segment, uint32_t first, uint32_t count)
     return link_stream_put_entries(&run.recorder, &out, segment, first, count);
 }
 
-static void test_entries_that_are_asked_for_again_are_those_of_the_ring_as_far_as_it_has_them(void)
+TEST(test_entries_that_are_asked_for_again_are_those_of_the_ring_as_far_as_it_has_them)
 {
     recorder_entry_t entries[FRAME_CODE_ENTRIES_MAX];
     recorder_view_t view = {0};
@@ -313,23 +309,4 @@ static void test_entries_that_are_asked_for_again_are_those_of_the_ring_as_far_a
     TEST_ASSERT_EQUAL_UINT32(9U, out.length);
     TEST_ASSERT_GREATER_THAN_UINT32(1U, put(newest - 1U, 0U, 255U));
     TEST_ASSERT_LESS_OR_EQUAL_UINT32(LINK_MESSAGE_BYTES_MAX, out.length);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_every_tick_of_the_run_comes_out_and_the_hashes_agree);
-    RUN_TEST(test_before_the_ring_has_a_segment_the_stream_waits_for_it);
-    RUN_TEST(test_a_line_that_is_too_slow_leaves_ticks_out_and_says_how_many);
-    RUN_TEST(test_a_line_that_was_blocked_goes_on_with_the_newest_segment);
-    RUN_TEST(test_few_entries_wait_for_more_and_not_longer_than_8_ms);
-    RUN_TEST(test_entries_that_are_limited_come_in_messages_of_so_many_at_most);
-    RUN_TEST(test_a_pass_without_a_tick_has_nothing_to_send_once_all_is_sent);
-    RUN_TEST(test_the_number_behind_the_largest_is_one);
-    RUN_TEST(test_a_stream_waits_while_the_recorder_begins_anew);
-    RUN_TEST(test_a_fault_does_not_end_the_stream);
-    RUN_TEST(test_a_stream_that_ends_says_nothing_and_one_that_begins_again_starts_anew);
-    RUN_TEST(test_a_hash_takes_many_passes_and_no_message_comes_before_it);
-    RUN_TEST(test_entries_that_are_asked_for_again_are_those_of_the_ring_as_far_as_it_has_them);
-    return UNITY_END();
 }

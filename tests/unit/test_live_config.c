@@ -5,6 +5,7 @@
 #include "example_app.h"
 #include "flash_model.h"
 #include "live_config.h"
+#include "testing.h"
 
 #include <string.h>
 
@@ -31,10 +32,6 @@ void setUp(void)
     TEST_ASSERT_NULL(app_init(&app, &hardware, &live.in_force->cfg));
     calibrate();
     wanted = *live.in_force;
-}
-
-void tearDown(void)
-{
 }
 
 static void seal(void)
@@ -99,7 +96,7 @@ static void want_scale(void)
     seal();
 }
 
-static void test_a_gain_takes_its_place_in_run_at_a_tick_and_not_before(void)
+TEST(test_a_gain_takes_its_place_in_run_at_a_tick_and_not_before)
 {
     const config_block_t before = *live.in_force;
 
@@ -117,7 +114,7 @@ static void test_a_gain_takes_its_place_in_run_at_a_tick_and_not_before(void)
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, app.drive.state);
 }
 
-static void test_changes_follow_each_other_with_the_words_that_differ(void)
+TEST(test_changes_follow_each_other_with_the_words_that_differ)
 {
     for (uint32_t k = 0U; k < 5U; k++) {
         want_gain();
@@ -128,7 +125,7 @@ static void test_changes_follow_each_other_with_the_words_that_differ(void)
     }
 }
 
-static void test_a_setting_that_cannot_change_in_run_is_named_and_changes_at_rest(void)
+TEST(test_a_setting_that_cannot_change_in_run_is_named_and_changes_at_rest)
 {
     run();
     want_scale();
@@ -145,7 +142,7 @@ static void test_a_setting_that_cannot_change_in_run_is_named_and_changes_at_res
 }
 
 /* Its answer may have been lost on the line. */
-static void test_an_apply_that_is_asked_for_again_has_the_same_verdict_and_no_effect(void)
+TEST(test_an_apply_that_is_asked_for_again_has_the_same_verdict_and_no_effect)
 {
     assert_verdict(NULL, NO_BLOCK, live_config_apply(&live, live.in_force->cfg.crc));
     run();
@@ -164,7 +161,7 @@ static void test_an_apply_that_is_asked_for_again_has_the_same_verdict_and_no_ef
 }
 
 /* Whoever asks for a block that he has not written must not take the verdict about another one for its own. */
-static void test_only_the_crc_of_the_last_apply_has_its_verdict_again(void)
+TEST(test_only_the_crc_of_the_last_apply_has_its_verdict_again)
 {
     want_gain();
     write_wanted();
@@ -176,7 +173,7 @@ static void test_only_the_crc_of_the_last_apply_has_its_verdict_again(void)
     assert_verdict(NULL, NO_BLOCK, live_config_apply(&live, wanted.cfg.crc));
 }
 
-static void test_after_the_configuration_of_the_image_no_verdict_of_before_is_repeated(void)
+TEST(test_after_the_configuration_of_the_image_no_verdict_of_before_is_repeated)
 {
     want_gain();
     write_wanted();
@@ -187,7 +184,7 @@ static void test_after_the_configuration_of_the_image_no_verdict_of_before_is_re
     assert_verdict(NULL, NO_BLOCK, live_config_apply(&live, wanted.cfg.crc));
 }
 
-static void test_words_that_were_refused_are_not_part_of_what_is_prepared_next(void)
+TEST(test_words_that_were_refused_are_not_part_of_what_is_prepared_next)
 {
     run();
     want_scale();
@@ -201,7 +198,7 @@ static void test_words_that_were_refused_are_not_part_of_what_is_prepared_next(v
     TEST_ASSERT_EQUAL_MEMORY(&wanted, live.in_force, sizeof wanted);
 }
 
-static void test_another_crc_than_that_of_the_prepared_block_is_refused(void)
+TEST(test_another_crc_than_that_of_the_prepared_block_is_refused)
 {
     want_gain();
     write_wanted();
@@ -210,7 +207,7 @@ static void test_another_crc_than_that_of_the_prepared_block_is_refused(void)
     TEST_ASSERT_NOT_EQUAL_UINT32(wanted.cfg.crc, live.in_force->cfg.crc);
 }
 
-static void test_a_preparation_that_is_forgotten_begins_anew_with_the_block_in_force(void)
+TEST(test_a_preparation_that_is_forgotten_begins_anew_with_the_block_in_force)
 {
     (void)live_config_write(&live, 30U, 0xDEADBEEFU);
     live_config_forget(&live);
@@ -221,7 +218,7 @@ static void test_a_preparation_that_is_forgotten_begins_anew_with_the_block_in_f
     TEST_ASSERT_EQUAL_MEMORY(&wanted, live.in_force, sizeof wanted);
 }
 
-static void test_a_damaged_block_and_a_bad_setting_are_refused(void)
+TEST(test_a_damaged_block_and_a_bad_setting_are_refused)
 {
     want_gain();
     write_wanted();
@@ -242,14 +239,14 @@ static void test_a_damaged_block_and_a_bad_setting_are_refused(void)
     TEST_ASSERT_EQUAL_MEMORY(&image_cfg, &live.in_force->cfg, sizeof image_cfg);
 }
 
-static void test_a_word_beyond_the_block_is_refused(void)
+TEST(test_a_word_beyond_the_block_is_refused)
 {
     assert_verdict(NULL, NULL, live_config_write(&live, CONFIG_BLOCK_WORDS - 1U, 0U));
     assert_verdict(NULL, "the block has no such word",
                    live_config_write(&live, CONFIG_BLOCK_WORDS, 0U));
 }
 
-static void test_while_a_change_waits_for_its_tick_nothing_else_is_prepared(void)
+TEST(test_while_a_change_waits_for_its_tick_nothing_else_is_prepared)
 {
     want_gain();
     write_wanted();
@@ -266,7 +263,7 @@ static void test_while_a_change_waits_for_its_tick_nothing_else_is_prepared(void
     TEST_ASSERT_EQUAL_MEMORY(&wanted, live.in_force, sizeof wanted);
 }
 
-static void test_without_a_tick_no_change_is_taken_up(void)
+TEST(test_without_a_tick_no_change_is_taken_up)
 {
     want_gain();
     write_wanted();
@@ -279,7 +276,7 @@ static void test_without_a_tick_no_change_is_taken_up(void)
     TEST_ASSERT_FALSE(app_changes(&app));
 }
 
-static void test_name_and_motor_of_the_block_in_force_are_those_of_about(void)
+TEST(test_name_and_motor_of_the_block_in_force_are_those_of_about)
 {
     wanted.about.pole_pairs = 3U;
     wanted.about.speed_max_rpm = 1000;
@@ -295,7 +292,7 @@ static void test_name_and_motor_of_the_block_in_force_are_those_of_about(void)
 }
 
 /* 1000 rpm of the same motor are half of what was asked for. */
-static void test_a_speed_in_force_stays_within_the_new_limit(void)
+TEST(test_a_speed_in_force_stays_within_the_new_limit)
 {
     run();
     commander_set_speed(&app, -EXAMPLE_SPEED_STEP);
@@ -311,7 +308,7 @@ static void test_a_speed_in_force_stays_within_the_new_limit(void)
 }
 
 /* The target is in electrical steps of the motor before. */
-static void test_where_the_drive_begins_anew_no_target_is_left(void)
+TEST(test_where_the_drive_begins_anew_no_target_is_left)
 {
     const drive_command_t position = {.target = 77, .mode = (uint8_t)DRIVE_MODE_POSITION};
 
@@ -331,7 +328,7 @@ static void test_where_the_drive_begins_anew_no_target_is_left(void)
     TEST_ASSERT_EQUAL_UINT8(0U, command_mailbox_take(&app.mailbox).request);
 }
 
-static void test_the_configuration_of_the_image_comes_back(void)
+TEST(test_the_configuration_of_the_image_comes_back)
 {
     wanted.about.speed_max_rpm = 1000;
     want_scale();
@@ -352,7 +349,7 @@ static void test_the_configuration_of_the_image_comes_back(void)
     TEST_ASSERT_FALSE_MESSAGE(app_changes(&app), "it is in force already");
 }
 
-static void test_the_block_in_force_is_stored_at_rest_and_the_next_start_takes_it(void)
+TEST(test_the_block_in_force_is_stored_at_rest_and_the_next_start_takes_it)
 {
     want_gain();
     write_wanted();
@@ -369,7 +366,7 @@ static void test_the_block_in_force_is_stored_at_rest_and_the_next_start_takes_i
     TEST_ASSERT_EQUAL_MEMORY(&wanted, live.in_force, sizeof wanted);
 }
 
-static void test_a_store_is_there_where_any_unit_can_be_read(void)
+TEST(test_a_store_is_there_where_any_unit_can_be_read)
 {
     TEST_ASSERT_TRUE(live_config_can_store(&live));
     for (uint32_t unit = 0U; unit < HAL_STORE_UNITS; unit++) {
@@ -381,29 +378,4 @@ static void test_a_store_is_there_where_any_unit_can_be_read(void)
     TEST_ASSERT_FALSE(live_config_can_store(&live));
     flash.units[1][200].half_done = false;
     TEST_ASSERT_TRUE(live_config_can_store(&live));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_gain_takes_its_place_in_run_at_a_tick_and_not_before);
-    RUN_TEST(test_changes_follow_each_other_with_the_words_that_differ);
-    RUN_TEST(test_a_setting_that_cannot_change_in_run_is_named_and_changes_at_rest);
-    RUN_TEST(test_an_apply_that_is_asked_for_again_has_the_same_verdict_and_no_effect);
-    RUN_TEST(test_only_the_crc_of_the_last_apply_has_its_verdict_again);
-    RUN_TEST(test_after_the_configuration_of_the_image_no_verdict_of_before_is_repeated);
-    RUN_TEST(test_words_that_were_refused_are_not_part_of_what_is_prepared_next);
-    RUN_TEST(test_another_crc_than_that_of_the_prepared_block_is_refused);
-    RUN_TEST(test_a_preparation_that_is_forgotten_begins_anew_with_the_block_in_force);
-    RUN_TEST(test_a_damaged_block_and_a_bad_setting_are_refused);
-    RUN_TEST(test_a_word_beyond_the_block_is_refused);
-    RUN_TEST(test_while_a_change_waits_for_its_tick_nothing_else_is_prepared);
-    RUN_TEST(test_without_a_tick_no_change_is_taken_up);
-    RUN_TEST(test_name_and_motor_of_the_block_in_force_are_those_of_about);
-    RUN_TEST(test_a_speed_in_force_stays_within_the_new_limit);
-    RUN_TEST(test_where_the_drive_begins_anew_no_target_is_left);
-    RUN_TEST(test_the_configuration_of_the_image_comes_back);
-    RUN_TEST(test_the_block_in_force_is_stored_at_rest_and_the_next_start_takes_it);
-    RUN_TEST(test_a_store_is_there_where_any_unit_can_be_read);
-    return UNITY_END();
 }

@@ -5,7 +5,7 @@
 #include "example_motor.h"
 #include "fault_frames.h"
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -54,10 +54,6 @@ void setUp(void)
     cfg.modulator = example_modulator_cfg(); /* the inverter of example_motor.h has no dead time */
     memset(&drive, 0, sizeof drive);
     begin();
-}
-
-void tearDown(void)
-{
 }
 
 static void tick(void)
@@ -134,7 +130,7 @@ static void assert_gates_open(void)
 
 /* ---- sequence ---- */
 
-static void test_a_standing_rotor_is_looked_at_then_aligned_then_held(void)
+TEST(test_a_standing_rotor_is_looked_at_then_aligned_then_held)
 {
     run_at(0.0);
     tick();
@@ -149,7 +145,7 @@ static void test_a_standing_rotor_is_looked_at_then_aligned_then_held(void)
 }
 
 /* The vector comes from where its sweep begins: from the side it then turns to. */
-static void test_a_rotor_is_pulled_in_backwards_for_a_speed_below_zero_only(void)
+TEST(test_a_rotor_is_pulled_in_backwards_for_a_speed_below_zero_only)
 {
     static const struct {
         uint8_t mode;
@@ -171,7 +167,7 @@ static void test_a_rotor_is_pulled_in_backwards_for_a_speed_below_zero_only(void
     }
 }
 
-static void test_a_low_speed_is_dragged_and_never_handed_over(void)
+TEST(test_a_low_speed_is_dragged_and_never_handed_over)
 {
     go_to(DRIVE_STATE_HOLD);
     run_at(SLOW_RPM);
@@ -189,7 +185,7 @@ static void test_a_low_speed_is_dragged_and_never_handed_over(void)
 /* Of rated speed 1 %: 18 rpm. */
 #define SPEED_TOLERANCE_RPM (18.0)
 
-static void test_a_high_speed_is_reached_through_hand_over_in_both_directions(void)
+TEST(test_a_high_speed_is_reached_through_hand_over_in_both_directions)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         begin();
@@ -207,7 +203,7 @@ static void test_a_high_speed_is_reached_through_hand_over_in_both_directions(vo
     }
 }
 
-static void test_a_run_that_slows_down_is_handed_back_and_comes_to_rest_held(void)
+TEST(test_a_run_that_slows_down_is_handed_back_and_comes_to_rest_held)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         begin();
@@ -227,7 +223,7 @@ static void test_a_run_that_slows_down_is_handed_back_and_comes_to_rest_held(voi
  */
 #define ALIGNED_RAD (0.2 * EXAMPLE_PI / 180.0)
 
-static void test_alignment_brings_the_rotor_from_every_angle_to_the_angle_of_the_frame(void)
+TEST(test_alignment_brings_the_rotor_from_every_angle_to_the_angle_of_the_frame)
 {
     for (int32_t k = 0; k < 16; k++) {
         begin();
@@ -251,7 +247,7 @@ static void test_alignment_brings_the_rotor_from_every_angle_to_the_angle_of_the
 #define R_TOLERANCE (0.01)
 #define L_TOLERANCE (0.02)
 
-static void test_alignment_measures_what_was_configured(void)
+TEST(test_alignment_measures_what_was_configured)
 {
     go_to(DRIVE_STATE_HOLD);
     TEST_ASSERT_TRUE(drive.identified);
@@ -259,7 +255,7 @@ static void test_alignment_measures_what_was_configured(void)
     TEST_ASSERT_DOUBLE_WITHIN(L_TOLERANCE, 1.0, drive.model.inductance_q14 / 16384.0);
 }
 
-static void test_a_turning_rotor_is_caught_without_alignment_and_goes_on(void)
+TEST(test_a_turning_rotor_is_caught_without_alignment_and_goes_on)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         begin();
@@ -278,8 +274,7 @@ static void test_a_turning_rotor_is_caught_without_alignment_and_goes_on(void)
     }
 }
 
-static void
-test_a_rotor_that_turns_too_slowly_to_be_taken_over_is_held_by_a_vector_that_turns_with_it(void)
+TEST(test_a_rotor_that_turns_too_slowly_to_be_taken_over_is_held_by_a_vector_that_turns_with_it)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         const double rpm = sign * 150.0; /* of 180, from where the observer takes over */
@@ -297,7 +292,7 @@ test_a_rotor_that_turns_too_slowly_to_be_taken_over_is_held_by_a_vector_that_tur
     }
 }
 
-static void test_a_caught_rotor_is_measured_at_its_first_standstill(void)
+TEST(test_a_caught_rotor_is_measured_at_its_first_standstill)
 {
     motor = example_motor_at(1.0, FAST_RPM * RAD_S_PER_RPM);
     run_at(FAST_RPM);
@@ -332,7 +327,7 @@ static void catch_it(void)
 #define PULSE_L_TOLERANCE (0.036)
 #define TELLING_GAP (24U) /* pulses */
 
-static void test_a_caught_rotor_has_the_inductance_of_its_pulses_until_it_is_measured(void)
+TEST(test_a_caught_rotor_has_the_inductance_of_its_pulses_until_it_is_measured)
 {
     const double file = 0.8; /* of the motor's L */
     int32_t *const emf_current = &cfg.startup.flying_start.emf_current;
@@ -360,7 +355,7 @@ static void test_a_caught_rotor_has_the_inductance_of_its_pulses_until_it_is_mea
     TEST_ASSERT_EQUAL_UINT32(0U, drive.speed_loop.halvings);
 }
 
-static void test_a_caught_rotor_whose_pulses_do_not_tell_has_a_soft_speed_loop(void)
+TEST(test_a_caught_rotor_whose_pulses_do_not_tell_has_a_soft_speed_loop)
 {
     cfg.startup.flying_start.gap_factor = 1U;
     begin();
@@ -369,7 +364,7 @@ static void test_a_caught_rotor_whose_pulses_do_not_tell_has_a_soft_speed_loop(v
     TEST_ASSERT_EQUAL_UINT32(1U, drive.speed_loop.halvings);
 }
 
-static void test_a_stop_opens_the_gates_in_its_tick_in_every_state(void)
+TEST(test_a_stop_opens_the_gates_in_its_tick_in_every_state)
 {
     for (int32_t s = DRIVE_STATE_FLYING_START; s <= (int32_t)DRIVE_STATE_RUN; s++) {
         begin();
@@ -389,7 +384,7 @@ static void test_a_stop_opens_the_gates_in_its_tick_in_every_state(void)
     }
 }
 
-static void test_a_stop_after_half_of_a_state_opens_the_gates_too(void)
+TEST(test_a_stop_after_half_of_a_state_opens_the_gates_too)
 {
     static const uint32_t after[] = {20U, 50U, 2000U, 100U, 400U, 5U, 1000U};
 
@@ -405,7 +400,7 @@ static void test_a_stop_after_half_of_a_state_opens_the_gates_too(void)
     }
 }
 
-static void test_a_stopped_start_begins_again_with_the_search_for_a_turning_rotor(void)
+TEST(test_a_stopped_start_begins_again_with_the_search_for_a_turning_rotor)
 {
     for (int32_t s = DRIVE_STATE_FLYING_START; s <= (int32_t)DRIVE_STATE_RUN; s++) {
         begin();
@@ -435,7 +430,7 @@ static const fault_case_t FAULTS[] = {
     {make_undervoltage, FAULT_UNDERVOLTAGE},
 };
 
-static void test_each_fault_opens_the_gates_in_its_tick_in_every_state_of_the_start(void)
+TEST(test_each_fault_opens_the_gates_in_its_tick_in_every_state_of_the_start)
 {
     for (int32_t s = DRIVE_STATE_FLYING_START; s <= (int32_t)DRIVE_STATE_RUN; s++) {
         static drive_t entered;
@@ -462,7 +457,7 @@ static void test_each_fault_opens_the_gates_in_its_tick_in_every_state_of_the_st
 }
 
 /* Heat found in any tick of the search, also in those in which a pulse flows. */
-static void test_a_fault_found_during_the_search_opens_the_gates_in_its_tick(void)
+TEST(test_a_fault_found_during_the_search_opens_the_gates_in_its_tick)
 {
     uint32_t in_a_pulse = 0U;
 
@@ -502,7 +497,7 @@ static void tick_with_a_brake(void)
     }
 }
 
-static void test_a_start_is_repeated_as_often_as_allowed_and_is_then_a_fault(void)
+TEST(test_a_start_is_repeated_as_often_as_allowed_and_is_then_a_fault)
 {
     for (uint32_t attempts = 1U; attempts <= 3U; attempts++) {
         drive_state_t before = DRIVE_STATE_READY;
@@ -527,7 +522,7 @@ static void test_a_start_is_repeated_as_often_as_allowed_and_is_then_a_fault(voi
     }
 }
 
-static void test_a_failed_start_stays_latched_and_is_tried_afresh_after_clearing(void)
+TEST(test_a_failed_start_stays_latched_and_is_tried_afresh_after_clearing)
 {
     make_handover_impossible(1U);
     ticks(PATIENCE_TICKS);
@@ -545,7 +540,7 @@ static void test_a_failed_start_stays_latched_and_is_tried_afresh_after_clearing
 }
 
 /* Its first attempt leaves it at 180 rpm: what fails is the observer's proof alone. */
-static void test_a_rotor_that_turns_when_its_start_is_repeated_is_caught(void)
+TEST(test_a_rotor_that_turns_when_its_start_is_repeated_is_caught)
 {
     make_handover_impossible(3U);
     go_to(DRIVE_STATE_HANDOVER);
@@ -561,7 +556,7 @@ static void test_a_rotor_that_turns_when_its_start_is_repeated_is_caught(void)
     (20U) /* of the 100 in a turn; the residual falls towards the end of each half */
 
 /* A load turns the rotor away under the vector; what else would notice that is switched off. */
-static void test_a_rotor_that_is_torn_from_the_vector_makes_the_start_begin_again(void)
+TEST(test_a_rotor_that_is_torn_from_the_vector_makes_the_start_begin_again)
 {
     example_supervise_nothing(&cfg);
     cfg.startup.lost_periods = TORN_PERIODS;
@@ -577,7 +572,7 @@ static void test_a_rotor_that_is_torn_from_the_vector_makes_the_start_begin_agai
 }
 
 /* Else the current of the last attempt flows on into a search that takes it for the rotor's. */
-static void test_the_tick_that_repeats_a_start_opens_the_gates(void)
+TEST(test_the_tick_that_repeats_a_start_opens_the_gates)
 {
     make_handover_impossible(3U);
     go_to(DRIVE_STATE_HANDOVER);
@@ -586,7 +581,7 @@ static void test_the_tick_that_repeats_a_start_opens_the_gates(void)
 }
 
 /* A sensor that stands still looks like a current that never ends. */
-static void test_a_current_that_does_not_end_with_open_gates_is_a_stuck_sensor(void)
+TEST(test_a_current_that_does_not_end_with_open_gates_is_a_stuck_sensor)
 {
     for (int32_t b = 0; b < 2; b++) {
         setUp();
@@ -620,7 +615,7 @@ static void turn_current(double speed)
 }
 
 /* Its EMF is above this bus, and it is no faster than it may be. */
-static void test_a_rotor_that_feeds_the_bus_through_open_gates_is_too_fast_for_it(void)
+TEST(test_a_rotor_that_feeds_the_bus_through_open_gates_is_too_fast_for_it)
 {
     for (uint32_t share = 4U; share <= 6U; share += 2U) { /* of the limit, tenths */
         double limit;
@@ -670,7 +665,7 @@ static void assert_charges_then_aligns(void)
     TEST_ASSERT_FALSE(out.gate_enable);
 }
 
-static void test_low_sides_alone_are_on_for_the_charge_before_the_first_high_side(void)
+TEST(test_low_sides_alone_are_on_for_the_charge_before_the_first_high_side)
 {
     cfg.startup.flying_start.charge_ticks = CHARGE_TICKS;
     begin();
@@ -678,7 +673,7 @@ static void test_low_sides_alone_are_on_for_the_charge_before_the_first_high_sid
     assert_charges_then_aligns();
 }
 
-static void test_a_charge_that_was_stopped_begins_anew_behind_a_new_look(void)
+TEST(test_a_charge_that_was_stopped_begins_anew_behind_a_new_look)
 {
     cfg.startup.flying_start.charge_ticks = CHARGE_TICKS;
     begin();
@@ -696,7 +691,7 @@ static void test_a_charge_that_was_stopped_begins_anew_behind_a_new_look(void)
 }
 
 /* Somebody turns the shaft: the shorted windings carry what flows then. */
-static void test_a_fault_in_the_charge_opens_the_gates_at_once(void)
+TEST(test_a_fault_in_the_charge_opens_the_gates_at_once)
 {
     static const struct {
         uint16_t ia;
@@ -779,7 +774,7 @@ static void wild_frame(seeded_t *seed, uint32_t k)
     }
 }
 
-static void test_any_frame_keeps_the_start_in_range_and_reaches_every_state(void)
+TEST(test_any_frame_keeps_the_start_in_range_and_reaches_every_state)
 {
     static drive_t other;
     seeded_t seed = {0x57A47U};
@@ -811,7 +806,7 @@ static void test_any_frame_keeps_the_start_in_range_and_reaches_every_state(void
 }
 
 /* The largest of everything that config_check accepts. */
-static void test_any_frame_keeps_the_most_extreme_configuration_in_range(void)
+TEST(test_any_frame_keeps_the_most_extreme_configuration_in_range)
 {
     for (uint32_t run = 0U; run < 20U; run++) {
         seeded_t seed = {0xE17E4U + run};
@@ -873,7 +868,7 @@ static void test_any_frame_keeps_the_most_extreme_configuration_in_range(void)
 
 #define SUPERVISION_TICKS (cfg.slow_ticks * SUPERVISION_STEPS)
 
-static void test_a_hot_power_stage_takes_from_an_imposed_current_too(void)
+TEST(test_a_hot_power_stage_takes_from_an_imposed_current_too)
 {
     static const drive_state_t imposing[] = {DRIVE_STATE_HOLD, DRIVE_STATE_IF_RAMP};
 
@@ -889,7 +884,7 @@ static void test_a_hot_power_stage_takes_from_an_imposed_current_too(void)
     }
 }
 
-static void test_heat_takes_from_an_imposed_current_too(void)
+TEST(test_heat_takes_from_an_imposed_current_too)
 {
     go_to(DRIVE_STATE_HOLD);
     cfg.derating.current_continuous = cfg.startup.current_hold / 2;
@@ -902,7 +897,7 @@ static void test_heat_takes_from_an_imposed_current_too(void)
     TEST_ASSERT_EQUAL_INT32(cfg.startup.current_hold / 2, drive.signals.current_ref.d);
 }
 
-static void test_a_winding_at_rest_cools_whatever_the_last_current_was(void)
+TEST(test_a_winding_at_rest_cools_whatever_the_last_current_was)
 {
     for (int32_t s = DRIVE_STATE_HOLD; s <= (int32_t)DRIVE_STATE_RUN; s++) {
         int32_t before;
@@ -917,43 +912,4 @@ static void test_a_winding_at_rest_cools_whatever_the_last_current_was(void)
         TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
         TEST_ASSERT_LESS_THAN_INT32(before, drive.derating.heat_q24);
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_standing_rotor_is_looked_at_then_aligned_then_held);
-    RUN_TEST(test_a_rotor_is_pulled_in_backwards_for_a_speed_below_zero_only);
-    RUN_TEST(test_a_low_speed_is_dragged_and_never_handed_over);
-    RUN_TEST(test_a_high_speed_is_reached_through_hand_over_in_both_directions);
-    RUN_TEST(test_a_run_that_slows_down_is_handed_back_and_comes_to_rest_held);
-    RUN_TEST(test_alignment_brings_the_rotor_from_every_angle_to_the_angle_of_the_frame);
-    RUN_TEST(test_alignment_measures_what_was_configured);
-    RUN_TEST(test_a_turning_rotor_is_caught_without_alignment_and_goes_on);
-    RUN_TEST(
-        test_a_rotor_that_turns_too_slowly_to_be_taken_over_is_held_by_a_vector_that_turns_with_it);
-    RUN_TEST(test_a_caught_rotor_is_measured_at_its_first_standstill);
-    RUN_TEST(test_a_caught_rotor_has_the_inductance_of_its_pulses_until_it_is_measured);
-    RUN_TEST(test_a_caught_rotor_whose_pulses_do_not_tell_has_a_soft_speed_loop);
-    RUN_TEST(test_a_stop_opens_the_gates_in_its_tick_in_every_state);
-    RUN_TEST(test_a_stop_after_half_of_a_state_opens_the_gates_too);
-    RUN_TEST(test_a_stopped_start_begins_again_with_the_search_for_a_turning_rotor);
-    RUN_TEST(test_each_fault_opens_the_gates_in_its_tick_in_every_state_of_the_start);
-    RUN_TEST(test_a_fault_found_during_the_search_opens_the_gates_in_its_tick);
-    RUN_TEST(test_a_start_is_repeated_as_often_as_allowed_and_is_then_a_fault);
-    RUN_TEST(test_a_failed_start_stays_latched_and_is_tried_afresh_after_clearing);
-    RUN_TEST(test_a_rotor_that_turns_when_its_start_is_repeated_is_caught);
-    RUN_TEST(test_a_rotor_that_is_torn_from_the_vector_makes_the_start_begin_again);
-    RUN_TEST(test_the_tick_that_repeats_a_start_opens_the_gates);
-    RUN_TEST(test_a_current_that_does_not_end_with_open_gates_is_a_stuck_sensor);
-    RUN_TEST(test_a_rotor_that_feeds_the_bus_through_open_gates_is_too_fast_for_it);
-    RUN_TEST(test_low_sides_alone_are_on_for_the_charge_before_the_first_high_side);
-    RUN_TEST(test_a_charge_that_was_stopped_begins_anew_behind_a_new_look);
-    RUN_TEST(test_a_fault_in_the_charge_opens_the_gates_at_once);
-    RUN_TEST(test_any_frame_keeps_the_start_in_range_and_reaches_every_state);
-    RUN_TEST(test_any_frame_keeps_the_most_extreme_configuration_in_range);
-    RUN_TEST(test_a_hot_power_stage_takes_from_an_imposed_current_too);
-    RUN_TEST(test_heat_takes_from_an_imposed_current_too);
-    RUN_TEST(test_a_winding_at_rest_cools_whatever_the_last_current_was);
-    return UNITY_END();
 }

@@ -3,7 +3,7 @@
 #include "example_cfg.h"
 #include "model.h"
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -50,10 +50,6 @@ void setUp(void)
     hold_loop = example_hold_loop_cfg();
     memset(&model, 0x5A, sizeof model);
     model_reset(&model, &NOMINAL);
-}
-
-void tearDown(void)
-{
 }
 
 static int32_t resistance_of(double ratio)
@@ -176,7 +172,7 @@ static void assert_rest_untouched(void)
     TEST_ASSERT_EQUAL_MEMORY(&hold_loop, &hold, sizeof hold);
 }
 
-static void test_reset_takes_the_configured_values_bit_by_bit(void)
+TEST(test_reset_takes_the_configured_values_bit_by_bit)
 {
     TEST_ASSERT_EQUAL_MEMORY(&observer, &model.observer, sizeof observer);
     TEST_ASSERT_EQUAL_MEMORY(&run_loop, &model.run_loop, sizeof run_loop);
@@ -187,7 +183,7 @@ static void test_reset_takes_the_configured_values_bit_by_bit(void)
     TEST_ASSERT_EQUAL_INT32(1 << 30, model.flux_q30);
 }
 
-static void test_measured_ratios_reach_every_weight_and_both_loops_and_nothing_else(void)
+TEST(test_measured_ratios_reach_every_weight_and_both_loops_and_nothing_else)
 {
     static const double resistances[] = {0.5, 0.8, 1.0, 1.3, 1.55};
     static const double inductances[] = {0.65, 0.8, 1.0, 1.2, 1.35};
@@ -204,7 +200,7 @@ static void test_measured_ratios_reach_every_weight_and_both_loops_and_nothing_e
     }
 }
 
-static void test_a_measured_saliency_reaches_the_network_and_the_q_axis(void)
+TEST(test_a_measured_saliency_reaches_the_network_and_the_q_axis)
 {
     static const double nominals[] = {0.8, 1.0, 1.6};
     static const double ratios[] = {0.52, 0.8, 1.0, 1.3, 1.95};
@@ -220,7 +216,7 @@ static void test_a_measured_saliency_reaches_the_network_and_the_q_axis(void)
 }
 
 /* Two current sensors differ by 2 %, and the measurement is not exact. */
-static void test_a_saliency_within_a_32nd_of_the_configured_one_is_that_one(void)
+TEST(test_a_saliency_within_a_32nd_of_the_configured_one_is_that_one)
 {
     static const int32_t nearest[] = {8192 - 256, 8192, 8192 + 256};
 
@@ -236,7 +232,7 @@ static void test_a_saliency_within_a_32nd_of_the_configured_one_is_that_one(void
     TEST_ASSERT_EQUAL_INT32(8192 + 257, model.observer.saliency_q13);
 }
 
-static void test_an_unknown_saliency_leaves_the_configured_one(void)
+TEST(test_an_unknown_saliency_leaves_the_configured_one)
 {
     set_words(resistance_of(1.0), inductance_of(1.2), -1);
     assert_model(1.0, 1.2, 1.0);
@@ -245,7 +241,7 @@ static void test_an_unknown_saliency_leaves_the_configured_one(void)
     assert_model(1.0, 1.2, 1.0);
 }
 
-static void test_what_was_configured_is_measured_as_no_change(void)
+TEST(test_what_was_configured_is_measured_as_no_change)
 {
     const model_t before = model;
 
@@ -261,7 +257,7 @@ static void feed_back(int32_t decay, int32_t units)
     model_reset(&model, &NOMINAL);
 }
 
-static void test_with_feedback_too_what_was_configured_is_measured_as_no_change(void)
+TEST(test_with_feedback_too_what_was_configured_is_measured_as_no_change)
 {
     seeded_t seed = {0xFEEDU};
 
@@ -277,7 +273,7 @@ static void test_with_feedback_too_what_was_configured_is_measured_as_no_change(
     }
 }
 
-static void test_measured_resistance_and_inductance_scale_the_windings_decay_not_the_feedback(void)
+TEST(test_measured_resistance_and_inductance_scale_the_windings_decay_not_the_feedback)
 {
     static const double resistances[] = {0.5, 1.3, 1.55};
     static const double inductances[] = {0.65, 1.0, 1.35};
@@ -303,7 +299,7 @@ static void test_measured_resistance_and_inductance_scale_the_windings_decay_not
     }
 }
 
-static void test_a_new_measurement_replaces_the_last_one(void)
+TEST(test_a_new_measurement_replaces_the_last_one)
 {
     model_t once;
 
@@ -314,7 +310,7 @@ static void test_a_new_measurement_replaces_the_last_one(void)
     TEST_ASSERT_EQUAL_MEMORY(&once, &model, sizeof model);
 }
 
-static void test_ratios_end_at_their_limits(void)
+TEST(test_ratios_end_at_their_limits)
 {
     /* 9830/2^14 = 0.59998, 6554/2^14 = 0.40002. */
     const double r = 9830.0 / ONE_Q14;
@@ -335,7 +331,7 @@ static void test_ratios_end_at_their_limits(void)
     assert_salient_model(1.0, 1.0, 1.0 / 1.5, 1.0);
 }
 
-static void test_with_the_corrections_off_no_measurement_changes_anything(void)
+TEST(test_with_the_corrections_off_no_measurement_changes_anything)
 {
     seeded_t seed = {0x0FF0FFU};
     const model_t before = model;
@@ -350,7 +346,7 @@ static void test_with_the_corrections_off_no_measurement_changes_anything(void)
     }
 }
 
-static void test_each_correction_is_switched_off_alone(void)
+TEST(test_each_correction_is_switched_off_alone)
 {
     cfg.resistance_limit_q14 = 0;
     set(1.5, 1.2);
@@ -418,7 +414,7 @@ static void pace(step_t speed)
     model_pace(&model, &cfg, &NOMINAL, speed);
 }
 
-static void test_gains_are_the_share_of_the_speed_and_not_below_the_least(void)
+TEST(test_gains_are_the_share_of_the_speed_and_not_below_the_least)
 {
     static const struct {
         step_t speed;
@@ -446,7 +442,7 @@ static void test_gains_are_the_share_of_the_speed_and_not_below_the_least(void)
     }
 }
 
-static void test_whole_gains_come_back_bit_for_bit(void)
+TEST(test_whole_gains_come_back_bit_for_bit)
 {
     const model_t before = model;
 
@@ -456,7 +452,7 @@ static void test_whole_gains_come_back_bit_for_bit(void)
     TEST_ASSERT_EQUAL_MEMORY(&before, &model, sizeof model);
 }
 
-static void test_without_a_full_speed_no_speed_changes_anything(void)
+TEST(test_without_a_full_speed_no_speed_changes_anything)
 {
     const model_t before = model;
     seeded_t seed = {0xFACEU};
@@ -467,7 +463,7 @@ static void test_without_a_full_speed_no_speed_changes_anything(void)
     }
 }
 
-static void test_a_measured_inductance_and_the_shares_act_together_in_either_order(void)
+TEST(test_a_measured_inductance_and_the_shares_act_together_in_either_order)
 {
     configure_shares();
     pace(PACE_SPEED / 2);
@@ -477,7 +473,7 @@ static void test_a_measured_inductance_and_the_shares_act_together_in_either_ord
     assert_shares(1.0, 1.0, 1.25);
 }
 
-static void test_any_share_cfg_in_range_keeps_the_gains_in_range(void)
+TEST(test_any_share_cfg_in_range_keeps_the_gains_in_range)
 {
     seeded_t seed = {0x5EEDU};
 
@@ -508,7 +504,7 @@ static void track(double ratio, int32_t periods, step_t speed)
 /* Below half a LSB of e'_d nothing moves; the sum is rounded by the rate of 786 in 2^30. */
 #define FLUX_TOLERANCE ((0.5 / FLUX_CURRENT_LSB) + (786.0 / ONE_Q30))
 
-static void test_flux_converges_to_that_of_the_motor_in_both_directions_of_rotation(void)
+TEST(test_flux_converges_to_that_of_the_motor_in_both_directions_of_rotation)
 {
     static const double ratios[] = {0.76, 0.9, 0.95, 1.0, 1.1, 1.24};
 
@@ -522,7 +518,7 @@ static void test_flux_converges_to_that_of_the_motor_in_both_directions_of_rotat
 }
 
 /* flux_rate is 1 ms/50 ms; (1 − 0.02)^50 = 0.364 of the first error is left, e'_d rounded to LSB: ½ of 2733. */
-static void test_flux_converges_with_its_time_constant(void)
+TEST(test_flux_converges_with_its_time_constant)
 {
     track(0.9, 50, FAST);
     TEST_ASSERT_DOUBLE_WITHIN(0.1 * ((786.0 / 785.8) - 1.0 + (0.5 / 2733.0) + 0.0005),
@@ -530,7 +526,7 @@ static void test_flux_converges_with_its_time_constant(void)
                               model.flux_q30 / ONE_Q30);
 }
 
-static void test_flux_ends_at_its_limits(void)
+TEST(test_flux_ends_at_its_limits)
 {
     track(1.5, 2000, FAST);
     assert_model(1.0, 1.0, 1.25);
@@ -540,7 +536,7 @@ static void test_flux_ends_at_its_limits(void)
     TEST_ASSERT_EQUAL_INT32((1 << 30) - (4096 << 16), model.flux_q30);
 }
 
-static void test_flux_is_tracked_from_the_least_speed_on_only(void)
+TEST(test_flux_is_tracked_from_the_least_speed_on_only)
 {
     const model_t before = model;
     const step_t least = cfg.flux_speed_min;
@@ -556,7 +552,7 @@ static void test_flux_is_tracked_from_the_least_speed_on_only(void)
     TEST_ASSERT_TRUE(model.flux_q30 < before.flux_q30);
 }
 
-static void test_flux_and_inductance_both_reach_the_shift_of_the_state(void)
+TEST(test_flux_and_inductance_both_reach_the_shift_of_the_state)
 {
     track(0.9, 800, FAST);
     set(1.0, 1.2);
@@ -567,7 +563,7 @@ static void test_flux_and_inductance_both_reach_the_shift_of_the_state(void)
 
 /* ---- ends of the formats ---- */
 
-static void test_numbers_without_room_to_grow_end_at_15_bits_and_the_flux_at_27(void)
+TEST(test_numbers_without_room_to_grow_end_at_15_bits_and_the_flux_at_27)
 {
     observer.decay = 32767;
     observer.volt_gain = 32767;
@@ -601,7 +597,7 @@ static void test_numbers_without_room_to_grow_end_at_15_bits_and_the_flux_at_27(
     TEST_ASSERT_EQUAL_INT32(16385, model.observer.feedback_q15);
 }
 
-static void test_a_nominal_resistance_of_zero_is_no_division_by_zero(void)
+TEST(test_a_nominal_resistance_of_zero_is_no_division_by_zero)
 {
     run_loop.resistance_q13 = 0;
     model_reset(&model, &NOMINAL);
@@ -610,7 +606,7 @@ static void test_a_nominal_resistance_of_zero_is_no_division_by_zero(void)
     TEST_ASSERT_EQUAL_INT32(0, model.run_loop.resistance_q13);
 }
 
-static void test_gains_are_whole_with_both_shares_at_a_speed_that_has_them(void)
+TEST(test_gains_are_whole_with_both_shares_at_a_speed_that_has_them)
 {
     const model_cfg_t shares = {.pace = {.full_speed = 1000}, .kappa = {.full_speed = 2000}};
     const model_cfg_t other = {.pace = {.full_speed = 2000}, .kappa = {.full_speed = 1000}};
@@ -627,7 +623,7 @@ static void test_gains_are_whole_with_both_shares_at_a_speed_that_has_them(void)
     TEST_ASSERT_FALSE(model_is_whole(&of_speed, &shares, 2000));
 }
 
-static void test_the_ratio_of_l_q_is_that_of_l_d_times_that_of_the_saliency_rounded_down(void)
+TEST(test_the_ratio_of_l_q_is_that_of_l_d_times_that_of_the_saliency_rounded_down)
 {
     const model_t half = {.inductance_q14 = 8192, .saliency_q14 = 24577};
     const model_t more = {.inductance_q14 = 24576, .saliency_q14 = 32767};
@@ -654,7 +650,7 @@ static void configure_another(void)
 }
 
 /* The same ratios on the new values, as if they had been measured then: no number is of the configuration before. */
-static void test_a_change_is_what_the_same_ratios_make_of_the_new_values(void)
+TEST(test_a_change_is_what_the_same_ratios_make_of_the_new_values)
 {
     model_t fresh;
 
@@ -679,7 +675,7 @@ static void test_a_change_is_what_the_same_ratios_make_of_the_new_values(void)
     TEST_ASSERT_EQUAL_MEMORY(&fresh, &model, sizeof fresh);
 }
 
-static void test_a_change_to_the_same_values_changes_no_bit(void)
+TEST(test_a_change_to_the_same_values_changes_no_bit)
 {
     model_t before;
 
@@ -689,7 +685,7 @@ static void test_a_change_to_the_same_values_changes_no_bit(void)
     TEST_ASSERT_EQUAL_MEMORY(&before, &model, sizeof before);
 }
 
-static void test_narrower_limits_hold_for_what_was_measured_before(void)
+TEST(test_narrower_limits_hold_for_what_was_measured_before)
 {
     model_set(&model, &cfg, &NOMINAL, &MEASURED);
     model.flux_q30 = (int32_t)(0.9375 * ONE_Q30);
@@ -705,39 +701,4 @@ static void test_narrower_limits_hold_for_what_was_measured_before(void)
     TEST_ASSERT_EQUAL_INT32(16384, model.saliency_q14);
     TEST_ASSERT_EQUAL_INT32(0x40000000, model.flux_q30);
     TEST_ASSERT_EQUAL_INT32(run_loop.emf_q13, model.run_loop.emf_q13);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_reset_takes_the_configured_values_bit_by_bit);
-    RUN_TEST(test_measured_ratios_reach_every_weight_and_both_loops_and_nothing_else);
-    RUN_TEST(test_a_measured_saliency_reaches_the_network_and_the_q_axis);
-    RUN_TEST(test_a_saliency_within_a_32nd_of_the_configured_one_is_that_one);
-    RUN_TEST(test_an_unknown_saliency_leaves_the_configured_one);
-    RUN_TEST(test_what_was_configured_is_measured_as_no_change);
-    RUN_TEST(test_with_feedback_too_what_was_configured_is_measured_as_no_change);
-    RUN_TEST(test_measured_resistance_and_inductance_scale_the_windings_decay_not_the_feedback);
-    RUN_TEST(test_a_new_measurement_replaces_the_last_one);
-    RUN_TEST(test_ratios_end_at_their_limits);
-    RUN_TEST(test_with_the_corrections_off_no_measurement_changes_anything);
-    RUN_TEST(test_each_correction_is_switched_off_alone);
-    RUN_TEST(test_flux_converges_to_that_of_the_motor_in_both_directions_of_rotation);
-    RUN_TEST(test_flux_converges_with_its_time_constant);
-    RUN_TEST(test_gains_are_the_share_of_the_speed_and_not_below_the_least);
-    RUN_TEST(test_whole_gains_come_back_bit_for_bit);
-    RUN_TEST(test_without_a_full_speed_no_speed_changes_anything);
-    RUN_TEST(test_a_measured_inductance_and_the_shares_act_together_in_either_order);
-    RUN_TEST(test_any_share_cfg_in_range_keeps_the_gains_in_range);
-    RUN_TEST(test_gains_are_whole_with_both_shares_at_a_speed_that_has_them);
-    RUN_TEST(test_the_ratio_of_l_q_is_that_of_l_d_times_that_of_the_saliency_rounded_down);
-    RUN_TEST(test_flux_ends_at_its_limits);
-    RUN_TEST(test_flux_is_tracked_from_the_least_speed_on_only);
-    RUN_TEST(test_flux_and_inductance_both_reach_the_shift_of_the_state);
-    RUN_TEST(test_numbers_without_room_to_grow_end_at_15_bits_and_the_flux_at_27);
-    RUN_TEST(test_a_nominal_resistance_of_zero_is_no_division_by_zero);
-    RUN_TEST(test_a_change_is_what_the_same_ratios_make_of_the_new_values);
-    RUN_TEST(test_a_change_to_the_same_values_changes_no_bit);
-    RUN_TEST(test_narrower_limits_hold_for_what_was_measured_before);
-    return UNITY_END();
 }

@@ -4,7 +4,7 @@
 #include "figure.h"
 #include "modulator.h"
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -44,10 +44,6 @@ void setUp(void)
     modulator_reset(&mod, &cfg);
 }
 
-void tearDown(void)
-{
-}
-
 /* Configured, and in force. */
 static void set_dead_time(int32_t dead_time_q15)
 {
@@ -74,7 +70,7 @@ static double inverse_error(int32_t bus)
     return fabs((mod.inverse_bus_q12 * (double)bus / (ONE * 4096.0)) - 1.0);
 }
 
-static void test_reset_starts_at_the_lower_bound_and_with_the_configured_dead_time(void)
+TEST(test_reset_starts_at_the_lower_bound_and_with_the_configured_dead_time)
 {
     TEST_ASSERT_EQUAL_INT32(4096, mod.inverse_bus_q12);
     TEST_ASSERT_EQUAL_INT32(cfg.dead_time_q15, mod.dead_time_q15);
@@ -95,7 +91,7 @@ static void correct_at(int32_t bus, int32_t lost)
 #define CORRECTED_TOLERANCE(change) ((abs(change) * 2.0 / 4096.0) + 3.0)
 
 /* A vector along phase a: legs b and c have half of its current, each loses Δt_d/T·u_bus: 4/3 of it together. */
-static void test_dead_time_in_force_grows_by_three_quarters_of_the_lost_share_of_the_bus(void)
+TEST(test_dead_time_in_force_grows_by_three_quarters_of_the_lost_share_of_the_bus)
 {
     cfg.dead_time_q15 = 600;
     cfg.dead_time_band_q15 = 4096;
@@ -109,7 +105,7 @@ static void test_dead_time_in_force_grows_by_three_quarters_of_the_lost_share_of
     }
 }
 
-static void test_a_second_measurement_corrects_what_the_first_left(void)
+TEST(test_a_second_measurement_corrects_what_the_first_left)
 {
     cfg.dead_time_q15 = 600;
     cfg.dead_time_band_q15 = 4096;
@@ -118,7 +114,7 @@ static void test_a_second_measurement_corrects_what_the_first_left(void)
     TEST_ASSERT_INT32_WITHIN(6, 900, mod.dead_time_q15);
 }
 
-static void test_a_change_within_what_the_measurement_repeats_is_none(void)
+TEST(test_a_change_within_what_the_measurement_repeats_is_none)
 {
     cfg.dead_time_q15 = 640;
     cfg.dead_time_band_q15 = 4096;
@@ -137,7 +133,7 @@ static void test_a_change_within_what_the_measurement_repeats_is_none(void)
     }
 }
 
-static void test_a_change_of_exactly_one_64th_is_none_and_one_more_is_taken(void)
+TEST(test_a_change_of_exactly_one_64th_is_none_and_one_more_is_taken)
 {
     cfg.dead_time_q15 = 640;
     cfg.dead_time_band_q15 = 4096;
@@ -149,7 +145,7 @@ static void test_a_change_of_exactly_one_64th_is_none_and_one_more_is_taken(void
     TEST_ASSERT_EQUAL_INT32(651, mod.dead_time_q15);
 }
 
-static void test_correction_of_the_dead_time_stays_within_its_band(void)
+TEST(test_correction_of_the_dead_time_stays_within_its_band)
 {
     cfg.dead_time_q15 = 600;
     cfg.dead_time_band_q15 = 150;
@@ -167,7 +163,7 @@ static void test_correction_of_the_dead_time_stays_within_its_band(void)
     TEST_ASSERT_EQUAL_INT32(600, mod.dead_time_q15);
 }
 
-static void test_the_dead_time_in_force_is_what_is_compensated(void)
+TEST(test_the_dead_time_in_force_is_what_is_compensated)
 {
     const ab_t ratio = {0, 0};
     const ab_t current = {16000, 0};
@@ -184,7 +180,7 @@ static void test_the_dead_time_in_force_is_what_is_compensated(void)
                              (int32_t)before.phase[0] - (cfg.timer_counts / 2));
 }
 
-static void test_reciprocal_has_settled_after_eight_ticks_for_every_bus_above_an_eighth(void)
+TEST(test_reciprocal_has_settled_after_eight_ticks_for_every_bus_above_an_eighth)
 {
     double worst = 0.0;
 
@@ -199,7 +195,7 @@ static void test_reciprocal_has_settled_after_eight_ticks_for_every_bus_above_an
     figure_check("reciprocal after 8 ticks, relative", worst, SETTLED, 0.4);
 }
 
-static void test_reciprocal_stays_settled(void)
+TEST(test_reciprocal_stays_settled)
 {
     for (int32_t bus = 4097; bus <= 32767; bus += 97) {
         modulator_reset(&mod, &cfg);
@@ -210,7 +206,7 @@ static void test_reciprocal_stays_settled(void)
     }
 }
 
-static void test_bus_step_leaves_its_square_for_one_tick(void)
+TEST(test_bus_step_leaves_its_square_for_one_tick)
 {
     double worst = 0.0;
 
@@ -233,7 +229,7 @@ static void test_bus_step_leaves_its_square_for_one_tick(void)
 }
 
 /* r·(2 − r·bus) of numbers whose products leave no rest, the last one half an LSB: that is rounded up. */
-static void test_a_newton_step_is_exact_and_rounded_to_nearest(void)
+TEST(test_a_newton_step_is_exact_and_rounded_to_nearest)
 {
     static const int32_t before[] = {8192, 8192, 6144, 6144};
     static const int32_t buses[] = {20000, 12768, 20000, 20016};
@@ -250,7 +246,7 @@ static void test_a_newton_step_is_exact_and_rounded_to_nearest(void)
 }
 
 /* 1/(32767/32768) = 4096.125/4096. */
-static void test_reciprocal_of_the_full_bus_is_one(void)
+TEST(test_reciprocal_of_the_full_bus_is_one)
 {
     for (int32_t k = 0; k < 8; k++) {
         modulator_track_bus(&mod, 32767);
@@ -258,7 +254,7 @@ static void test_reciprocal_of_the_full_bus_is_one(void)
     }
 }
 
-static void test_reciprocal_of_a_missing_bus_rests_at_its_upper_bound(void)
+TEST(test_reciprocal_of_a_missing_bus_rests_at_its_upper_bound)
 {
     for (int32_t bus = 0; bus <= 3640; bus += 520) { /* below 1/9 of U_b */
         modulator_reset(&mod, &cfg);
@@ -274,7 +270,7 @@ static void test_reciprocal_of_a_missing_bus_rests_at_its_upper_bound(void)
     }
 }
 
-static void test_reciprocal_stays_in_range_for_any_sequence_of_buses(void)
+TEST(test_reciprocal_stays_in_range_for_any_sequence_of_buses)
 {
     seeded_t seed = {0xB055U};
 
@@ -288,7 +284,7 @@ static void test_reciprocal_stays_in_range_for_any_sequence_of_buses(void)
     }
 }
 
-static void test_limit_is_the_largest_ratio_of_the_bus_rounded_down(void)
+TEST(test_limit_is_the_largest_ratio_of_the_bus_rounded_down)
 {
     TEST_ASSERT_EQUAL_INT32(0, modulator_limit(&cfg, 0));
     TEST_ASSERT_EQUAL_INT32(17971, modulator_limit(&cfg, 32767));
@@ -296,7 +292,7 @@ static void test_limit_is_the_largest_ratio_of_the_bus_rounded_down(void)
     TEST_ASSERT_EQUAL_INT32(0, modulator_limit(&cfg, 1));
 }
 
-static void test_ratio_is_the_voltage_over_the_bus_rounded_down(void)
+TEST(test_ratio_is_the_voltage_over_the_bus_rounded_down)
 {
     dq_t ratio;
 
@@ -309,7 +305,7 @@ static void test_ratio_is_the_voltage_over_the_bus_rounded_down(void)
     TEST_ASSERT_EQUAL_INT32(-2, ratio.q);
 }
 
-static void test_ratio_saturates_to_16_bits_on_both_sides(void)
+TEST(test_ratio_saturates_to_16_bits_on_both_sides)
 {
     /* A bus of ½ doubles: the last voltages inside, the first ones beyond. */
     static const int32_t voltages[] = {16383, 16384, 32767, -16383, -16384, -16385, -32767};
@@ -328,7 +324,7 @@ static void test_ratio_saturates_to_16_bits_on_both_sides(void)
     TEST_ASSERT_EQUAL_INT32(-32767, modulator_ratio(&mod, (dq_t){32767, -32767}).q);
 }
 
-static void test_ratio_of_a_demand_on_the_circle_of_a_settled_bus_stays_at_the_largest_ratio(void)
+TEST(test_ratio_of_a_demand_on_the_circle_of_a_settled_bus_stays_at_the_largest_ratio)
 {
     /* Rounded down: the limit by 1 of U_b, 2.25 of a bus of 200 V, and the ratio by 1. */
     const int32_t rounding = 4;
@@ -347,7 +343,7 @@ static void test_ratio_of_a_demand_on_the_circle_of_a_settled_bus_stays_at_the_l
     }
 }
 
-static void test_null_vector_gives_half_duty_on_all_phases(void)
+TEST(test_null_vector_gives_half_duty_on_all_phases)
 {
     const compare_t compare = compare_without_current((ab_t){0, 0});
 
@@ -356,7 +352,7 @@ static void test_null_vector_gives_half_duty_on_all_phases(void)
     }
 }
 
-static void test_counts_round_to_nearest_with_ties_up(void)
+TEST(test_counts_round_to_nearest_with_ties_up)
 {
     compare_t compare;
 
@@ -368,7 +364,7 @@ static void test_counts_round_to_nearest_with_ties_up(void)
     TEST_ASSERT_EQUAL_UINT16(0U, compare.phase[2]);
 }
 
-static void test_vector_along_alpha_raises_phase_a_and_lowers_the_others_alike(void)
+TEST(test_vector_along_alpha_raises_phase_a_and_lowers_the_others_alike)
 {
     /* a = 0.3, b = c = −0.15; common −(0.3 − 0.15)/2: duties 0.725 and 0.275. */
     const compare_t compare = compare_without_current((ab_t){9830, 0});
@@ -378,7 +374,7 @@ static void test_vector_along_alpha_raises_phase_a_and_lowers_the_others_alike(v
     TEST_ASSERT_EQUAL_UINT16(compare.phase[1], compare.phase[2]);
 }
 
-static void test_vector_along_beta_raises_phase_b_against_phase_c(void)
+TEST(test_vector_along_beta_raises_phase_b_against_phase_c)
 {
     const compare_t compare = compare_without_current((ab_t){0, 9830});
 
@@ -402,7 +398,7 @@ static double line_error(ab_t ratio)
     return fmax(ab, fmax(bc, ca));
 }
 
-static void test_phase_to_phase_voltages_equal_the_demand_in_all_directions(void)
+TEST(test_phase_to_phase_voltages_equal_the_demand_in_all_directions)
 {
     static const int32_t timers[] = {100, 8500, 32767};
     static const int32_t radii[] = {18918, 17972, 9000, 100};
@@ -423,7 +419,7 @@ static void test_phase_to_phase_voltages_equal_the_demand_in_all_directions(void
     }
 }
 
-static void test_duties_are_symmetric_about_one_half(void)
+TEST(test_duties_are_symmetric_about_one_half)
 {
     for (int32_t k = 0; k < 4096; k++) {
         const double angle = TWO_PI * k / 4096.0;
@@ -439,7 +435,7 @@ static void test_duties_are_symmetric_about_one_half(void)
     }
 }
 
-static void test_duties_stay_between_zero_and_one_for_any_vector(void)
+TEST(test_duties_stay_between_zero_and_one_for_any_vector)
 {
     seeded_t seed = {0xD07E5U};
 
@@ -456,7 +452,7 @@ static void test_duties_stay_between_zero_and_one_for_any_vector(void)
     }
 }
 
-static void test_too_long_a_vector_is_cut_at_duty_zero_and_one(void)
+TEST(test_too_long_a_vector_is_cut_at_duty_zero_and_one)
 {
     static const ab_t corners[] = {{32767, 0}, {-32767, 0}, {0, 32767}, {0, -32767}};
     static const uint16_t high[] = {0, 1, 1, 2}; /* the phase at duty one, or one of them */
@@ -471,7 +467,7 @@ static void test_too_long_a_vector_is_cut_at_duty_zero_and_one(void)
 }
 
 /* Duty saturates at 32767/32768: below half a count of the timer it is lost in the rounding. */
-static void test_largest_duty_is_full_up_to_16384_counts_and_one_count_short_above(void)
+TEST(test_largest_duty_is_full_up_to_16384_counts_and_one_count_short_above)
 {
     static const int32_t timers[] = {1, 100, 8500, 16384, 16385, 32767};
     static const uint16_t highest[] = {1, 100, 8500, 16384, 16384, 32766};
@@ -509,7 +505,7 @@ static void use_dead_time(void)
     }
 }
 
-static void test_either_dead_time_or_drop_asks_for_the_current(void)
+TEST(test_either_dead_time_or_drop_asks_for_the_current)
 {
     static const int32_t dead_time[] = {0, 1, 0, 1};
     static const int32_t drop[] = {0, 0, 1, 1};
@@ -540,7 +536,7 @@ static double phase_current(ab_t current, uint32_t phase)
 }
 
 /* A phase current is rounded down by up to 2 LSB: one more below zero. */
-static void test_full_loss_is_given_back_to_each_leg_in_the_direction_of_its_current(void)
+TEST(test_full_loss_is_given_back_to_each_leg_in_the_direction_of_its_current)
 {
     use_dead_time();
     for (int32_t k = 0; k < 720; k++) {
@@ -559,7 +555,7 @@ static void test_full_loss_is_given_back_to_each_leg_in_the_direction_of_its_cur
     }
 }
 
-static void test_drop_weighs_more_on_a_lower_bus_and_dead_time_does_not(void)
+TEST(test_drop_weighs_more_on_a_lower_bus_and_dead_time_does_not)
 {
     static const int32_t inverses[] = {4096, 6144, 8192};
     const ab_t current = {3000, 0};
@@ -577,7 +573,7 @@ static void test_drop_weighs_more_on_a_lower_bus_and_dead_time_does_not(void)
     }
 }
 
-static void test_without_dead_time_and_drop_the_current_changes_nothing(void)
+TEST(test_without_dead_time_and_drop_the_current_changes_nothing)
 {
     seeded_t seed = {0xDEAD0U};
 
@@ -595,7 +591,7 @@ static void test_without_dead_time_and_drop_the_current_changes_nothing(void)
  * A ratio along β leaves leg a in the middle, at u = 0: the ripple at its edges is ripple·s with
  * s = √3·β = 20784 (less 1 for rounding), 20784·2000/2^15 = 1268.5.
  */
-static void test_nothing_is_given_back_within_the_ripple_and_everything_a_few_counts_above_it(void)
+TEST(test_nothing_is_given_back_within_the_ripple_and_everything_a_few_counts_above_it)
 {
     const ab_t ratio = {0, 12000};
 
@@ -620,7 +616,7 @@ static void test_nothing_is_given_back_within_the_ripple_and_everything_a_few_co
  */
 #define RIPPLE_LSB (8.0)
 
-static void test_ripple_follows_the_edges_of_the_leg_in_the_middle(void)
+TEST(test_ripple_follows_the_edges_of_the_leg_in_the_middle)
 {
     use_dead_time();
     cfg.ripple_q15 = 16384;
@@ -644,7 +640,7 @@ static void test_ripple_follows_the_edges_of_the_leg_in_the_middle(void)
  */
 #define SYMMETRY_LSB (52)
 
-static void test_the_opposite_current_is_given_back_the_opposite(void)
+TEST(test_the_opposite_current_is_given_back_the_opposite)
 {
     seeded_t seed = {0x0DD5U};
 
@@ -666,7 +662,7 @@ static void test_the_opposite_current_is_given_back_the_opposite(void)
  * At z = ¼, ½ and ¾ of the edge of 64 LSB the shares z·(2 − z) are 7/16, 3/4 and 15/16 of the loss. A current is rounded
  * down by up to 2 LSB, which counts 2·512·781/2^15 = 24.4 each.
  */
-static void test_a_small_current_is_given_back_as_much_as_a_leg_loses_that_commutates_softly(void)
+TEST(test_a_small_current_is_given_back_as_much_as_a_leg_loses_that_commutates_softly)
 {
     static const int32_t sixteenths[] = {7, 12, 15};
 
@@ -680,7 +676,7 @@ static void test_a_small_current_is_given_back_as_much_as_a_leg_loses_that_commu
     }
 }
 
-static void test_duty_goes_steadily_through_zero_current_without_a_jump(void)
+TEST(test_duty_goes_steadily_through_zero_current_without_a_jump)
 {
     static const ab_t ratios[] = {{0, 0}, {0, 12000}, {9000, 0}, {-7000, 5000}};
 
@@ -700,7 +696,7 @@ static void test_duty_goes_steadily_through_zero_current_without_a_jump(void)
     }
 }
 
-static void test_what_is_given_back_cannot_leave_duty_zero_to_one(void)
+TEST(test_what_is_given_back_cannot_leave_duty_zero_to_one)
 {
     compare_t c;
 
@@ -717,7 +713,7 @@ static void test_what_is_given_back_cannot_leave_duty_zero_to_one(void)
  * u = √2, beyond the format: a leg that far out has no edges, so no ripple holds back what it is given. Its duty of
  * 1.56 = √2 + ½ − (√2 − √½)/2 less the loss 2^-2 + 2^-4·8 of a current backwards is below 1 again.
  */
-static void test_a_leg_far_beyond_full_duty_is_given_back_all_within_the_ripple_of_others(void)
+TEST(test_a_leg_far_beyond_full_duty_is_given_back_all_within_the_ripple_of_others)
 {
     const ab_t ratio = {46341, 0};
     const ab_t current = {-8192, 0};
@@ -733,7 +729,7 @@ static void test_a_leg_far_beyond_full_duty_is_given_back_all_within_the_ripple_
                              compare_with(ratio, current).phase[0]);
 }
 
-static void test_duties_stay_between_zero_and_one_for_any_current_and_any_loss(void)
+TEST(test_duties_stay_between_zero_and_one_for_any_current_and_any_loss)
 {
     seeded_t seed = {0xD07E6U};
 
@@ -756,7 +752,7 @@ static void test_duties_stay_between_zero_and_one_for_any_current_and_any_loss(v
     }
 }
 
-static void test_without_anything_to_give_back_both_ways_write_the_same_counts(void)
+TEST(test_without_anything_to_give_back_both_ways_write_the_same_counts)
 {
     seeded_t seed = {0xC0DEU};
 
@@ -772,7 +768,7 @@ static void test_without_anything_to_give_back_both_ways_write_the_same_counts(v
     }
 }
 
-static void test_the_bus_goes_on_as_it_last_changed_rounded_down(void)
+TEST(test_the_bus_goes_on_as_it_last_changed_rounded_down)
 {
     TEST_ASSERT_EQUAL_INT32(20150, modulator_bus_ahead(19900, 20000));
     TEST_ASSERT_EQUAL_INT32(19850, modulator_bus_ahead(20100, 20000));
@@ -781,14 +777,14 @@ static void test_the_bus_goes_on_as_it_last_changed_rounded_down(void)
     TEST_ASSERT_EQUAL_INT32(20000, modulator_bus_ahead(20000, 20000));
 }
 
-static void test_the_bus_ahead_ends_at_zero_and_at_full_scale(void)
+TEST(test_the_bus_ahead_ends_at_zero_and_at_full_scale)
 {
     TEST_ASSERT_EQUAL_INT32(32767, modulator_bus_ahead(0, 32767));
     TEST_ASSERT_EQUAL_INT32(0, modulator_bus_ahead(32767, 0));
 }
 
 /* By how much a measurement has corrected the dead time is kept, as far as the new band goes. */
-static void test_the_correction_of_the_dead_time_stays_with_another_configuration(void)
+TEST(test_the_correction_of_the_dead_time_stays_with_another_configuration)
 {
     modulator_cfg_t other;
 
@@ -807,53 +803,4 @@ static void test_the_correction_of_the_dead_time_stays_with_another_configuratio
     other.dead_time_q15 = 20; /* less than nothing is compensated nowhere */
     modulator_change(&mod, &cfg, &other);
     TEST_ASSERT_EQUAL_INT32(0, mod.dead_time_q15);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_reset_starts_at_the_lower_bound_and_with_the_configured_dead_time);
-    RUN_TEST(test_dead_time_in_force_grows_by_three_quarters_of_the_lost_share_of_the_bus);
-    RUN_TEST(test_a_second_measurement_corrects_what_the_first_left);
-    RUN_TEST(test_a_change_within_what_the_measurement_repeats_is_none);
-    RUN_TEST(test_a_change_of_exactly_one_64th_is_none_and_one_more_is_taken);
-    RUN_TEST(test_correction_of_the_dead_time_stays_within_its_band);
-    RUN_TEST(test_the_dead_time_in_force_is_what_is_compensated);
-    RUN_TEST(test_reciprocal_has_settled_after_eight_ticks_for_every_bus_above_an_eighth);
-    RUN_TEST(test_reciprocal_stays_settled);
-    RUN_TEST(test_bus_step_leaves_its_square_for_one_tick);
-    RUN_TEST(test_a_newton_step_is_exact_and_rounded_to_nearest);
-    RUN_TEST(test_reciprocal_of_the_full_bus_is_one);
-    RUN_TEST(test_reciprocal_of_a_missing_bus_rests_at_its_upper_bound);
-    RUN_TEST(test_reciprocal_stays_in_range_for_any_sequence_of_buses);
-    RUN_TEST(test_the_bus_goes_on_as_it_last_changed_rounded_down);
-    RUN_TEST(test_the_bus_ahead_ends_at_zero_and_at_full_scale);
-    RUN_TEST(test_limit_is_the_largest_ratio_of_the_bus_rounded_down);
-    RUN_TEST(test_ratio_is_the_voltage_over_the_bus_rounded_down);
-    RUN_TEST(test_ratio_saturates_to_16_bits_on_both_sides);
-    RUN_TEST(test_ratio_of_a_demand_on_the_circle_of_a_settled_bus_stays_at_the_largest_ratio);
-    RUN_TEST(test_null_vector_gives_half_duty_on_all_phases);
-    RUN_TEST(test_counts_round_to_nearest_with_ties_up);
-    RUN_TEST(test_vector_along_alpha_raises_phase_a_and_lowers_the_others_alike);
-    RUN_TEST(test_vector_along_beta_raises_phase_b_against_phase_c);
-    RUN_TEST(test_phase_to_phase_voltages_equal_the_demand_in_all_directions);
-    RUN_TEST(test_duties_are_symmetric_about_one_half);
-    RUN_TEST(test_duties_stay_between_zero_and_one_for_any_vector);
-    RUN_TEST(test_too_long_a_vector_is_cut_at_duty_zero_and_one);
-    RUN_TEST(test_largest_duty_is_full_up_to_16384_counts_and_one_count_short_above);
-    RUN_TEST(test_full_loss_is_given_back_to_each_leg_in_the_direction_of_its_current);
-    RUN_TEST(test_drop_weighs_more_on_a_lower_bus_and_dead_time_does_not);
-    RUN_TEST(test_without_dead_time_and_drop_the_current_changes_nothing);
-    RUN_TEST(test_either_dead_time_or_drop_asks_for_the_current);
-    RUN_TEST(test_nothing_is_given_back_within_the_ripple_and_everything_a_few_counts_above_it);
-    RUN_TEST(test_ripple_follows_the_edges_of_the_leg_in_the_middle);
-    RUN_TEST(test_the_opposite_current_is_given_back_the_opposite);
-    RUN_TEST(test_a_small_current_is_given_back_as_much_as_a_leg_loses_that_commutates_softly);
-    RUN_TEST(test_duty_goes_steadily_through_zero_current_without_a_jump);
-    RUN_TEST(test_what_is_given_back_cannot_leave_duty_zero_to_one);
-    RUN_TEST(test_a_leg_far_beyond_full_duty_is_given_back_all_within_the_ripple_of_others);
-    RUN_TEST(test_duties_stay_between_zero_and_one_for_any_current_and_any_loss);
-    RUN_TEST(test_without_anything_to_give_back_both_ways_write_the_same_counts);
-    RUN_TEST(test_the_correction_of_the_dead_time_stays_with_another_configuration);
-    return UNITY_END();
 }

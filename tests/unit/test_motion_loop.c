@@ -3,7 +3,7 @@
 #include "example_cfg.h"
 #include "motion_loop.h"
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -29,10 +29,6 @@ void setUp(void)
     ticks = 10U;
 }
 
-void tearDown(void)
-{
-}
-
 static int64_t magnitude(int64_t x)
 {
     return (x < 0) ? -x : x;
@@ -40,7 +36,7 @@ static int64_t magnitude(int64_t x)
 
 /* ---- speed ---- */
 
-static void test_speed_reset_starts_at_the_present_speed_without_demand(void)
+TEST(test_speed_reset_starts_at_the_present_speed_without_demand)
 {
     speed_loop.pi.integral_q26 = 12345678;
     speed_loop_reset(&speed_loop, 1000000);
@@ -48,7 +44,7 @@ static void test_speed_reset_starts_at_the_present_speed_without_demand(void)
     TEST_ASSERT_EQUAL_INT32(0, speed_loop_step(&speed_loop, &speed_cfg, 1000000, 1000000, torque));
 }
 
-static void test_ramp_reaches_the_target_exactly_and_in_the_fewest_periods(void)
+TEST(test_ramp_reaches_the_target_exactly_and_in_the_fewest_periods)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         const step_t target = sign * 10000001;
@@ -67,13 +63,13 @@ static void test_ramp_reaches_the_target_exactly_and_in_the_fewest_periods(void)
     }
 }
 
-static void test_ramp_looks_but_does_not_move(void)
+TEST(test_ramp_looks_but_does_not_move)
 {
     (void)speed_loop_ramp(&speed_loop, &speed_cfg, 1000000);
     TEST_ASSERT_EQUAL_INT32(0, speed_loop.reference);
 }
 
-static void test_ramp_never_goes_beyond_the_largest_speed_for_any_target(void)
+TEST(test_ramp_never_goes_beyond_the_largest_speed_for_any_target)
 {
     static const step_t targets[] = {INT32_MAX, INT32_MIN, 0x20000000, -0x20000000};
 
@@ -86,7 +82,7 @@ static void test_ramp_never_goes_beyond_the_largest_speed_for_any_target(void)
 }
 
 /* Half of K_p and a quarter of K_i below the limit of the reference, whatever was measured; from there on those of before. */
-static void test_below_its_limit_the_loop_has_the_soft_gains(void)
+TEST(test_below_its_limit_the_loop_has_the_soft_gains)
 {
     const step_t limit = 1000000;
 
@@ -114,7 +110,7 @@ static void test_below_its_limit_the_loop_has_the_soft_gains(void)
     }
 }
 
-static void test_acceleration_feed_forward_follows_the_change_of_the_reference(void)
+TEST(test_acceleration_feed_forward_follows_the_change_of_the_reference)
 {
     /* Change 100000 · 32471 / 2^21 = 1548.3; of the error only 24 LSB at K_p·24 = 15.94·24. */
     speed_cfg.pi.kp = 0;
@@ -124,7 +120,7 @@ static void test_acceleration_feed_forward_follows_the_change_of_the_reference(v
     TEST_ASSERT_EQUAL_INT32(-1549, speed_loop_step(&speed_loop, &speed_cfg, 0, 0, torque));
 }
 
-static void test_feed_forward_alone_cannot_exceed_the_current_limit(void)
+TEST(test_feed_forward_alone_cannot_exceed_the_current_limit)
 {
     speed_cfg.pi.kp = 0;
     speed_cfg.pi.ki = 0;
@@ -132,7 +128,7 @@ static void test_feed_forward_alone_cannot_exceed_the_current_limit(void)
     TEST_ASSERT_EQUAL_INT32(-8192, speed_loop_step(&speed_loop, &speed_cfg, -28000000, 0, torque));
 }
 
-static void test_speed_reference_is_kept_within_the_largest_speed(void)
+TEST(test_speed_reference_is_kept_within_the_largest_speed)
 {
     (void)speed_loop_step(&speed_loop, &speed_cfg, INT32_MAX, 0, torque);
     TEST_ASSERT_EQUAL_INT32(speed_cfg.speed_max, speed_loop.reference);
@@ -140,7 +136,7 @@ static void test_speed_reference_is_kept_within_the_largest_speed(void)
     TEST_ASSERT_EQUAL_INT32(-speed_cfg.speed_max, speed_loop.reference);
 }
 
-static void test_too_slow_a_motor_gets_torque_forwards_and_too_fast_a_one_backwards(void)
+TEST(test_too_slow_a_motor_gets_torque_forwards_and_too_fast_a_one_backwards)
 {
     speed_loop_reset(&speed_loop, 10000000);
     TEST_ASSERT_TRUE(speed_loop_step(&speed_loop, &speed_cfg, 10000000, 9000000, torque) > 0);
@@ -148,7 +144,7 @@ static void test_too_slow_a_motor_gets_torque_forwards_and_too_fast_a_one_backwa
     TEST_ASSERT_TRUE(speed_loop_step(&speed_loop, &speed_cfg, 10000000, 11000000, torque) < 0);
 }
 
-static void test_each_direction_has_its_own_current_limit(void)
+TEST(test_each_direction_has_its_own_current_limit)
 {
     torque = (torque_range_t){-100, 3000};
     TEST_ASSERT_EQUAL_INT32(3000, speed_loop_step(&speed_loop, &speed_cfg, 28000000, 0, torque));
@@ -157,7 +153,7 @@ static void test_each_direction_has_its_own_current_limit(void)
 }
 
 /* Who compares the demand with its limit to tell whether there is torque to spare has to see the limit itself. */
-static void test_both_ends_of_any_range_are_reached(void)
+TEST(test_both_ends_of_any_range_are_reached)
 {
     static const torque_range_t ranges[] = {
         {-100, 3001}, {-101, 3000}, {-3001, 100}, {-3000, 101}, {-1, 0}, {0, 1}, {-16384, 16383}};
@@ -177,7 +173,7 @@ static void test_both_ends_of_any_range_are_reached(void)
 }
 
 /* The integral ends where the demand does: what lies beyond would have to be unwound before the demand moves. */
-static void test_an_integral_held_at_either_end_of_an_uneven_range_leaves_it_at_once(void)
+TEST(test_an_integral_held_at_either_end_of_an_uneven_range_leaves_it_at_once)
 {
     static const torque_range_t ranges[] = {{0, 1000}, {-1000, 0}, {200, 1000}};
 
@@ -203,7 +199,7 @@ static void test_an_integral_held_at_either_end_of_an_uneven_range_leaves_it_at_
 }
 
 /* 2^16 steps lifted by 2^14 are the 2^30 at which a change ends: 2^30 / 2^16 = 16384, one step less would be 16383. */
-static void test_a_lifted_change_ends_at_two_to_the_thirtieth(void)
+TEST(test_a_lifted_change_ends_at_two_to_the_thirtieth)
 {
     torque = (torque_range_t){-16384, 16384};
     speed_cfg.inertia = 1;
@@ -215,7 +211,7 @@ static void test_a_lifted_change_ends_at_two_to_the_thirtieth(void)
 }
 
 /* The limits of the two directions are unequal: that is no torque by itself. */
-static void test_feed_forward_alone_is_the_demand_between_unequal_limits(void)
+TEST(test_feed_forward_alone_is_the_demand_between_unequal_limits)
 {
     static const torque_range_t ranges[] = {{-2000, 6000}, {-6000, 2000}};
 
@@ -234,7 +230,7 @@ static void test_feed_forward_alone_is_the_demand_between_unequal_limits(void)
 }
 
 /* 3 steps lifted by 2^14: 3·2^14·24576 / 2^16 = 18432 cut to the range; a step is 6144. From 2^16 steps on the lift ends. */
-static void test_a_change_is_lifted_where_a_step_takes_more_than_half_an_lsb(void)
+TEST(test_a_change_is_lifted_where_a_step_takes_more_than_half_an_lsb)
 {
     static const step_t changes[] = {1, -1, 0, 3, -3, 65537, -65537, 0x20000000, -0x20000000};
     static const int32_t torques[] = {6144, -6144, 0, 8192, -8192, 8192, -8192, 8192, -8192};
@@ -251,7 +247,7 @@ static void test_a_change_is_lifted_where_a_step_takes_more_than_half_an_lsb(voi
 }
 
 /* Errors beyond ±1 count as that: 2^15·2^14 / 2^20 = 512, and 1 LSB less is rounded down. */
-static void test_speed_error_saturates_to_16_bits_on_both_sides(void)
+TEST(test_speed_error_saturates_to_16_bits_on_both_sides)
 {
     speed_cfg.pi = (pi_cfg_t){.kp = 16384, .kp_shift = 20U, .ki = 0, .ki_shift = 1U};
     speed_cfg.inertia = 0;
@@ -261,7 +257,7 @@ static void test_speed_error_saturates_to_16_bits_on_both_sides(void)
 }
 
 /* What i_q* is compared with is a measured current, which has 15 bits. */
-static void test_current_demand_has_15_bits_with_the_widest_range(void)
+TEST(test_current_demand_has_15_bits_with_the_widest_range)
 {
     torque = (torque_range_t){-16384, 16384};
     for (int32_t k = 0; k < 10000; k++) {
@@ -271,7 +267,7 @@ static void test_current_demand_has_15_bits_with_the_widest_range(void)
                             speed_loop_step(&speed_loop, &speed_cfg, 0, -0x10000000, torque));
 }
 
-static void test_current_demand_stays_within_its_limit_for_any_speeds_and_gains(void)
+TEST(test_current_demand_stays_within_its_limit_for_any_speeds_and_gains)
 {
     seeded_t seed = {0x5FEEDU};
 
@@ -296,7 +292,7 @@ static void test_current_demand_stays_within_its_limit_for_any_speeds_and_gains(
     }
 }
 
-static void test_acceleration_gives_the_feed_forward_alone_and_takes_the_reference_over(void)
+TEST(test_acceleration_gives_the_feed_forward_alone_and_takes_the_reference_over)
 {
     speed_loop_t whole = speed_loop;
 
@@ -311,14 +307,14 @@ static void test_acceleration_gives_the_feed_forward_alone_and_takes_the_referen
     }
 }
 
-static void test_acceleration_leaves_the_integral_alone(void)
+TEST(test_acceleration_leaves_the_integral_alone)
 {
     speed_loop.pi.integral_q26 = 12345678;
     (void)speed_loop_accelerate(&speed_loop, &speed_cfg, 1000000, torque);
     TEST_ASSERT_EQUAL_INT32(12345678, speed_loop.pi.integral_q26);
 }
 
-static void test_acceleration_is_limited_in_current_and_reference_for_any_jump(void)
+TEST(test_acceleration_is_limited_in_current_and_reference_for_any_jump)
 {
     static const step_t ends[] = {INT32_MAX, INT32_MIN, 0x20000000, -0x20000000, 0, 1, -1};
 
@@ -342,7 +338,7 @@ static void test_acceleration_is_limited_in_current_and_reference_for_any_jump(v
     }
 }
 
-static void test_start_goes_on_with_the_given_current_at_a_steady_speed(void)
+TEST(test_start_goes_on_with_the_given_current_at_a_steady_speed)
 {
     static const int32_t currents[] = {0, 1, -1, 4321, -4321, 8192, -8192};
 
@@ -356,7 +352,7 @@ static void test_start_goes_on_with_the_given_current_at_a_steady_speed(void)
     }
 }
 
-static void test_start_with_more_than_the_largest_current_is_limited_in_the_first_period(void)
+TEST(test_start_with_more_than_the_largest_current_is_limited_in_the_first_period)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         speed_loop_start(&speed_loop, 5000000, sign * 32767);
@@ -405,7 +401,7 @@ static void run_to(int64_t target_q32)
     TEST_ASSERT_EQUAL_INT32(0, loop.profile_speed);
 }
 
-static void test_position_reset_starts_where_the_rotor_is_and_as_fast(void)
+TEST(test_position_reset_starts_where_the_rotor_is_and_as_fast)
 {
     loop.profile_speed = 5;
     position_loop_reset(&loop, -123456789012, 0);
@@ -425,7 +421,7 @@ static void use_slow_period(uint32_t count)
     cfg.ramp = (int32_t)(((int64_t)cfg.ramp * count) / 10);
 }
 
-static void test_profile_moves_by_its_speed_times_the_ticks_of_the_period(void)
+TEST(test_profile_moves_by_its_speed_times_the_ticks_of_the_period)
 {
     static const uint32_t periods[] = {2U, 37U};
 
@@ -443,7 +439,7 @@ static void test_profile_moves_by_its_speed_times_the_ticks_of_the_period(void)
     }
 }
 
-static void test_profile_arrives_exactly_without_overshoot_in_short_and_long_slow_periods(void)
+TEST(test_profile_arrives_exactly_without_overshoot_in_short_and_long_slow_periods)
 {
     static const uint32_t periods[] = {2U, 37U};
     seeded_t seed = {0x71C2537U};
@@ -457,7 +453,7 @@ static void test_profile_arrives_exactly_without_overshoot_in_short_and_long_slo
     }
 }
 
-static void test_profile_reaches_seeded_targets_exactly_without_overshoot(void)
+TEST(test_profile_reaches_seeded_targets_exactly_without_overshoot)
 {
     seeded_t seed = {0x7A46E7U};
 
@@ -470,7 +466,7 @@ static void test_profile_reaches_seeded_targets_exactly_without_overshoot(void)
     }
 }
 
-static void test_profile_reaches_full_speed_on_a_long_way(void)
+TEST(test_profile_reaches_full_speed_on_a_long_way)
 {
     step_t fastest = 0;
 
@@ -482,7 +478,7 @@ static void test_profile_reaches_full_speed_on_a_long_way(void)
     TEST_ASSERT_INT32_WITHIN((cfg.speed_max / 32768) + 2, cfg.speed_max, fastest);
 }
 
-static void test_profile_reaches_full_speed_with_the_softest_stop_at_either_end_of_its_units(void)
+TEST(test_profile_reaches_full_speed_with_the_softest_stop_at_either_end_of_its_units)
 {
     static const int32_t inverses[] = {0x10000, 0x20000};
     static const uint32_t shifts[] = {19U, 20U};
@@ -505,7 +501,7 @@ static void test_profile_reaches_full_speed_with_the_softest_stop_at_either_end_
     }
 }
 
-static void test_profile_goes_both_ways_alike(void)
+TEST(test_profile_goes_both_ways_alike)
 {
     position_loop_t other;
 
@@ -518,7 +514,7 @@ static void test_profile_goes_both_ways_alike(void)
     }
 }
 
-static void test_profile_of_one_unit_or_less_jumps(void)
+TEST(test_profile_of_one_unit_or_less_jumps)
 {
     const int64_t unit = (int64_t)1 << cfg.distance_shift;
 
@@ -532,7 +528,7 @@ static void test_profile_of_one_unit_or_less_jumps(void)
     }
 }
 
-static void test_profile_that_turns_round_stands_for_a_moment_and_does_not_jump(void)
+TEST(test_profile_that_turns_round_stands_for_a_moment_and_does_not_jump)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         position_loop_reset(&loop, 0, -sign * cfg.ramp);
@@ -550,7 +546,7 @@ static int64_t stopping_distance(void)
     return ((v * v) / cfg.ramp * (int64_t)ticks) + (magnitude(v) * (int64_t)ticks);
 }
 
-static void test_profile_stops_without_overshoot_at_targets_changed_on_the_way(void)
+TEST(test_profile_stops_without_overshoot_at_targets_changed_on_the_way)
 {
     seeded_t seed = {0x2E7A46E7U};
 
@@ -569,7 +565,7 @@ static void test_profile_stops_without_overshoot_at_targets_changed_on_the_way(v
     }
 }
 
-static void test_profile_keeps_its_limits_and_arrives_for_targets_changed_to_anywhere(void)
+TEST(test_profile_keeps_its_limits_and_arrives_for_targets_changed_to_anywhere)
 {
     seeded_t seed = {0xA4A4A4A4U};
 
@@ -587,7 +583,7 @@ static void test_profile_keeps_its_limits_and_arrives_for_targets_changed_to_any
     TEST_ASSERT_EQUAL_INT64(0, loop.profile_q32);
 }
 
-static void test_profile_keeps_its_acceleration_limit_when_the_target_becomes_where_it_is(void)
+TEST(test_profile_keeps_its_acceleration_limit_when_the_target_becomes_where_it_is)
 {
     for (int32_t k = 0; k < 200; k++) {
         step_profile(40 * TURN_Q32);
@@ -597,7 +593,7 @@ static void test_profile_keeps_its_acceleration_limit_when_the_target_becomes_wh
 }
 
 /* As after a change of mode: 1800 rpm, twice the profile's own limit, and the target is where it is. */
-static void test_profile_started_too_fast_slows_by_one_ramp_a_period_and_comes_back(void)
+TEST(test_profile_started_too_fast_slows_by_one_ramp_a_period_and_comes_back)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         const step_t speed = sign * 25769804;
@@ -627,7 +623,7 @@ static int64_t wrapped(int64_t position_q32, int64_t way)
     return (int64_t)((uint64_t)position_q32 + (uint64_t)way);
 }
 
-static void test_profile_takes_the_shorter_way_across_the_wrap_both_ways(void)
+TEST(test_profile_takes_the_shorter_way_across_the_wrap_both_ways)
 {
     for (int64_t sign = -1; sign <= 1; sign += 2) {
         const int64_t start = wrapped(INT64_MIN, -sign * (TURN_Q32 + 12345));
@@ -645,7 +641,7 @@ static void test_profile_takes_the_shorter_way_across_the_wrap_both_ways(void)
     }
 }
 
-static void test_lag_is_the_shorter_way_across_the_wrap(void)
+TEST(test_lag_is_the_shorter_way_across_the_wrap)
 {
     /* 1/8 turn: as without a wrap, see the next test. */
     const int64_t behind = wrapped(INT64_MIN, -TURN_Q32 / 8);
@@ -656,7 +652,7 @@ static void test_lag_is_the_shorter_way_across_the_wrap(void)
     TEST_ASSERT_EQUAL_INT32(-1686656, position_loop_step(&loop, &cfg, behind, INT64_MIN, ticks));
 }
 
-static void test_targets_half_the_range_away_are_allowed(void)
+TEST(test_targets_half_the_range_away_are_allowed)
 {
     static const int64_t starts[] = {0, INT64_MIN, INT64_MAX, -1};
 
@@ -670,7 +666,7 @@ static void test_targets_half_the_range_away_are_allowed(void)
     }
 }
 
-static void test_profile_works_at_the_ends_of_the_position_range(void)
+TEST(test_profile_works_at_the_ends_of_the_position_range)
 {
     position_loop_reset(&loop, -FAR_AWAY_Q32, 0);
     run_to(-FAR_AWAY_Q32 + TURN_Q32);
@@ -683,14 +679,14 @@ static void test_profile_works_at_the_ends_of_the_position_range(void)
     TEST_ASSERT_TRUE(loop.profile_speed < 0);
 }
 
-static void test_speed_reference_leads_by_the_lag_times_the_gain(void)
+TEST(test_speed_reference_leads_by_the_lag_times_the_gain)
 {
     /* Lag 1/8 turn = 8192 in Q16: 8192·26354 / 2^7 = 1686656. */
     TEST_ASSERT_EQUAL_INT32(1686656, position_loop_step(&loop, &cfg, 0, -TURN_Q32 / 8, ticks));
     TEST_ASSERT_EQUAL_INT32(-1686656, position_loop_step(&loop, &cfg, 0, TURN_Q32 / 8, ticks));
 }
 
-static void test_lag_saturates_at_half_a_turn_on_both_sides(void)
+TEST(test_lag_saturates_at_half_a_turn_on_both_sides)
 {
     const step_t forwards = (step_t)((32767LL * 26354LL) >> 7U);
 
@@ -701,7 +697,7 @@ static void test_lag_saturates_at_half_a_turn_on_both_sides(void)
 }
 
 /* Gain 1. The lag is rounded down to 2^-16 turn; half a turn forwards is one LSB short of it, as Q15 has no +1. */
-static void test_lag_is_rounded_down_up_to_where_it_saturates(void)
+TEST(test_lag_is_rounded_down_up_to_where_it_saturates)
 {
     static const int64_t lags_q32[] = {
         32766LL * 65536,  (32767LL * 65536) - 1,  32767LL * 65536,  32768LL * 65536,
@@ -716,7 +712,7 @@ static void test_lag_is_rounded_down_up_to_where_it_saturates(void)
     }
 }
 
-static void test_lag_adds_at_most_the_profile_speed_limit_to_the_profile(void)
+TEST(test_lag_adds_at_most_the_profile_speed_limit_to_the_profile)
 {
     cfg.gain = 32767;
     cfg.gain_shift = 0U;
@@ -738,8 +734,7 @@ static void test_lag_adds_at_most_the_profile_speed_limit_to_the_profile(void)
  * Without softness the braking curve ends vertically and the profile leaves it where a period costs more
  * than one ramp: it passes the target by less than the way of two ramps in a period.
  */
-static void
-test_profile_without_softness_keeps_its_limits_and_passes_the_target_by_two_ramps_at_most(void)
+TEST(test_profile_without_softness_keeps_its_limits_and_passes_the_target_by_two_ramps_at_most)
 {
     seeded_t seed = {0x50F7U};
     const int64_t allowed = 2 * (int64_t)cfg.ramp * (int64_t)ticks;
@@ -761,7 +756,7 @@ test_profile_without_softness_keeps_its_limits_and_passes_the_target_by_two_ramp
 }
 
 /* Two steps from zero integral: K_p·e + K_i·e, then K_p·e + 2·K_i·e; each part rounded down. */
-static void test_half_the_bandwidth_has_half_of_kp_and_a_quarter_of_ki(void)
+TEST(test_half_the_bandwidth_has_half_of_kp_and_a_quarter_of_ki)
 {
     const int32_t range = 16384;
     const torque_range_t all = {-range, range};
@@ -782,7 +777,7 @@ static void test_half_the_bandwidth_has_half_of_kp_and_a_quarter_of_ki(void)
     TEST_ASSERT_TRUE(whole[1] - whole[0] > 40); /* ten times the roundings */
 }
 
-static void test_the_bandwidth_is_halved_once_and_given_back_whole(void)
+TEST(test_the_bandwidth_is_halved_once_and_given_back_whole)
 {
     speed_loop_lower(&speed_loop);
     speed_loop_lower(&speed_loop);
@@ -795,7 +790,7 @@ static void test_the_bandwidth_is_halved_once_and_given_back_whole(void)
 }
 
 /* The finest gains: the shift of K_i ends, and what is left of it is less than one LSB. */
-static void test_half_the_bandwidth_holds_for_the_finest_gains(void)
+TEST(test_half_the_bandwidth_holds_for_the_finest_gains)
 {
     const torque_range_t all = {-16384, 16384};
 
@@ -833,7 +828,7 @@ static void learn(step_t change, int32_t added_lsb)
 /* The ramp's torque is 2216.7 LSB: a tenth of it is a tenth of J. Mantissa of 15 bits, one rounding down. */
 #define LEARNED_Q17 (2)
 
-static void test_what_the_integral_takes_over_on_a_ramp_goes_to_the_inertia(void)
+TEST(test_what_the_integral_takes_over_on_a_ramp_goes_to_the_inertia)
 {
     allow_learning();
     learn(speed_cfg.ramp, 222);
@@ -844,7 +839,7 @@ static void test_what_the_integral_takes_over_on_a_ramp_goes_to_the_inertia(void
     TEST_ASSERT_INT32_WITHIN(2 * LEARNED_Q17, RATIO_ONE_Q17, speed_loop.inertia_q17);
 }
 
-static void test_below_half_of_the_ramp_the_integral_keeps_it(void)
+TEST(test_below_half_of_the_ramp_the_integral_keeps_it)
 {
     allow_learning();
     learn((speed_cfg.ramp / 2) - 1, 222);
@@ -854,7 +849,7 @@ static void test_below_half_of_the_ramp_the_integral_keeps_it(void)
     TEST_ASSERT_TRUE(speed_loop.inertia_q17 > RATIO_ONE_Q17);
 }
 
-static void test_beyond_the_limits_of_the_inertia_the_integral_keeps_it(void)
+TEST(test_beyond_the_limits_of_the_inertia_the_integral_keeps_it)
 {
     allow_learning();
     speed_loop.inertia_q17 = 3 * RATIO_ONE_Q17;
@@ -868,7 +863,7 @@ static void test_beyond_the_limits_of_the_inertia_the_integral_keeps_it(void)
 }
 
 /* Each limit belongs to the range, and the next LSB does not. */
-static void test_the_inertia_goes_to_its_limits_and_not_beyond(void)
+TEST(test_the_inertia_goes_to_its_limits_and_not_beyond)
 {
     const int32_t limits[] = {RATIO_ONE_Q17 / 2, 3 * RATIO_ONE_Q17};
     const int32_t added[] = {-222, 222};
@@ -890,7 +885,7 @@ static void test_the_inertia_goes_to_its_limits_and_not_beyond(void)
 }
 
 /* 10 of Q26 are 10·30274/2^20 = 0.3 of J's LSB. */
-static void test_what_is_less_than_an_lsb_of_the_inertia_stays_with_the_integral(void)
+TEST(test_what_is_less_than_an_lsb_of_the_inertia_stays_with_the_integral)
 {
     allow_learning();
     speed_loop.pi.integral_q26 = 10;
@@ -900,7 +895,7 @@ static void test_what_is_less_than_an_lsb_of_the_inertia_stays_with_the_integral
 }
 
 /* The smallest rate: 2^16 of Q26 are one of J's LSB. The smallest ramp: a change of one step is all of it. */
-static void test_the_smallest_rate_and_the_smallest_ramp_learn_too(void)
+TEST(test_the_smallest_rate_and_the_smallest_ramp_learn_too)
 {
     allow_learning();
     speed_cfg.inertia_rate = 1;
@@ -914,7 +909,7 @@ static void test_the_smallest_rate_and_the_smallest_ramp_learn_too(void)
     TEST_ASSERT_EQUAL_INT32(RATIO_ONE_Q17, speed_loop.inertia_q17);
 }
 
-static void test_without_limits_to_move_in_nothing_is_learned(void)
+TEST(test_without_limits_to_move_in_nothing_is_learned)
 {
     allow_learning();
     speed_cfg.inertia_least_q13 = 8192;
@@ -925,7 +920,7 @@ static void test_without_limits_to_move_in_nothing_is_learned(void)
     TEST_ASSERT_EQUAL_INT32(-122 * 2048, speed_loop.pi.integral_q26);
 }
 
-static void test_without_a_rate_nothing_is_learned(void)
+TEST(test_without_a_rate_nothing_is_learned)
 {
     allow_learning();
     speed_cfg.inertia_rate = 0;
@@ -934,7 +929,7 @@ static void test_without_a_rate_nothing_is_learned(void)
     TEST_ASSERT_EQUAL_INT32(322 * 2048, speed_loop.pi.integral_q26);
 }
 
-static void test_a_start_keeps_what_was_learned(void)
+TEST(test_a_start_keeps_what_was_learned)
 {
     speed_loop.inertia_q17 = 200000;
     speed_loop_reset(&speed_loop, 1000);
@@ -945,7 +940,7 @@ static void test_a_start_keeps_what_was_learned(void)
 }
 
 /* 1548 LSB for the file's J, test_acceleration_feed_forward_follows_the_change_of_the_reference(). */
-static void test_the_feed_forward_is_that_of_the_inertia_in_force(void)
+TEST(test_the_feed_forward_is_that_of_the_inertia_in_force)
 {
     speed_cfg.pi.kp = 0;
     speed_cfg.pi.ki = 0;
@@ -954,7 +949,7 @@ static void test_the_feed_forward_is_that_of_the_inertia_in_force(void)
                             speed_loop_step(&speed_loop, &speed_cfg, 100000, 0, torque));
 }
 
-static void test_from_one_and_a_half_of_the_inertia_on_half_of_the_integral_gain_acts(void)
+TEST(test_from_one_and_a_half_of_the_inertia_on_half_of_the_integral_gain_acts)
 {
     const int32_t heavy = RATIO_ONE_Q17 / 2 * 3;
     int32_t integral[2];
@@ -996,7 +991,7 @@ static step_t overshoot_behind_a_ramp(double ratio)
  * The speed of a period is measured before its torque acts. So without an error the rotor is a period ahead on a ramp: one
  * change of 100. More than 3 without a J that is learned.
  */
-static void test_a_wrong_inertia_no_longer_overshoots_behind_a_ramp_once_it_is_learned(void)
+TEST(test_a_wrong_inertia_no_longer_overshoots_behind_a_ramp_once_it_is_learned)
 {
     static const double ratios[] = {0.6, 2.5};
 
@@ -1016,7 +1011,7 @@ static void test_a_wrong_inertia_no_longer_overshoots_behind_a_ramp_once_it_is_l
     TEST_ASSERT_TRUE(overshoot_behind_a_ramp(2.5) > (3 * speed_cfg.ramp));
 }
 
-static void test_a_learned_inertia_stays_within_the_limits_of_another_configuration(void)
+TEST(test_a_learned_inertia_stays_within_the_limits_of_another_configuration)
 {
     speed_loop.inertia_q17 = 200000;
     speed_cfg.inertia_least_q13 = 4096;
@@ -1068,7 +1063,7 @@ static int32_t within(int32_t speed, int32_t wanted, speed_end_t *end, speed_end
 }
 
 /* Upper end: error 1000 − 400 = 600, I = 100: up to 700 is free. Beyond, I grows by 600: 600 + 700 = 1300. */
-static void test_the_upper_end_decides_above_its_sum_and_not_at_it(void)
+TEST(test_the_upper_end_decides_above_its_sum_and_not_at_it)
 {
     speed_end_t end;
 
@@ -1086,7 +1081,7 @@ static void test_the_upper_end_decides_above_its_sum_and_not_at_it(void)
 }
 
 /* The same at the lower end, with the signs of the other side. */
-static void test_the_lower_end_decides_below_its_sum_and_not_at_it(void)
+TEST(test_the_lower_end_decides_below_its_sum_and_not_at_it)
 {
     speed_end_t end;
 
@@ -1104,7 +1099,7 @@ static void test_the_lower_end_decides_below_its_sum_and_not_at_it(void)
 }
 
 /* No end has to hold back what the range cuts off anyway: the ends allow ±4000, the range −3000…2500. */
-static void test_what_is_beyond_the_range_is_cut_before_an_end_decides(void)
+TEST(test_what_is_beyond_the_range_is_cut_before_an_end_decides)
 {
     speed_end_t end;
 
@@ -1118,7 +1113,7 @@ static void test_what_is_beyond_the_range_is_cut_before_an_end_decides(void)
 }
 
 /* Ends at ±3000 LSB, the largest speed at 1000: from there on K_p·1000 and as much of I. */
-static void test_the_ends_of_a_window_are_within_the_largest_speed(void)
+TEST(test_the_ends_of_a_window_are_within_the_largest_speed)
 {
     speed_end_t end;
 
@@ -1133,7 +1128,7 @@ static void test_the_ends_of_a_window_are_within_the_largest_speed(void)
 }
 
 /* A change of 400 takes 100 of 500: the load is 400, and a quarter of it is 100; then 300 of 100 are missing: 175. */
-static void test_between_the_ends_the_integral_follows_the_current_less_the_inertia(void)
+TEST(test_between_the_ends_the_integral_follows_the_current_less_the_inertia)
 {
     speed_end_t end = SPEED_END_UPPER;
 
@@ -1148,7 +1143,7 @@ static void test_between_the_ends_the_integral_follows_the_current_less_the_iner
 }
 
 /* Four times the inertia of the largest change of speed: 4·32767 or 4·32768, beyond ±1 of the integral. */
-static void test_a_load_beyond_the_integral_ends_at_it(void)
+TEST(test_a_load_beyond_the_integral_ends_at_it)
 {
     speed_end_t end;
 
@@ -1163,7 +1158,7 @@ static void test_a_load_beyond_the_integral_ends_at_it(void)
 }
 
 /* And the inertia counts the limited change: 4000 of 4004, 8000 of 8004. */
-static void test_within_a_window_the_reference_is_limited_to_the_largest_speed(void)
+TEST(test_within_a_window_the_reference_is_limited_to_the_largest_speed)
 {
     speed_end_t end;
 
@@ -1180,7 +1175,7 @@ static void test_within_a_window_the_reference_is_limited_to_the_largest_speed(v
 }
 
 /* Ends so far away that they allow all of ±16384. */
-static void test_between_the_ends_the_largest_current_has_15_bits(void)
+TEST(test_between_the_ends_the_largest_current_has_15_bits)
 {
     speed_end_t end;
 
@@ -1192,80 +1187,4 @@ static void test_between_the_ends_the_largest_current_has_15_bits(void)
     speed_loop.pi.integral_q26 = 0;
     TEST_ASSERT_EQUAL_INT32(-16384, within(0, -16384, &end, SPEED_END_UPPER));
     TEST_ASSERT_EQUAL_INT(SPEED_END_NONE, end);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_speed_reset_starts_at_the_present_speed_without_demand);
-    RUN_TEST(test_ramp_reaches_the_target_exactly_and_in_the_fewest_periods);
-    RUN_TEST(test_ramp_looks_but_does_not_move);
-    RUN_TEST(test_ramp_never_goes_beyond_the_largest_speed_for_any_target);
-    RUN_TEST(test_below_its_limit_the_loop_has_the_soft_gains);
-    RUN_TEST(test_acceleration_feed_forward_follows_the_change_of_the_reference);
-    RUN_TEST(test_feed_forward_alone_cannot_exceed_the_current_limit);
-    RUN_TEST(test_speed_reference_is_kept_within_the_largest_speed);
-    RUN_TEST(test_too_slow_a_motor_gets_torque_forwards_and_too_fast_a_one_backwards);
-    RUN_TEST(test_each_direction_has_its_own_current_limit);
-    RUN_TEST(test_both_ends_of_any_range_are_reached);
-    RUN_TEST(test_an_integral_held_at_either_end_of_an_uneven_range_leaves_it_at_once);
-    RUN_TEST(test_a_lifted_change_ends_at_two_to_the_thirtieth);
-    RUN_TEST(test_feed_forward_alone_is_the_demand_between_unequal_limits);
-    RUN_TEST(test_a_change_is_lifted_where_a_step_takes_more_than_half_an_lsb);
-    RUN_TEST(test_speed_error_saturates_to_16_bits_on_both_sides);
-    RUN_TEST(test_current_demand_has_15_bits_with_the_widest_range);
-    RUN_TEST(test_current_demand_stays_within_its_limit_for_any_speeds_and_gains);
-    RUN_TEST(test_position_reset_starts_where_the_rotor_is_and_as_fast);
-    RUN_TEST(test_profile_moves_by_its_speed_times_the_ticks_of_the_period);
-    RUN_TEST(test_profile_arrives_exactly_without_overshoot_in_short_and_long_slow_periods);
-    RUN_TEST(test_profile_reaches_seeded_targets_exactly_without_overshoot);
-    RUN_TEST(test_profile_reaches_full_speed_on_a_long_way);
-    RUN_TEST(test_profile_reaches_full_speed_with_the_softest_stop_at_either_end_of_its_units);
-    RUN_TEST(test_profile_goes_both_ways_alike);
-    RUN_TEST(test_profile_of_one_unit_or_less_jumps);
-    RUN_TEST(test_profile_that_turns_round_stands_for_a_moment_and_does_not_jump);
-    RUN_TEST(test_profile_stops_without_overshoot_at_targets_changed_on_the_way);
-    RUN_TEST(test_profile_keeps_its_limits_and_arrives_for_targets_changed_to_anywhere);
-    RUN_TEST(test_profile_keeps_its_acceleration_limit_when_the_target_becomes_where_it_is);
-    RUN_TEST(test_profile_started_too_fast_slows_by_one_ramp_a_period_and_comes_back);
-    RUN_TEST(test_profile_takes_the_shorter_way_across_the_wrap_both_ways);
-    RUN_TEST(test_lag_is_the_shorter_way_across_the_wrap);
-    RUN_TEST(test_targets_half_the_range_away_are_allowed);
-    RUN_TEST(test_profile_works_at_the_ends_of_the_position_range);
-    RUN_TEST(test_speed_reference_leads_by_the_lag_times_the_gain);
-    RUN_TEST(test_lag_saturates_at_half_a_turn_on_both_sides);
-    RUN_TEST(test_lag_is_rounded_down_up_to_where_it_saturates);
-    RUN_TEST(test_lag_adds_at_most_the_profile_speed_limit_to_the_profile);
-    RUN_TEST(
-        test_profile_without_softness_keeps_its_limits_and_passes_the_target_by_two_ramps_at_most);
-    RUN_TEST(test_acceleration_gives_the_feed_forward_alone_and_takes_the_reference_over);
-    RUN_TEST(test_acceleration_leaves_the_integral_alone);
-    RUN_TEST(test_acceleration_is_limited_in_current_and_reference_for_any_jump);
-    RUN_TEST(test_start_goes_on_with_the_given_current_at_a_steady_speed);
-    RUN_TEST(test_start_with_more_than_the_largest_current_is_limited_in_the_first_period);
-    RUN_TEST(test_half_the_bandwidth_has_half_of_kp_and_a_quarter_of_ki);
-    RUN_TEST(test_the_bandwidth_is_halved_once_and_given_back_whole);
-    RUN_TEST(test_half_the_bandwidth_holds_for_the_finest_gains);
-    RUN_TEST(test_what_the_integral_takes_over_on_a_ramp_goes_to_the_inertia);
-    RUN_TEST(test_below_half_of_the_ramp_the_integral_keeps_it);
-    RUN_TEST(test_beyond_the_limits_of_the_inertia_the_integral_keeps_it);
-    RUN_TEST(test_the_inertia_goes_to_its_limits_and_not_beyond);
-    RUN_TEST(test_what_is_less_than_an_lsb_of_the_inertia_stays_with_the_integral);
-    RUN_TEST(test_the_smallest_rate_and_the_smallest_ramp_learn_too);
-    RUN_TEST(test_without_limits_to_move_in_nothing_is_learned);
-    RUN_TEST(test_without_a_rate_nothing_is_learned);
-    RUN_TEST(test_a_start_keeps_what_was_learned);
-    RUN_TEST(test_the_feed_forward_is_that_of_the_inertia_in_force);
-    RUN_TEST(test_from_one_and_a_half_of_the_inertia_on_half_of_the_integral_gain_acts);
-    RUN_TEST(test_a_wrong_inertia_no_longer_overshoots_behind_a_ramp_once_it_is_learned);
-    RUN_TEST(test_a_learned_inertia_stays_within_the_limits_of_another_configuration);
-    RUN_TEST(test_the_upper_end_decides_above_its_sum_and_not_at_it);
-    RUN_TEST(test_the_lower_end_decides_below_its_sum_and_not_at_it);
-    RUN_TEST(test_what_is_beyond_the_range_is_cut_before_an_end_decides);
-    RUN_TEST(test_the_ends_of_a_window_are_within_the_largest_speed);
-    RUN_TEST(test_between_the_ends_the_integral_follows_the_current_less_the_inertia);
-    RUN_TEST(test_a_load_beyond_the_integral_ends_at_it);
-    RUN_TEST(test_within_a_window_the_reference_is_limited_to_the_largest_speed);
-    RUN_TEST(test_between_the_ends_the_largest_current_has_15_bits);
-    return UNITY_END();
 }

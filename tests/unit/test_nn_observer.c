@@ -4,7 +4,7 @@
 #include "figure.h"
 #include "nn_observer.h"
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <complex.h>
 #include <math.h>
@@ -73,10 +73,6 @@ void setUp(void)
 {
     cfg = example_observer_cfg();
     begin();
-}
-
-void tearDown(void)
-{
 }
 
 static double speed_rad_s(double step)
@@ -223,7 +219,7 @@ static double angle_bound_deg(double speed)
 #define GRADIENT_STATE_TOLERANCE (4.0)
 
 /* φ/L_d + (1 − c·s)·i_d + j·(s − c)·i_q of I_x: from the start on, and not changed by a tick. */
-static void test_with_a_frame_share_the_gradient_leaves_out_what_the_current_turns(void)
+TEST(test_with_a_frame_share_the_gradient_leaves_out_what_the_current_turns)
 {
     seeded_t seed = {11U};
 
@@ -252,8 +248,7 @@ static void test_with_a_frame_share_the_gradient_leaves_out_what_the_current_tur
 }
 
 /* Without saliency and with the whole share it is the flux, and a tick's b is e'_q·φ/L_d, whatever the current. */
-static void
-test_with_the_whole_share_the_gradient_of_a_round_motor_does_not_follow_the_current(void)
+TEST(test_with_the_whole_share_the_gradient_of_a_round_motor_does_not_follow_the_current)
 {
     static const int32_t currents[] = {-12000, 0, 12000};
 
@@ -274,7 +269,7 @@ test_with_the_whole_share_the_gradient_of_a_round_motor_does_not_follow_the_curr
     }
 }
 
-static void test_the_gradient_state_follows_the_current_of_the_last_refresh(void)
+TEST(test_the_gradient_state_follows_the_current_of_the_last_refresh)
 {
     static const int32_t shares[] = {1, 8192};
 
@@ -299,7 +294,7 @@ static void test_the_gradient_state_follows_the_current_of_the_last_refresh(void
 }
 
 /* L_q/L_d = 4 and currents at full scale: 3·16384 and more. */
-static void test_the_gradient_state_stays_within_its_format(void)
+TEST(test_the_gradient_state_stays_within_its_format)
 {
     cfg.frame_share_q13 = 8192;
     cfg.saliency_q13 = 32767;
@@ -312,7 +307,7 @@ static void test_the_gradient_state_stays_within_its_format(void)
     }
 }
 
-static void test_start_at_rest_has_the_flux_along_the_d_axis_and_no_current(void)
+TEST(test_start_at_rest_has_the_flux_along_the_d_axis_and_no_current)
 {
     for (uint32_t k = 0U; k < 32U; k++) {
         const double complex flux = cfg.flux_q27 * turn_by(k * TWO_PI / 32.0);
@@ -333,7 +328,7 @@ static void test_start_at_rest_has_the_flux_along_the_d_axis_and_no_current(void
     }
 }
 
-static void test_estimates_find_a_motor_already_running_and_follow_it(void)
+TEST(test_estimates_find_a_motor_already_running_and_follow_it)
 {
     static const double speeds[] = {377.0, -377.0, 200.0, -200.0, 60.0, -60.0};
     double worst_speed = 0.0;
@@ -353,7 +348,7 @@ static void test_estimates_find_a_motor_already_running_and_follow_it(void)
     figure_check("angle error as a share of its bound", worst_angle, 1.0, LEAST_SHARE);
 }
 
-static void test_published_law_follows_a_motor_with_exact_parameters(void)
+TEST(test_published_law_follows_a_motor_with_exact_parameters)
 {
     /* κ = 0.03 lets √(0.03/0.005) times the noise through, and its damping is low: as much again. */
     const double bound = 2.0 * 2.45 * SPEED_BOUND_RAD_S;
@@ -370,7 +365,7 @@ static void test_published_law_follows_a_motor_with_exact_parameters(void)
     figure_check("published law, speed ripple, rad/s", run.speed_error, bound, LEAST_SHARE / 2.0);
 }
 
-static void test_standstill_without_current_stays_exactly_at_rest(void)
+TEST(test_standstill_without_current_stays_exactly_at_rest)
 {
     const run_t run = run_beside_motor(0.0, 0.0, 100000);
 
@@ -378,14 +373,14 @@ static void test_standstill_without_current_stays_exactly_at_rest(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.0, run.angle_error);
 }
 
-static void test_standstill_with_current_keeps_the_speed_within_the_ripple(void)
+TEST(test_standstill_with_current_keeps_the_speed_within_the_ripple)
 {
     const run_t run = run_beside_motor(0.0, 4.0, 40000);
 
     TEST_ASSERT_TRUE(run.speed_error <= SPEED_BOUND_RAD_S);
 }
 
-static void test_speed_turns_the_flux_backwards_in_the_frame_that_runs_forwards(void)
+TEST(test_speed_turns_the_flux_backwards_in_the_frame_that_runs_forwards)
 {
     /* ŷ(k) = … + W2·x̂ with W2 = −T·ω̂: −0.02 rad of 13665 in Q15 of I_x, rounded down. */
     obs.speed_out = 13671306; /* 0.02 rad a tick */
@@ -394,7 +389,7 @@ static void test_speed_turns_the_flux_backwards_in_the_frame_that_runs_forwards(
     TEST_ASSERT_TRUE(obs.error.q > 0);
 }
 
-static void test_voltage_drives_its_own_axis_by_the_gain(void)
+TEST(test_voltage_drives_its_own_axis_by_the_gain)
 {
     const int32_t drive = (int32_t)(((int64_t)cfg.volt_gain * 10000) / 128); /* weight_shift = 7 */
     const int32_t alpha = obs.alpha_q27;
@@ -408,7 +403,7 @@ static void test_voltage_drives_its_own_axis_by_the_gain(void)
     TEST_ASSERT_EQUAL_INT32(0, obs.beta_q27);
 }
 
-static void test_resistance_takes_from_the_current_of_the_last_instant(void)
+TEST(test_resistance_takes_from_the_current_of_the_last_instant)
 {
     /* decay·1000 / 2^7 at standstill; turned through angle 0 by a cosine of 32767: 0.03 of 1000. */
     const double drop = cfg.decay * 1000.0 / 128.0;
@@ -421,7 +416,7 @@ static void test_resistance_takes_from_the_current_of_the_last_instant(void)
 }
 
 /* At speed the current of the middle is that of the rotor half a step ago: turned back by half a step's angle. */
-static void test_resistance_acts_in_the_middle_of_the_turn(void)
+TEST(test_resistance_acts_in_the_middle_of_the_turn)
 {
     for (int32_t k = -7; k <= 7; k++) {
         const double delta = k / 10.0;
@@ -444,7 +439,7 @@ static void test_resistance_acts_in_the_middle_of_the_turn(void)
     }
 }
 
-static void test_current_output_is_in_the_base_of_the_measurement(void)
+TEST(test_current_output_is_in_the_base_of_the_measurement)
 {
     /*
      * 1000 LSB of I_b = 500 of I_x in Q15. L_d/L_q = ½ halves i_q. A cosine of 32767 leaves out 2^-15 of 13165 in
@@ -459,7 +454,7 @@ static void test_current_output_is_in_the_base_of_the_measurement(void)
     TEST_ASSERT_EQUAL_INT32(200 - obs.current.q, obs.error.q);
 }
 
-static void test_current_output_saturates_to_15_bits_on_both_sides(void)
+TEST(test_current_output_saturates_to_15_bits_on_both_sides)
 {
     cfg.current_shift = 3U; /* eight times I_b */
     for (int32_t sign = -1; sign <= 1; sign += 2) {
@@ -485,7 +480,7 @@ static int32_t error_of(double speed_error)
     return (int32_t)lround(-speed_error * PERIOD_S * FLUX / INDUCTANCE / CURRENT_BASE_A * ONE);
 }
 
-static void test_kappa_is_the_share_of_the_speed_error_removed_in_a_sample(void)
+TEST(test_kappa_is_the_share_of_the_speed_error_removed_in_a_sample)
 {
     train_once(error_of(TRAINING_ERROR_RAD_S));
     TEST_ASSERT_DOUBLE_WITHIN(0.005 * TRAINING_ERROR_RAD_S * TRAINING_TOLERANCE,
@@ -496,7 +491,7 @@ static void test_kappa_is_the_share_of_the_speed_error_removed_in_a_sample(void)
                               -0.005 * TRAINING_ERROR_RAD_S, speed_rad_s(obs.speed));
 }
 
-static void test_training_goes_down_along_both_errors(void)
+TEST(test_training_goes_down_along_both_errors)
 {
     /* b = e_q·x̂ − e_d·ŷ with x̂ = 8192, ŷ = 4096 in Q15 of I_x, held: b >> 12 = 2·e_q − e_d. */
     static const dq_t errors[] = {{400, 0},  {0, 400},    {-400, 0},
@@ -516,7 +511,7 @@ static void test_training_goes_down_along_both_errors(void)
 }
 
 /* As above with b >> 4: 2^8 times as much, where small states leave room. */
-static void test_the_gradient_keeps_more_bits_where_it_is_told_to(void)
+TEST(test_the_gradient_keeps_more_bits_where_it_is_told_to)
 {
     cfg.flux_q27 = 32 * 4096;
     cfg.gradient_shift = 4U;
@@ -533,7 +528,7 @@ static void test_the_gradient_keeps_more_bits_where_it_is_told_to(void)
     }
 }
 
-static void test_kappa_with_momentum_is_reached_once_the_momentum_has_built_up(void)
+TEST(test_kappa_with_momentum_is_reached_once_the_momentum_has_built_up)
 {
     static const double alphas[] = {0.5, 0.9, 0.96875};
 
@@ -551,7 +546,7 @@ static void test_kappa_with_momentum_is_reached_once_the_momentum_has_built_up(v
     }
 }
 
-static void test_momentum_hands_out_one_error_over_many_samples_but_no_more_in_all(void)
+TEST(test_momentum_hands_out_one_error_over_many_samples_but_no_more_in_all)
 {
     /* Rounded down to even steps each tick: at most 2 a tick, each handed on 1/(1 − α) = 2 times. */
     const int32_t ticks = 40;
@@ -571,7 +566,7 @@ static void test_momentum_hands_out_one_error_over_many_samples_but_no_more_in_a
     TEST_ASSERT_INT32_WITHIN(tolerance, whole, obs.speed);
 }
 
-static void test_proportional_path_adds_its_share_to_the_inner_speed_only(void)
+TEST(test_proportional_path_adds_its_share_to_the_inner_speed_only)
 {
     train_once(error_of(TRAINING_ERROR_RAD_S));
     TEST_ASSERT_DOUBLE_WITHIN(0.1 * TRAINING_ERROR_RAD_S * TRAINING_TOLERANCE,
@@ -581,7 +576,7 @@ static void test_proportional_path_adds_its_share_to_the_inner_speed_only(void)
                               0.005 * TRAINING_ERROR_RAD_S, speed_rad_s(obs.speed));
 }
 
-static void test_without_the_proportional_path_the_inner_speed_is_the_integral_bit_by_bit(void)
+TEST(test_without_the_proportional_path_the_inner_speed_is_the_integral_bit_by_bit)
 {
     seeded_t seed = {0x0DDBA11U};
     nn_observer_t other = obs;
@@ -627,7 +622,7 @@ static void assert_ranges(void)
     TEST_ASSERT_TRUE(llabs((int64_t)obs.speed_out - obs.speed) <= share);
 }
 
-static void test_integral_speed_stops_at_its_limit_and_the_proportional_path_goes_beyond_it(void)
+TEST(test_integral_speed_stops_at_its_limit_and_the_proportional_path_goes_beyond_it)
 {
     const int32_t x = cfg.flux_q27 / 4096;
 
@@ -646,7 +641,7 @@ static void test_integral_speed_stops_at_its_limit_and_the_proportional_path_goe
 }
 
 /* (22) alone: the largest step, 2^30 less what rounding takes, from one end of the speed to near the other. */
-static void test_without_momentum_the_weight_step_is_not_cut(void)
+TEST(test_without_momentum_the_weight_step_is_not_cut)
 {
     cfg.momentum_q15 = 0;
     cfg.eta = 32767;
@@ -659,7 +654,7 @@ static void test_without_momentum_the_weight_step_is_not_cut(void)
     TEST_ASSERT_EQUAL_INT32(-LARGEST_SPEED_LIMIT + (LARGEST_GRADIENT * 32767), obs.speed);
 }
 
-static void test_inner_speed_saturates_to_30_bits_on_both_sides(void)
+TEST(test_inner_speed_saturates_to_30_bits_on_both_sides)
 {
     cfg.eta = 0;
     cfg.kappa_p = 32767;
@@ -672,7 +667,7 @@ static void test_inner_speed_saturates_to_30_bits_on_both_sides(void)
     TEST_ASSERT_EQUAL_INT32(-WEIGHT_STEP_LIMIT - 1, obs.speed_out);
 }
 
-static void test_errors_saturate_to_14_bits_on_both_sides(void)
+TEST(test_errors_saturate_to_14_bits_on_both_sides)
 {
     static const int32_t currents[] = {8190, 8191, 8192, 65535, -8190, -8191, -8192, -8193, -65535};
     static const int32_t errors[] = {8190, 8191, 8191, 8191, -8190, -8191, -8192, -8192, -8192};
@@ -689,7 +684,7 @@ static void test_errors_saturate_to_14_bits_on_both_sides(void)
     }
 }
 
-static void test_states_saturate_to_28_bits_on_both_sides(void)
+TEST(test_states_saturate_to_28_bits_on_both_sides)
 {
     cfg.decay = 0;
     cfg.eta = 0;
@@ -707,7 +702,7 @@ static void test_states_saturate_to_28_bits_on_both_sides(void)
     }
 }
 
-static void test_weight_step_with_momentum_saturates_to_30_bits_on_both_sides(void)
+TEST(test_weight_step_with_momentum_saturates_to_30_bits_on_both_sides)
 {
     /* 6829·32767 a tick, of which the momentum keeps nearly all: beyond 2^29 in the third. */
     cfg.eta = 32767;
@@ -726,7 +721,7 @@ static void test_weight_step_with_momentum_saturates_to_30_bits_on_both_sides(vo
 }
 
 /* Twice 13665 in Q15 of I_x, times e_q, >> 12: 4910 give ±32761.6 and 4911 ±32768.3, rounded down. */
-static void test_gradient_saturates_to_16_bits_on_both_sides(void)
+TEST(test_gradient_saturates_to_16_bits_on_both_sides)
 {
     static const int32_t errors[] = {4910, 4911, 8191, -4910, -4911, -8191};
     static const int32_t gradients[] = {32761, 32767, 32767, -32762, -32768, -32768};
@@ -781,7 +776,7 @@ static int32_t extreme(seeded_t *seed, int32_t limit)
     return value;
 }
 
-static void test_states_speeds_and_errors_stay_in_range_for_extreme_inputs_and_weights(void)
+TEST(test_states_speeds_and_errors_stay_in_range_for_extreme_inputs_and_weights)
 {
     seeded_t seed = {0xFEEDFACEU};
 
@@ -825,7 +820,7 @@ static step_t step_of(double radians)
  * A state s in the frame beside the exact one, Q15 of I_x: sine and cosine are within 2 of 2^15 of the exact ones, in
  * both products; products and state rounded down, 1.
  */
-static void test_the_frame_sees_its_state_turned_exactly_at_every_speed(void)
+TEST(test_the_frame_sees_its_state_turned_exactly_at_every_speed)
 {
     seeded_t seed = {0x707A7EU};
     double worst = 0.0;
@@ -848,7 +843,7 @@ static void test_the_frame_sees_its_state_turned_exactly_at_every_speed(void)
     figure_check("state in the frame, as a share of its bound", worst, 1.0, 0.3);
 }
 
-static void test_without_weights_the_state_stays_bit_by_bit_at_any_speed(void)
+TEST(test_without_weights_the_state_stays_bit_by_bit_at_any_speed)
 {
     use_rotation_alone();
     for (int32_t k = -70; k <= 70; k++) {
@@ -865,7 +860,7 @@ static void test_without_weights_the_state_stays_bit_by_bit_at_any_speed(void)
 }
 
 /* Forward Euler would have grown by √(1 + Δ²) a tick here; 1/τ of motor A is 0.018 a tick. */
-static void test_resistance_makes_the_network_forget_at_the_largest_speed(void)
+TEST(test_resistance_makes_the_network_forget_at_the_largest_speed)
 {
     double complex settled[2] = {0.0, 0.0};
 
@@ -931,7 +926,7 @@ static double apart_bound(double decay)
     return 2.0 * ((6.0 * 2048.0) + ((2.0 + (4.0 * APART_Q27 / ONE)) / decay * 0.1));
 }
 
-static void test_an_error_of_the_network_turns_with_the_speed_and_decays_with_the_feedback(void)
+TEST(test_an_error_of_the_network_turns_with_the_speed_and_decays_with_the_feedback)
 {
     static const double feedbacks[] = {0.0, 0.03, 0.1 - 0.01832};
     static const double turns[] = {0.0, 0.0377, -0.0377};
@@ -950,7 +945,7 @@ static void test_an_error_of_the_network_turns_with_the_speed_and_decays_with_th
     }
 }
 
-static void test_without_feedback_no_measured_current_reaches_the_network(void)
+TEST(test_without_feedback_no_measured_current_reaches_the_network)
 {
     seeded_t seed = {0xF33DU};
     nn_observer_t other;
@@ -971,7 +966,7 @@ static void test_without_feedback_no_measured_current_reaches_the_network(void)
 }
 
 /* e = −ε/(R_v + jωL) of 30 V, and e' = −ε/(jωL): ρ turns by the same corner. */
-static void test_a_voltage_error_stands_over_the_virtual_impedance_and_rho_turns_it_back(void)
+TEST(test_a_voltage_error_stands_over_the_virtual_impedance_and_rho_turns_it_back)
 {
     static const double speeds[] = {300.0, -300.0, 377.0, -377.0};
     const double volts_to_lsb = ONE / CURRENT_BASE_A;
@@ -996,7 +991,7 @@ static void test_a_voltage_error_stands_over_the_virtual_impedance_and_rho_turns
 
 /* ---- a given speed, a start ---- */
 
-static void test_a_given_speed_is_taken_over_whole_and_trains_nothing(void)
+TEST(test_a_given_speed_is_taken_over_whole_and_trains_nothing)
 {
     seeded_t seed = {0xF0110U};
 
@@ -1014,7 +1009,7 @@ static void test_a_given_speed_is_taken_over_whole_and_trains_nothing(void)
 }
 
 /* Motor of constant speed and known angle: what is left of the errors is the bias of the model. */
-static void test_with_speed_and_angle_given_the_network_reproduces_the_current(void)
+TEST(test_with_speed_and_angle_given_the_network_reproduces_the_current)
 {
     static const double speeds[] = {377.0, -377.0, 100.0, -10.0, 0.0};
     double worst = 0.0;
@@ -1043,7 +1038,7 @@ static void test_with_speed_and_angle_given_the_network_reproduces_the_current(v
     figure_check("current error at the given speed, LSB", worst, MODEL_BIAS_LSB, LEAST_SHARE);
 }
 
-static void test_start_begins_with_the_given_speed_current_and_angle(void)
+TEST(test_start_begins_with_the_given_speed_current_and_angle)
 {
     seeded_t seed = {0x57A27U};
 
@@ -1071,7 +1066,7 @@ static void test_start_begins_with_the_given_speed_current_and_angle(void)
     }
 }
 
-static void test_start_beyond_the_ranges_ends_at_them(void)
+TEST(test_start_beyond_the_ranges_ends_at_them)
 {
     cfg.current_shift = 0U;
     cfg.flux_q27 = STATE_LIMIT;
@@ -1092,7 +1087,7 @@ static void test_start_beyond_the_ranges_ends_at_them(void)
 }
 
 /* 34400 is what a drive's currents reach, as two phases that read full scale are beyond 16 bits together. */
-static void test_start_with_a_current_beyond_16_bits_ends_at_28_bits_of_the_state(void)
+TEST(test_start_with_a_current_beyond_16_bits_ends_at_28_bits_of_the_state)
 {
     static const int32_t beyond[] = {32768, 34400, 65535};
 
@@ -1116,7 +1111,7 @@ static int32_t rho_at(step_t speed)
 }
 
 /* Speed and corner in 2^10 steps: 1024/speed and 1024/corner, relative; the quotient is cut to an integer. */
-static void test_rho_is_the_corner_over_the_speed_with_its_sign(void)
+TEST(test_rho_is_the_corner_over_the_speed_with_its_sign)
 {
     cfg.rho_max_q13 = 32767;
     for (step_t speed = cfg.rho_speed_min; speed < 40000000; speed += 123457) {
@@ -1131,7 +1126,7 @@ static void test_rho_is_the_corner_over_the_speed_with_its_sign(void)
 }
 
 /* 3 and −2: nothing is rounded. */
-static void test_rho_of_multiples_of_the_speed_is_exact(void)
+TEST(test_rho_of_multiples_of_the_speed_is_exact)
 {
     cfg.rho_max_q13 = 32767;
     cfg.rho_speed_min = 1;
@@ -1142,7 +1137,7 @@ static void test_rho_of_multiples_of_the_speed_is_exact(void)
 }
 
 /* Speeds have a resolution of 2^10 in it, below which they count as that: (2^10/2^10) = 1. */
-static void test_rho_below_the_resolution_of_the_speed_is_that_of_the_least_one(void)
+TEST(test_rho_below_the_resolution_of_the_speed_is_that_of_the_least_one)
 {
     cfg.rho_max_q13 = 32767;
     cfg.rho_speed_min = 1;
@@ -1152,7 +1147,7 @@ static void test_rho_below_the_resolution_of_the_speed_is_that_of_the_least_one(
     TEST_ASSERT_EQUAL_INT32(-8192, rho_at(-1));
 }
 
-static void test_rho_is_limited_and_zero_below_the_least_speed(void)
+TEST(test_rho_is_limited_and_zero_below_the_least_speed)
 {
     cfg.rho_max_q13 = 16384;
     TEST_ASSERT_EQUAL_INT32(0, rho_at(cfg.rho_speed_min - 1));
@@ -1164,7 +1159,7 @@ static void test_rho_is_limited_and_zero_below_the_least_speed(void)
     TEST_ASSERT_EQUAL_INT32(0, rho_at(cfg.rho_speed_min));
 }
 
-static void test_rho_exists_at_every_speed_that_the_configuration_allows(void)
+TEST(test_rho_exists_at_every_speed_that_the_configuration_allows)
 {
     static const step_t speeds[] = {0,     1,     -1,    1023,       1024,
                                     -1023, -1024, -1025, 0x20000000, -0x20000000};
@@ -1189,7 +1184,7 @@ static void show_error(dq_t error)
 }
 
 /* e' = (1 − jρ)·(e_d + j·σ·e_q): σ·e_q rounded down, 1 and ρ times it; the products with ρ, 1. */
-static void test_error_is_turned_by_rho_and_stretched_by_the_saliency(void)
+TEST(test_error_is_turned_by_rho_and_stretched_by_the_saliency)
 {
     seeded_t seed = {0x7024EDU};
 
@@ -1209,7 +1204,7 @@ static void test_error_is_turned_by_rho_and_stretched_by_the_saliency(void)
     }
 }
 
-static void test_an_error_that_nothing_rotates_is_taken_as_it_is(void)
+TEST(test_an_error_that_nothing_rotates_is_taken_as_it_is)
 {
     seeded_t seed = {0x7024EEU};
 
@@ -1228,7 +1223,7 @@ static void test_an_error_that_nothing_rotates_is_taken_as_it_is(void)
     }
 }
 
-static void test_rho_or_saliency_alone_rotate_the_error(void)
+TEST(test_rho_or_saliency_alone_rotate_the_error)
 {
     cfg.saliency_q13 = 8193;
     cfg.corner = 0;
@@ -1244,7 +1239,7 @@ static void test_rho_or_saliency_alone_rotate_the_error(void)
     TEST_ASSERT_TRUE(obs.rotates);
 }
 
-static void test_without_rho_and_saliency_the_turned_error_is_the_error_itself(void)
+TEST(test_without_rho_and_saliency_the_turned_error_is_the_error_itself)
 {
     seeded_t seed = {0x7024EEU};
 
@@ -1263,7 +1258,7 @@ static void test_without_rho_and_saliency_the_turned_error_is_the_error_itself(v
  */
 #define STATIC_LSB (1.5 + 2.0 + 0.4)
 
-static void test_errors_of_the_resistance_and_of_the_angle_are_told_apart_at_any_speed(void)
+TEST(test_errors_of_the_resistance_and_of_the_angle_are_told_apart_at_any_speed)
 {
     for (int32_t k = 4; k <= 20; k++) {
         const double speed = 25.0 * k;
@@ -1287,7 +1282,7 @@ static void test_errors_of_the_resistance_and_of_the_angle_are_told_apart_at_any
 
 /* ---- the acceleration of the reference ---- */
 
-static void test_a_change_of_the_reference_moves_the_integral_and_no_more_than_to_its_limit(void)
+TEST(test_a_change_of_the_reference_moves_the_integral_and_no_more_than_to_its_limit)
 {
     const step_t limit = cfg.speed_limit;
     const struct {
@@ -1367,7 +1362,7 @@ static double growth_of_speed_error(bool printed, double kappa, double off)
     return log(largest[WINDOWS - 1] / largest[WINDOWS - 2]) / (WINDOW_TICKS * PERIOD_S);
 }
 
-static void test_angle_advanced_with_the_newer_speed_is_stable_where_the_printed_index_is_not(void)
+TEST(test_angle_advanced_with_the_newer_speed_is_stable_where_the_printed_index_is_not)
 {
     TEST_ASSERT_DOUBLE_WITHIN(PRINTED_TOLERANCE, PRINTED_GROWTH,
                               growth_of_speed_error(true, PAPER_KAPPA, GROWS_FROM));
@@ -1375,7 +1370,7 @@ static void test_angle_advanced_with_the_newer_speed_is_stable_where_the_printed
                               growth_of_speed_error(false, PAPER_KAPPA, DECAYS_FROM));
 }
 
-static void test_printed_index_is_stable_below_a_kappa_of_t_over_tau_and_not_above(void)
+TEST(test_printed_index_is_stable_below_a_kappa_of_t_over_tau_and_not_above)
 {
     const double below = growth_of_speed_error(true, 0.8 * PERIOD_SHARE, DECAYS_FROM);
     const double above = growth_of_speed_error(true, 1.2 * PERIOD_SHARE, GROWS_FROM);
@@ -1389,7 +1384,7 @@ static void test_printed_index_is_stable_below_a_kappa_of_t_over_tau_and_not_abo
  * the stationary frame. A product is rounded down to one in 2^13, which is `unit` of the state; sine and cosine to 2 of 2^15 of
  * both parts; and two roundings down of one, doubled.
  */
-static void test_other_weights_change_the_states_by_what_their_flux_and_saliency_do(void)
+TEST(test_other_weights_change_the_states_by_what_their_flux_and_saliency_do)
 {
     seeded_t chance = {11U};
 
@@ -1420,7 +1415,7 @@ static void test_other_weights_change_the_states_by_what_their_flux_and_saliency
 }
 
 /* At 0 and 90 degrees the parts are the states'. Cosine and sine are 32767: 2^-15 of the part less. */
-static void test_a_change_of_weights_saturates_each_state_and_the_part_of_the_saliency(void)
+TEST(test_a_change_of_weights_saturates_each_state_and_the_part_of_the_saliency)
 {
     const int32_t nearly = STATE_LIMIT / 32768;
     nn_observer_cfg_t now = cfg;
@@ -1441,67 +1436,4 @@ static void test_a_change_of_weights_saturates_each_state_and_the_part_of_the_sa
     obs.beta_q27 = -STATE_LIMIT;
     nn_observer_change(&obs, &now, cfg.flux_q27, cfg.saliency_q13, trig_sincos(0U));
     TEST_ASSERT_INT32_WITHIN(2 * nearly, 0, obs.beta_q27);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_with_a_frame_share_the_gradient_leaves_out_what_the_current_turns);
-    RUN_TEST(test_the_gradient_state_follows_the_current_of_the_last_refresh);
-    RUN_TEST(test_the_gradient_state_stays_within_its_format);
-    RUN_TEST(test_with_the_whole_share_the_gradient_of_a_round_motor_does_not_follow_the_current);
-    RUN_TEST(test_start_at_rest_has_the_flux_along_the_d_axis_and_no_current);
-    RUN_TEST(test_standstill_without_current_stays_exactly_at_rest);
-    RUN_TEST(test_standstill_with_current_keeps_the_speed_within_the_ripple);
-    RUN_TEST(test_speed_turns_the_flux_backwards_in_the_frame_that_runs_forwards);
-    RUN_TEST(test_voltage_drives_its_own_axis_by_the_gain);
-    RUN_TEST(test_resistance_takes_from_the_current_of_the_last_instant);
-    RUN_TEST(test_resistance_acts_in_the_middle_of_the_turn);
-    RUN_TEST(test_current_output_is_in_the_base_of_the_measurement);
-    RUN_TEST(test_current_output_saturates_to_15_bits_on_both_sides);
-    RUN_TEST(test_kappa_is_the_share_of_the_speed_error_removed_in_a_sample);
-    RUN_TEST(test_training_goes_down_along_both_errors);
-    RUN_TEST(test_the_gradient_keeps_more_bits_where_it_is_told_to);
-    RUN_TEST(test_kappa_with_momentum_is_reached_once_the_momentum_has_built_up);
-    RUN_TEST(test_momentum_hands_out_one_error_over_many_samples_but_no_more_in_all);
-    RUN_TEST(test_proportional_path_adds_its_share_to_the_inner_speed_only);
-    RUN_TEST(test_without_the_proportional_path_the_inner_speed_is_the_integral_bit_by_bit);
-    RUN_TEST(test_integral_speed_stops_at_its_limit_and_the_proportional_path_goes_beyond_it);
-    RUN_TEST(test_without_momentum_the_weight_step_is_not_cut);
-    RUN_TEST(test_inner_speed_saturates_to_30_bits_on_both_sides);
-    RUN_TEST(test_errors_saturate_to_14_bits_on_both_sides);
-    RUN_TEST(test_states_saturate_to_28_bits_on_both_sides);
-    RUN_TEST(test_weight_step_with_momentum_saturates_to_30_bits_on_both_sides);
-    RUN_TEST(test_gradient_saturates_to_16_bits_on_both_sides);
-    RUN_TEST(test_states_speeds_and_errors_stay_in_range_for_extreme_inputs_and_weights);
-    RUN_TEST(test_without_weights_the_state_stays_bit_by_bit_at_any_speed);
-    RUN_TEST(test_resistance_makes_the_network_forget_at_the_largest_speed);
-    RUN_TEST(test_an_error_of_the_network_turns_with_the_speed_and_decays_with_the_feedback);
-    RUN_TEST(test_without_feedback_no_measured_current_reaches_the_network);
-    RUN_TEST(test_a_voltage_error_stands_over_the_virtual_impedance_and_rho_turns_it_back);
-    RUN_TEST(test_a_given_speed_is_taken_over_whole_and_trains_nothing);
-    RUN_TEST(test_with_speed_and_angle_given_the_network_reproduces_the_current);
-    RUN_TEST(test_start_begins_with_the_given_speed_current_and_angle);
-    RUN_TEST(test_start_beyond_the_ranges_ends_at_them);
-    RUN_TEST(test_start_with_a_current_beyond_16_bits_ends_at_28_bits_of_the_state);
-    RUN_TEST(test_rho_is_the_corner_over_the_speed_with_its_sign);
-    RUN_TEST(test_rho_of_multiples_of_the_speed_is_exact);
-    RUN_TEST(test_rho_below_the_resolution_of_the_speed_is_that_of_the_least_one);
-    RUN_TEST(test_rho_is_limited_and_zero_below_the_least_speed);
-    RUN_TEST(test_rho_exists_at_every_speed_that_the_configuration_allows);
-    RUN_TEST(test_error_is_turned_by_rho_and_stretched_by_the_saliency);
-    RUN_TEST(test_an_error_that_nothing_rotates_is_taken_as_it_is);
-    RUN_TEST(test_rho_or_saliency_alone_rotate_the_error);
-    RUN_TEST(test_without_rho_and_saliency_the_turned_error_is_the_error_itself);
-    RUN_TEST(test_a_change_of_the_reference_moves_the_integral_and_no_more_than_to_its_limit);
-    RUN_TEST(test_errors_of_the_resistance_and_of_the_angle_are_told_apart_at_any_speed);
-    RUN_TEST(test_angle_advanced_with_the_newer_speed_is_stable_where_the_printed_index_is_not);
-    RUN_TEST(test_printed_index_is_stable_below_a_kappa_of_t_over_tau_and_not_above);
-    /* Last what takes a hundred times as long: of the mutants most are killed before. */
-    RUN_TEST(test_estimates_find_a_motor_already_running_and_follow_it);
-    RUN_TEST(test_published_law_follows_a_motor_with_exact_parameters);
-    RUN_TEST(test_the_frame_sees_its_state_turned_exactly_at_every_speed);
-    RUN_TEST(test_other_weights_change_the_states_by_what_their_flux_and_saliency_do);
-    RUN_TEST(test_a_change_of_weights_saturates_each_state_and_the_part_of_the_saliency);
-    return UNITY_END();
 }

@@ -3,7 +3,7 @@
 #include "example_cfg.h"
 #include "oscillation.h"
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 
@@ -21,10 +21,6 @@ void setUp(void)
     state = (oscillation_t){.now = 0U};
     in = (oscillation_in_t){0, 0};
     fault = (fault_t){.id = FAULT_NONE};
-}
-
-void tearDown(void)
-{
 }
 
 static bool step(double current)
@@ -59,7 +55,7 @@ static uint32_t found_after(const swing_t *swing, uint32_t periods)
 }
 
 /* One half-wave to find a direction, one of each direction to compare with, and a part of one to see the last turn. */
-static void test_a_swing_is_found_after_its_half_waves_up_to_a_quarter_of_the_rate(void)
+TEST(test_a_swing_is_found_after_its_half_waves_up_to_a_quarter_of_the_rate)
 {
     static const double waves[] = {4.0, 7.3, 20.0, 101.0, 500.0};
 
@@ -77,7 +73,7 @@ static void test_a_swing_is_found_after_its_half_waves_up_to_a_quarter_of_the_ra
     }
 }
 
-static void test_value_and_limit_are_amplitudes_in_the_units_of_the_current(void)
+TEST(test_value_and_limit_are_amplitudes_in_the_units_of_the_current)
 {
     const swing_t swing = {4000.0, 20.0, -5000.0, 0.0};
 
@@ -88,7 +84,7 @@ static void test_value_and_limit_are_amplitudes_in_the_units_of_the_current(void
 }
 
 /* Both turning points rounded to a half LSB: a swing is within one of its height. */
-static void test_a_swing_counts_from_the_amplitude_limit_on(void)
+TEST(test_a_swing_counts_from_the_amplitude_limit_on)
 {
     const swing_t over = {cfg.amplitude_max + 1.0, 20.0, 0.0, 0.0};
     const swing_t under = {cfg.amplitude_max - 1.0, 20.0, 0.0, 0.0};
@@ -98,7 +94,7 @@ static void test_a_swing_counts_from_the_amplitude_limit_on(void)
 }
 
 /* ln 2/(20π) = 0.011: the last of 20 half-waves is half the first. */
-static void test_a_swing_that_dies_out_is_not_found_whatever_its_height(void)
+TEST(test_a_swing_that_dies_out_is_not_found_whatever_its_height)
 {
     const swing_t damped = {FULL, 20.0, 0.0, 0.012};
     const swing_t lasting = {FULL, 20.0, 0.0, 0.009};
@@ -111,7 +107,7 @@ static void test_a_swing_that_dies_out_is_not_found_whatever_its_height(void)
 }
 
 /* Each change begins anew; between them less than 20 half-waves fit. */
-static void test_a_motion_that_is_asked_for_is_no_swing(void)
+TEST(test_a_motion_that_is_asked_for_is_no_swing)
 {
     const swing_t swing = {8000.0, 20.0, 0.0, 0.0};
 
@@ -123,7 +119,7 @@ static void test_a_motion_that_is_asked_for_is_no_swing(void)
     }
 }
 
-static void test_on_a_ramp_nothing_is_found(void)
+TEST(test_on_a_ramp_nothing_is_found)
 {
     const swing_t swing = {4000.0, 20.0, 2000.0, 0.0};
 
@@ -133,7 +129,7 @@ static void test_on_a_ramp_nothing_is_found(void)
     }
 }
 
-static void test_a_change_of_the_motion_forgets_what_was_counted(void)
+TEST(test_a_change_of_the_motion_forgets_what_was_counted)
 {
     const swing_t swing = {4000.0, 20.0, 0.0, 0.0};
 
@@ -146,7 +142,7 @@ static void test_a_change_of_the_motion_forgets_what_was_counted(void)
 }
 
 /* Half-waves of 10 and of 35 in turn, so that each is unlike the last one of its direction: loads that come and go. */
-static void test_half_waves_of_unlike_lengths_are_no_swing(void)
+TEST(test_half_waves_of_unlike_lengths_are_no_swing)
 {
     double level = 4000.0;
 
@@ -161,7 +157,7 @@ static void test_half_waves_of_unlike_lengths_are_no_swing(void)
 }
 
 /* A square wave of 1 to 2 is a swing: what saturates is not symmetric. */
-static void test_an_asymmetric_swing_is_found(void)
+TEST(test_an_asymmetric_swing_is_found)
 {
     bool found = false;
 
@@ -176,7 +172,7 @@ static void test_an_asymmetric_swing_is_found(void)
 }
 
 /* Ripple above the limit on a swing of five times its height, and no frequency in common. */
-static void test_ripple_does_not_hide_a_large_swing(void)
+TEST(test_ripple_does_not_hide_a_large_swing)
 {
     const swing_t swing = {10000.0, 50.0, 0.0, 0.0};
     const swing_t ripple = {2000.0, 3.7, 0.0, 0.0};
@@ -191,7 +187,7 @@ static void test_ripple_does_not_hide_a_large_swing(void)
 }
 
 /* Uniform noise turns every one or two slow periods, whatever its size. */
-static void test_noise_is_no_swing_whatever_its_size(void)
+TEST(test_noise_is_no_swing_whatever_its_size)
 {
     seeded_t seed = {2463534242U};
 
@@ -205,7 +201,7 @@ static void test_noise_is_no_swing_whatever_its_size(void)
 }
 
 /* A half-wave, and a sixth of a wave until it has come back by a quarter of its height: 500 of 750 slow periods. */
-static void test_what_is_slower_than_the_longest_half_wave_is_no_swing(void)
+TEST(test_what_is_slower_than_the_longest_half_wave_is_no_swing)
 {
     const swing_t slow = {8000.0, 760.0, 0.0, 0.0};
     const swing_t in_time = {8000.0, 740.0, 0.0, 0.0};
@@ -214,7 +210,7 @@ static void test_what_is_slower_than_the_longest_half_wave_is_no_swing(void)
     TEST_ASSERT_TRUE(found_after(&in_time, 50000U) > 0U);
 }
 
-static void test_after_a_swing_is_found_the_count_begins_anew(void)
+TEST(test_after_a_swing_is_found_the_count_begins_anew)
 {
     const swing_t swing = {4000.0, 20.0, 0.0, 0.0};
     const uint32_t first = found_after(&swing, 1000U);
@@ -224,7 +220,7 @@ static void test_after_a_swing_is_found_the_count_begins_anew(void)
     TEST_ASSERT_TRUE(found_after(&swing, 1000U) >= 200U);
 }
 
-static void test_the_clock_may_wrap(void)
+TEST(test_the_clock_may_wrap)
 {
     const swing_t swing = {4000.0, 20.0, 0.0, 0.0};
 
@@ -241,7 +237,7 @@ static void test_the_clock_may_wrap(void)
     TEST_FAIL_MESSAGE("not found");
 }
 
-static void test_reset_forgets_everything_that_was_seen(void)
+TEST(test_reset_forgets_everything_that_was_seen)
 {
     const swing_t swing = {4000.0, 20.0, 100.0, 0.0};
     const oscillation_t fresh = state;
@@ -254,7 +250,7 @@ static void test_reset_forgets_everything_that_was_seen(void)
 }
 
 /* Whatever the samples are, the state stays within the ranges that state.def says. */
-static void test_the_state_stays_in_its_ranges_for_any_samples(void)
+TEST(test_the_state_stays_in_its_ranges_for_any_samples)
 {
     seeded_t seed = {88172645U};
 
@@ -269,26 +265,4 @@ static void test_the_state_stays_in_its_ranges_for_any_samples(void)
         TEST_ASSERT_INT32_WITHIN(16384, 16384, state.highest);
         TEST_ASSERT_INT32_WITHIN(16383, 16383, state.back);
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_swing_is_found_after_its_half_waves_up_to_a_quarter_of_the_rate);
-    RUN_TEST(test_value_and_limit_are_amplitudes_in_the_units_of_the_current);
-    RUN_TEST(test_a_swing_counts_from_the_amplitude_limit_on);
-    RUN_TEST(test_a_swing_that_dies_out_is_not_found_whatever_its_height);
-    RUN_TEST(test_a_motion_that_is_asked_for_is_no_swing);
-    RUN_TEST(test_on_a_ramp_nothing_is_found);
-    RUN_TEST(test_a_change_of_the_motion_forgets_what_was_counted);
-    RUN_TEST(test_half_waves_of_unlike_lengths_are_no_swing);
-    RUN_TEST(test_an_asymmetric_swing_is_found);
-    RUN_TEST(test_ripple_does_not_hide_a_large_swing);
-    RUN_TEST(test_noise_is_no_swing_whatever_its_size);
-    RUN_TEST(test_what_is_slower_than_the_longest_half_wave_is_no_swing);
-    RUN_TEST(test_after_a_swing_is_found_the_count_begins_anew);
-    RUN_TEST(test_the_clock_may_wrap);
-    RUN_TEST(test_reset_forgets_everything_that_was_seen);
-    RUN_TEST(test_the_state_stays_in_its_ranges_for_any_samples);
-    return UNITY_END();
 }

@@ -2,7 +2,7 @@
 /* Phase compensator: what it accumulates and when, its limits, its sign in both directions. */
 #include "phase_compensator.h"
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <stdint.h>
 
@@ -27,17 +27,13 @@ void setUp(void)
     phase_compensator_start(&comp, 0U);
 }
 
-void tearDown(void)
-{
-}
-
 static int32_t step(dq_t current, bool forwards)
 {
     return phase_compensator_step(&comp, &CFG, current, 0U, 0, forwards);
 }
 
 /* (41): what is measured now turns θ_s of the next sample but one, which the lead of that one shows. */
-static void test_a_current_turns_the_lead_two_steps_later(void)
+TEST(test_a_current_turns_the_lead_two_steps_later)
 {
     TEST_ASSERT_EQUAL_INT32(0, step((dq_t){3000, 3000}, true));
     TEST_ASSERT_EQUAL_INT32(0, step((dq_t){0, 3000}, true));
@@ -45,7 +41,7 @@ static void test_a_current_turns_the_lead_two_steps_later(void)
 }
 
 /* Both as 32767, −32768: 45°. */
-static void test_a_current_beyond_16_bits_keeps_its_sign_and_counts_as_the_largest(void)
+TEST(test_a_current_beyond_16_bits_keeps_its_sign_and_counts_as_the_largest)
 {
     (void)step((dq_t){40000, 1000000}, true);
     TEST_ASSERT_INT32_WITHIN(ANGLE_ERROR, EIGHTH, comp.current_angle);
@@ -54,7 +50,7 @@ static void test_a_current_beyond_16_bits_keeps_its_sign_and_counts_as_the_large
 }
 
 /* (43) and not (42): each sample adds to what is there, and without i_d the lead stays. */
-static void test_the_lead_accumulates_and_stays_without_i_d(void)
+TEST(test_the_lead_accumulates_and_stays_without_i_d)
 {
     for (int32_t k = 0; k < 10; k++) {
         (void)step((dq_t){3000, 3000}, true);
@@ -65,7 +61,7 @@ static void test_the_lead_accumulates_and_stays_without_i_d(void)
     }
 }
 
-static void test_the_firing_angle_goes_on_with_the_rotor(void)
+TEST(test_the_firing_angle_goes_on_with_the_rotor)
 {
     const step_t speed = 3 * DEGREE;
     angle_t rotor = 0xF0000000U; /* over the end of a turn */
@@ -79,13 +75,13 @@ static void test_the_firing_angle_goes_on_with_the_rotor(void)
 }
 
 /* A rotor that does not turn as the detector says shows in the lead: K2 = 1 takes it for true. */
-static void test_a_speed_that_is_off_is_seen_in_the_lead(void)
+TEST(test_a_speed_that_is_off_is_seen_in_the_lead)
 {
     (void)phase_compensator_step(&comp, &CFG, (dq_t){0, 3000}, 0U, DEGREE, true);
     TEST_ASSERT_EQUAL_INT32(DEGREE, step((dq_t){0, 3000}, true));
 }
 
-static void test_braking_turns_the_lead_as_motoring_does(void)
+TEST(test_braking_turns_the_lead_as_motoring_does)
 {
     static const int32_t i_q[] = {3000, -3000};
 
@@ -98,7 +94,7 @@ static void test_braking_turns_the_lead_as_motoring_does(void)
     }
 }
 
-static void test_backwards_is_the_mirror_of_forwards(void)
+TEST(test_backwards_is_the_mirror_of_forwards)
 {
     seeded_t seeded = {7U};
     phase_compensator_t mirror;
@@ -114,7 +110,7 @@ static void test_backwards_is_the_mirror_of_forwards(void)
     }
 }
 
-static void test_the_lead_ends_at_its_limits_and_leaves_them_at_once(void)
+TEST(test_the_lead_ends_at_its_limits_and_leaves_them_at_once)
 {
     static const int32_t end[] = {40 * DEGREE, -5 * DEGREE};
     static const int32_t i_d[] = {3000, -3000};
@@ -133,7 +129,7 @@ static void test_the_lead_ends_at_its_limits_and_leaves_them_at_once(void)
 }
 
 /* A quarter of current_min in d, nothing in q: atan(1/4) and not 90°. */
-static void test_a_small_vector_has_no_large_angle(void)
+TEST(test_a_small_vector_has_no_large_angle)
 {
     const int32_t angle = 167458907; /* atan(1/4) = 14.0362° */
 
@@ -146,7 +142,7 @@ static void test_a_small_vector_has_no_large_angle(void)
 }
 
 /* i_d at i_q = 0 and its α_r = atan(i_d/current_min): it fades with the vector, and so does the step of the lead. */
-static void test_the_smaller_the_vector_the_less_the_lead_moves(void)
+TEST(test_the_smaller_the_vector_the_less_the_lead_moves)
 {
     static const int32_t i_d[] = {1000, 250, 10, 0};
     static const int32_t angle[] = {EIGHTH, 167458907, 6835425, 0}; /* 45°, 14.04°, 0.573°, 0 */
@@ -162,7 +158,7 @@ static void test_the_smaller_the_vector_the_less_the_lead_moves(void)
     }
 }
 
-static void test_without_gain_the_lead_stays_whatever_flows(void)
+TEST(test_without_gain_the_lead_stays_whatever_flows)
 {
     phase_compensator_cfg_t cfg = CFG;
 
@@ -174,7 +170,7 @@ static void test_without_gain_the_lead_stays_whatever_flows(void)
     }
 }
 
-static void test_a_new_start_forgets_the_current(void)
+TEST(test_a_new_start_forgets_the_current)
 {
     (void)step((dq_t){3000, 3000}, true);
     phase_compensator_start(&comp, (angle_t)DEGREE);
@@ -183,7 +179,7 @@ static void test_a_new_start_forgets_the_current(void)
     TEST_ASSERT_EQUAL_INT32(DEGREE, step((dq_t){0, 3000}, true));
 }
 
-static void test_any_state_and_input_stays_within_its_limits(void)
+TEST(test_any_state_and_input_stays_within_its_limits)
 {
     seeded_t seeded = {11U};
 
@@ -200,23 +196,4 @@ static void test_any_state_and_input_stays_within_its_limits(void)
         TEST_ASSERT_TRUE((lead >= lowest) && (lead <= highest));
         TEST_ASSERT_TRUE((comp.current_angle >= -QUARTER) && (comp.current_angle <= QUARTER));
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_current_turns_the_lead_two_steps_later);
-    RUN_TEST(test_a_current_beyond_16_bits_keeps_its_sign_and_counts_as_the_largest);
-    RUN_TEST(test_the_lead_accumulates_and_stays_without_i_d);
-    RUN_TEST(test_the_firing_angle_goes_on_with_the_rotor);
-    RUN_TEST(test_a_speed_that_is_off_is_seen_in_the_lead);
-    RUN_TEST(test_braking_turns_the_lead_as_motoring_does);
-    RUN_TEST(test_backwards_is_the_mirror_of_forwards);
-    RUN_TEST(test_the_lead_ends_at_its_limits_and_leaves_them_at_once);
-    RUN_TEST(test_a_small_vector_has_no_large_angle);
-    RUN_TEST(test_the_smaller_the_vector_the_less_the_lead_moves);
-    RUN_TEST(test_without_gain_the_lead_stays_whatever_flows);
-    RUN_TEST(test_a_new_start_forgets_the_current);
-    RUN_TEST(test_any_state_and_input_stays_within_its_limits);
-    return UNITY_END();
 }

@@ -4,7 +4,7 @@
 #include "fx.h"
 #include "pi.h"
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -23,16 +23,12 @@ void setUp(void)
     pi_reset(&pi, 0);
 }
 
-void tearDown(void)
-{
-}
-
 /* kp = 0.5, K_i·T = 2^-10. */
 static const pi_cfg_t PLAIN = {.kp = 16384, .kp_shift = 15U, .ki = 16384, .ki_shift = 13U};
 static const pi_cfg_t ONLY_KP = {.kp = 16384, .kp_shift = 15U, .ki = 0, .ki_shift = 1U};
 static const pi_cfg_t ONLY_KI = {.kp = 0, .kp_shift = 15U, .ki = 16384, .ki_shift = 13U};
 
-static void test_reset_starts_the_output_at_the_given_value(void)
+TEST(test_reset_starts_the_output_at_the_given_value)
 {
     static const int32_t starts[] = {0, 1, -1, 12345, -12345, 32767, -32767};
 
@@ -42,7 +38,7 @@ static void test_reset_starts_the_output_at_the_given_value(void)
     }
 }
 
-static void test_proportional_part_is_error_times_gain_rounded_down(void)
+TEST(test_proportional_part_is_error_times_gain_rounded_down)
 {
     TEST_ASSERT_EQUAL_INT32(500, pi_step(&pi, &ONLY_KP, 1000, 0, 32767));
     TEST_ASSERT_EQUAL_INT32(500, pi_step(&pi, &ONLY_KP, 1001, 0, 32767));
@@ -50,19 +46,19 @@ static void test_proportional_part_is_error_times_gain_rounded_down(void)
     TEST_ASSERT_EQUAL_INT32(-1, pi_step(&pi, &ONLY_KP, -1, 0, 32767));
 }
 
-static void test_feed_forward_is_added_as_it_is(void)
+TEST(test_feed_forward_is_added_as_it_is)
 {
     TEST_ASSERT_EQUAL_INT32(1500, pi_step(&pi, &ONLY_KP, 1000, 1000, 32767));
     TEST_ASSERT_EQUAL_INT32(-500, pi_step(&pi, &ONLY_KP, 1000, -1000, 32767));
 }
 
-static void test_feed_forward_alone_does_not_reach_the_integral(void)
+TEST(test_feed_forward_alone_does_not_reach_the_integral)
 {
     (void)pi_step(&pi, &PLAIN, 0, 30000, 32767);
     TEST_ASSERT_EQUAL_INT32(0, pi_step(&pi, &PLAIN, 0, 0, 32767));
 }
 
-static void test_integral_acts_in_the_step_of_its_error(void)
+TEST(test_integral_acts_in_the_step_of_its_error)
 {
     /* Backward difference: I(k) contains e(k). 1024·2^-10 = 1. */
     TEST_ASSERT_EQUAL_INT32(1, pi_step(&pi, &ONLY_KI, 1024, 0, 32767));
@@ -70,7 +66,7 @@ static void test_integral_acts_in_the_step_of_its_error(void)
     TEST_ASSERT_EQUAL_INT32(1, pi_step(&pi, &ONLY_KI, -1024, 0, 32767));
 }
 
-static void test_error_of_one_lsb_is_integrated_without_loss(void)
+TEST(test_error_of_one_lsb_is_integrated_without_loss)
 {
     /* 2^-10 a step: one LSB of the output in 1024 steps, on either side. */
     int32_t output = 0;
@@ -85,7 +81,7 @@ static void test_error_of_one_lsb_is_integrated_without_loss(void)
     TEST_ASSERT_EQUAL_INT32(-10, output);
 }
 
-static void test_gain_of_two_to_the_minus_eleven_still_integrates_one_lsb(void)
+TEST(test_gain_of_two_to_the_minus_eleven_still_integrates_one_lsb)
 {
     /* K_i·T = 2^14 / 2^(14 + 11): 2048 steps for one LSB. */
     const pi_cfg_t slow = {.kp = 0, .kp_shift = 1U, .ki = 16384, .ki_shift = 14U};
@@ -98,7 +94,7 @@ static void test_gain_of_two_to_the_minus_eleven_still_integrates_one_lsb(void)
     TEST_ASSERT_EQUAL_INT32(1, pi_step(&pi, &slow, 1, 0, 32767));
 }
 
-static void test_output_is_limited_on_both_sides_exactly_at_the_limit(void)
+TEST(test_output_is_limited_on_both_sides_exactly_at_the_limit)
 {
     TEST_ASSERT_EQUAL_INT32(999, pi_step(&pi, &ONLY_KP, 1998, 0, 1000));
     TEST_ASSERT_EQUAL_INT32(1000, pi_step(&pi, &ONLY_KP, 2000, 0, 1000));
@@ -107,13 +103,13 @@ static void test_output_is_limited_on_both_sides_exactly_at_the_limit(void)
     TEST_ASSERT_EQUAL_INT32(-1000, pi_step(&pi, &ONLY_KP, -2002, 0, 1000));
 }
 
-static void test_limit_of_zero_gives_zero(void)
+TEST(test_limit_of_zero_gives_zero)
 {
     TEST_ASSERT_EQUAL_INT32(0, pi_step(&pi, &PLAIN, 65535, 1000, 0));
     TEST_ASSERT_EQUAL_INT32(0, pi_step(&pi, &PLAIN, -65535, -1000, 0));
 }
 
-static void test_integral_does_not_move_further_into_a_reached_limit(void)
+TEST(test_integral_does_not_move_further_into_a_reached_limit)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         pi_reset(&pi, 0);
@@ -124,7 +120,7 @@ static void test_integral_does_not_move_further_into_a_reached_limit(void)
     }
 }
 
-static void test_integral_moves_up_to_an_output_exactly_at_the_limit(void)
+TEST(test_integral_moves_up_to_an_output_exactly_at_the_limit)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         pi_reset(&pi, sign * 999);
@@ -133,7 +129,7 @@ static void test_integral_moves_up_to_an_output_exactly_at_the_limit(void)
     }
 }
 
-static void test_output_leaves_the_limit_as_soon_as_the_error_turns(void)
+TEST(test_output_leaves_the_limit_as_soon_as_the_error_turns)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         pi_reset(&pi, 0);
@@ -144,7 +140,7 @@ static void test_output_leaves_the_limit_as_soon_as_the_error_turns(void)
     }
 }
 
-static void test_integral_still_moves_out_of_a_limit_that_feed_forward_holds(void)
+TEST(test_integral_still_moves_out_of_a_limit_that_feed_forward_holds)
 {
     pi_reset(&pi, 500);
     TEST_ASSERT_EQUAL_INT32(1000, pi_step(&pi, &ONLY_KI, -10240, 2000, 1000));
@@ -154,7 +150,7 @@ static void test_integral_still_moves_out_of_a_limit_that_feed_forward_holds(voi
     TEST_ASSERT_EQUAL_INT32(-490 * ONE_LSB, pi.integral_q26);
 }
 
-static void test_integral_saturates_at_one_on_both_sides(void)
+TEST(test_integral_saturates_at_one_on_both_sides)
 {
     /* 32767·2^-10 a step: full scale takes 1024 steps. The feed-forward keeps the output off its limit. */
     for (int32_t i = 0; i < 1100; i++) {
@@ -170,7 +166,7 @@ static void test_integral_saturates_at_one_on_both_sides(void)
     TEST_ASSERT_EQUAL_INT32(-768, pi_step(&pi, &ONLY_KI, -32767, 32000, 32767));
 }
 
-static void test_integral_reaches_exactly_one_before_it_saturates(void)
+TEST(test_integral_reaches_exactly_one_before_it_saturates)
 {
     /* An error of one is 2 units of the integral; 32767 lies 2048 below 1. */
     static const int32_t errors[] = {1023, 1024, 1025, -1023, -1024, -1025};
@@ -186,7 +182,7 @@ static void test_integral_reaches_exactly_one_before_it_saturates(void)
     }
 }
 
-static void test_integral_beyond_a_shrunk_limit_is_frozen_until_the_error_turns(void)
+TEST(test_integral_beyond_a_shrunk_limit_is_frozen_until_the_error_turns)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         pi_reset(&pi, sign * 20000);
@@ -203,7 +199,7 @@ static void test_integral_beyond_a_shrunk_limit_is_frozen_until_the_error_turns(
     }
 }
 
-static void test_unwind_gives_the_excess_back(void)
+TEST(test_unwind_gives_the_excess_back)
 {
     pi_reset(&pi, 1000);
     pi_unwind(&pi, 300);
@@ -212,7 +208,7 @@ static void test_unwind_gives_the_excess_back(void)
     TEST_ASSERT_EQUAL_INT32(1000, pi_step(&pi, &PLAIN, 0, 0, 32767));
 }
 
-static void test_unwind_saturates_at_one_on_both_sides(void)
+TEST(test_unwind_saturates_at_one_on_both_sides)
 {
     pi_unwind(&pi, 32767);
     TEST_ASSERT_EQUAL_INT32(-32767 * ONE_LSB, pi.integral_q26);
@@ -231,7 +227,7 @@ static void test_unwind_saturates_at_one_on_both_sides(void)
     TEST_ASSERT_EQUAL_INT32(INTEGRAL_MAX, pi.integral_q26);
 }
 
-static void test_unwinding_again_and_again_beside_a_held_limit_ends_at_one(void)
+TEST(test_unwinding_again_and_again_beside_a_held_limit_ends_at_one)
 {
     /* Feed-forward alone holds the limit, so the integral cannot end the excess. */
     for (int32_t sign = -1; sign <= 1; sign += 2) {
@@ -268,7 +264,7 @@ static void assert_step_follows_the_law(const pi_cfg_t *cfg, const step_in_t *in
     TEST_ASSERT_EQUAL_INT64(frozen ? in->start : moved, pi.integral_q26);
 }
 
-static void test_no_sum_overflows_at_the_ends_of_all_ranges(void)
+TEST(test_no_sum_overflows_at_the_ends_of_all_ranges)
 {
     static const int32_t errors[] = {-65535, -1, 0, 1, 65535};
     static const int32_t feed_forwards[] = {-131072, 0, 131072};
@@ -294,7 +290,7 @@ static void test_no_sum_overflows_at_the_ends_of_all_ranges(void)
     }
 }
 
-static void test_seeded_steps_follow_the_law_from_any_state(void)
+TEST(test_seeded_steps_follow_the_law_from_any_state)
 {
     seeded_t seed = {0x600DCAFEU};
 
@@ -316,7 +312,7 @@ static void test_seeded_steps_follow_the_law_from_any_state(void)
     }
 }
 
-static void test_output_without_error_is_what_the_next_step_gives_and_changes_nothing(void)
+TEST(test_output_without_error_is_what_the_next_step_gives_and_changes_nothing)
 {
     seeded_t seed = {0x0075EEDU};
 
@@ -331,7 +327,7 @@ static void test_output_without_error_is_what_the_next_step_gives_and_changes_no
     }
 }
 
-static void test_output_is_what_reset_was_given(void)
+TEST(test_output_is_what_reset_was_given)
 {
     static const int32_t starts[] = {0, 1, -1, 12345, -12345, 32767, -32768};
 
@@ -342,7 +338,7 @@ static void test_output_is_what_reset_was_given(void)
 }
 
 /* The sum is rounded down twice, in its proportional part and in the integral. */
-static void test_a_step_is_made_of_its_three_parts(void)
+TEST(test_a_step_is_made_of_its_three_parts)
 {
     seeded_t seed = {0x9A27U};
 
@@ -365,34 +361,4 @@ static void test_a_step_is_made_of_its_three_parts(void)
                                 pi_limit(&parts, integral, sum + forward, limit));
         TEST_ASSERT_EQUAL_INT32(pi.integral_q26, parts.integral_q26);
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_reset_starts_the_output_at_the_given_value);
-    RUN_TEST(test_proportional_part_is_error_times_gain_rounded_down);
-    RUN_TEST(test_feed_forward_is_added_as_it_is);
-    RUN_TEST(test_feed_forward_alone_does_not_reach_the_integral);
-    RUN_TEST(test_integral_acts_in_the_step_of_its_error);
-    RUN_TEST(test_error_of_one_lsb_is_integrated_without_loss);
-    RUN_TEST(test_gain_of_two_to_the_minus_eleven_still_integrates_one_lsb);
-    RUN_TEST(test_output_is_limited_on_both_sides_exactly_at_the_limit);
-    RUN_TEST(test_limit_of_zero_gives_zero);
-    RUN_TEST(test_integral_does_not_move_further_into_a_reached_limit);
-    RUN_TEST(test_integral_moves_up_to_an_output_exactly_at_the_limit);
-    RUN_TEST(test_output_leaves_the_limit_as_soon_as_the_error_turns);
-    RUN_TEST(test_integral_still_moves_out_of_a_limit_that_feed_forward_holds);
-    RUN_TEST(test_integral_saturates_at_one_on_both_sides);
-    RUN_TEST(test_integral_reaches_exactly_one_before_it_saturates);
-    RUN_TEST(test_integral_beyond_a_shrunk_limit_is_frozen_until_the_error_turns);
-    RUN_TEST(test_unwind_gives_the_excess_back);
-    RUN_TEST(test_unwind_saturates_at_one_on_both_sides);
-    RUN_TEST(test_unwinding_again_and_again_beside_a_held_limit_ends_at_one);
-    RUN_TEST(test_no_sum_overflows_at_the_ends_of_all_ranges);
-    RUN_TEST(test_seeded_steps_follow_the_law_from_any_state);
-    RUN_TEST(test_output_without_error_is_what_the_next_step_gives_and_changes_nothing);
-    RUN_TEST(test_output_is_what_reset_was_given);
-    RUN_TEST(test_a_step_is_made_of_its_three_parts);
-    return UNITY_END();
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Conduction of the simulated bridge: device drop, diodes, floating legs, rectification. */
 #include "bridge.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -93,11 +93,7 @@ void setUp(void)
     start(&ROUND_ROTOR);
 }
 
-void tearDown(void)
-{
-}
-
-static void test_clarke_and_phases_are_inverse_without_zero_sequence(void)
+TEST(test_clarke_and_phases_are_inverse_without_zero_sequence)
 {
     double phase[PLANT_LEGS];
 
@@ -107,7 +103,7 @@ static void test_clarke_and_phases_are_inverse_without_zero_sequence(void)
     TEST_ASSERT_DOUBLE_WITHIN(1.0e-14, -6.0, phase[2]);
 }
 
-static void test_device_drop_takes_its_share_of_the_voltage_each_way(void)
+TEST(test_device_drop_takes_its_share_of_the_voltage_each_way)
 {
     /* a at bus - drop, b and c at +drop: v_alpha = 2/3 (bus - 2 drop). */
     const double i_end = 2.0 / 3.0 * (BUS_V - 2.0 * DROP_V) / ROUND_ROTOR.resistance_ohm;
@@ -121,7 +117,7 @@ static void test_device_drop_takes_its_share_of_the_voltage_each_way(void)
     TEST_ASSERT_DOUBLE_WITHIN(ACCURACY * i_end, -i_end, current[0]);
 }
 
-static void test_a_current_in_an_open_leg_takes_the_diode_that_opposes_it(void)
+TEST(test_a_current_in_an_open_leg_takes_the_diode_that_opposes_it)
 {
     /* The first 2 us of i_a > 0: a at -drop, b (low) at +drop, c (low) at +drop. */
     const double i_0 = 10.0;
@@ -142,7 +138,7 @@ static void test_a_current_in_an_open_leg_takes_the_diode_that_opposes_it(void)
 }
 
 /* All open and i_a > 0: a at -drop, b and c at bus + drop, until the current has gone. */
-static void test_open_bridge_drives_the_currents_to_zero_at_the_closed_form_time(void)
+TEST(test_open_bridge_drives_the_currents_to_zero_at_the_closed_form_time)
 {
     const double i_0 = 10.0;
     const double v = 2.0 / 3.0 * (BUS_V + 2.0 * DROP_V);
@@ -160,7 +156,7 @@ static void test_open_bridge_drives_the_currents_to_zero_at_the_closed_form_time
     TEST_ASSERT_TRUE(largest_current() <= PLANT_BRIDGE_TOLERANCE);
 }
 
-static void test_open_bridge_at_rest_carries_no_current_at_all(void)
+TEST(test_open_bridge_at_rest_carries_no_current_at_all)
 {
     start_with_current(-10.0);
     motor.now.flux_q_wb = 0.02;
@@ -177,7 +173,7 @@ static double speed_for_line_emf(double peak_v)
     return peak_v / (sqrt(3.0) * ROUND_ROTOR.flux_linkage_wb * ROUND_ROTOR.pole_pairs);
 }
 
-static void test_open_bridge_stays_without_current_while_the_emf_is_below_the_bus(void)
+TEST(test_open_bridge_stays_without_current_while_the_emf_is_below_the_bus)
 {
     start_turning(speed_for_line_emf(0.999 * (BUS_V + 2.0 * DROP_V)));
     for (int k = 0; k < 1000; k++) {
@@ -186,7 +182,7 @@ static void test_open_bridge_stays_without_current_while_the_emf_is_below_the_bu
     }
 }
 
-static void test_open_bridge_rectifies_when_the_emf_exceeds_the_bus(void)
+TEST(test_open_bridge_rectifies_when_the_emf_exceeds_the_bus)
 {
     double least_power = 0.0;
 
@@ -238,17 +234,17 @@ static void check_rectified_energy(plant_motor_cfg_t cfg)
     TEST_ASSERT_DOUBLE_WITHIN(2.0e-6 * shaft_j, shaft_j, sink_j + magnetic_j);
 }
 
-static void test_rectified_energy_is_conserved(void)
+TEST(test_rectified_energy_is_conserved)
 {
     check_rectified_energy(ROUND_ROTOR);
 }
 
-static void test_rectified_energy_of_a_real_motor_is_conserved(void)
+TEST(test_rectified_energy_of_a_real_motor_is_conserved)
 {
     check_rectified_energy(with_harmonics());
 }
 
-static void test_current_that_reaches_zero_in_an_open_leg_stays_zero(void)
+TEST(test_current_that_reaches_zero_in_an_open_leg_stays_zero)
 {
     /* i_a falls at about 2/3 310 V / 11.6 mH = 18 A/ms: 10 mA are gone in 0.6 us. */
     start_with_current(0.01);
@@ -258,7 +254,7 @@ static void test_current_that_reaches_zero_in_an_open_leg_stays_zero(void)
     TEST_ASSERT_TRUE(fabs(current[0]) <= PLANT_BRIDGE_TOLERANCE);
 }
 
-static void test_floating_leg_leaves_the_other_two_as_a_single_loop(void)
+TEST(test_floating_leg_leaves_the_other_two_as_a_single_loop)
 {
     /* b high, c low, a floats: bus over two phases in series, as the axis across a sees it. */
     const double i_end = BUS_V / (2.0 * ROUND_ROTOR.resistance_ohm);
@@ -271,7 +267,7 @@ static void test_floating_leg_leaves_the_other_two_as_a_single_loop(void)
     TEST_ASSERT_DOUBLE_WITHIN(ACCURACY * i_end, -current[1], current[2]);
 }
 
-static void test_closed_switches_with_drop_pass_no_current_for_an_emf_below_the_drops(void)
+TEST(test_closed_switches_with_drop_pass_no_current_for_an_emf_below_the_drops)
 {
     start_turning(speed_for_line_emf(0.99 * 2.0 * DROP_V));
     for (int k = 0; k < 1000; k++) {
@@ -287,7 +283,7 @@ static void test_closed_switches_with_drop_pass_no_current_for_an_emf_below_the_
     TEST_ASSERT_TRUE(seen > 0.01);
 }
 
-static void test_without_drop_closed_switches_short_the_motor(void)
+TEST(test_without_drop_closed_switches_short_the_motor)
 {
     start_turning(100.0);
     for (int k = 0; k < 2000; k++) {
@@ -335,19 +331,19 @@ static void check_independence_of_cuts(plant_motor_cfg_t cfg)
     TEST_ASSERT_DOUBLE_WITHIN(ACCURACY * 300.0, cut.now.omega_el_rad_s, whole.now.omega_el_rad_s);
 }
 
-static void test_result_does_not_depend_on_how_segments_are_cut(void)
+TEST(test_result_does_not_depend_on_how_segments_are_cut)
 {
     check_independence_of_cuts(ROUND_ROTOR);
 }
 
-static void test_result_of_a_real_motor_does_not_depend_on_how_segments_are_cut(void)
+TEST(test_result_of_a_real_motor_does_not_depend_on_how_segments_are_cut)
 {
     check_independence_of_cuts(with_harmonics());
     check_independence_of_cuts(with_saturation());
 }
 
 /* Beside a floating leg the star point follows the EMF: what a magnet of order 5 and 7 adds to the terminal. */
-static void test_floating_terminal_shows_the_emf_of_its_phase(void)
+TEST(test_floating_terminal_shows_the_emf_of_its_phase)
 {
     plant_motor_cfg_t cfg = with_harmonics();
 
@@ -364,26 +360,4 @@ static void test_floating_terminal_shows_the_emf_of_its_phase(void)
             1.0e-10, 1.5 * emf_v,
             plant_motor_floating_potential(&motor, none, plant_bridge_axis[0]));
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_clarke_and_phases_are_inverse_without_zero_sequence);
-    RUN_TEST(test_device_drop_takes_its_share_of_the_voltage_each_way);
-    RUN_TEST(test_a_current_in_an_open_leg_takes_the_diode_that_opposes_it);
-    RUN_TEST(test_open_bridge_drives_the_currents_to_zero_at_the_closed_form_time);
-    RUN_TEST(test_open_bridge_at_rest_carries_no_current_at_all);
-    RUN_TEST(test_open_bridge_stays_without_current_while_the_emf_is_below_the_bus);
-    RUN_TEST(test_open_bridge_rectifies_when_the_emf_exceeds_the_bus);
-    RUN_TEST(test_rectified_energy_is_conserved);
-    RUN_TEST(test_rectified_energy_of_a_real_motor_is_conserved);
-    RUN_TEST(test_current_that_reaches_zero_in_an_open_leg_stays_zero);
-    RUN_TEST(test_floating_leg_leaves_the_other_two_as_a_single_loop);
-    RUN_TEST(test_closed_switches_with_drop_pass_no_current_for_an_emf_below_the_drops);
-    RUN_TEST(test_without_drop_closed_switches_short_the_motor);
-    RUN_TEST(test_result_does_not_depend_on_how_segments_are_cut);
-    RUN_TEST(test_result_of_a_real_motor_does_not_depend_on_how_segments_are_cut);
-    RUN_TEST(test_floating_terminal_shows_the_emf_of_its_phase);
-    return UNITY_END();
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The bus with a capacitor: what the bridge takes and gives back, what the rectifier feeds. */
 #include "plant.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -116,15 +116,7 @@ static balance_t brake(const plant_cfg_t *cfg)
     return balance;
 }
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
-static void test_braking_without_losses_lifts_the_capacitor_by_all_the_energy(void)
+TEST(test_braking_without_losses_lifts_the_capacitor_by_all_the_energy)
 {
     const balance_t balance = brake(&LOSSLESS);
 
@@ -134,7 +126,7 @@ static void test_braking_without_losses_lifts_the_capacitor_by_all_the_energy(vo
 }
 
 /* Ripple of the current within a period, some 0.3 A at 5 A, is not in the heat as added up here. */
-static void test_what_the_resistance_heats_does_not_come_back(void)
+TEST(test_what_the_resistance_heats_does_not_come_back)
 {
     plant_cfg_t cfg = LOSSLESS;
 
@@ -148,7 +140,7 @@ static void test_what_the_resistance_heats_does_not_come_back(void)
 
 /* Current flows back through the diodes of the dead time too; a leg's current that passes through zero
  * within a period is not in the loss as added up here. */
-static void test_what_switches_and_diodes_drop_does_not_come_back(void)
+TEST(test_what_switches_and_diodes_drop_does_not_come_back)
 {
     plant_cfg_t cfg = LOSSLESS;
 
@@ -160,7 +152,7 @@ static void test_what_switches_and_diodes_drop_does_not_come_back(void)
                               balance.taken - balance.drops, balance.stored);
 }
 
-static void test_without_a_capacitor_the_bus_takes_current_back_and_stays(void)
+TEST(test_without_a_capacitor_the_bus_takes_current_back_and_stays)
 {
     plant_cfg_t cfg = LOSSLESS;
 
@@ -170,7 +162,7 @@ static void test_without_a_capacitor_the_bus_takes_current_back_and_stays(void)
 }
 
 /* EMF above the bus behind open gates: the diodes rectify into the capacitor. */
-static void test_an_open_bridge_charges_the_capacitor_until_it_meets_the_emf(void)
+TEST(test_an_open_bridge_charges_the_capacitor_until_it_meets_the_emf)
 {
     plant_cfg_t cfg = LOSSLESS;
 
@@ -187,7 +179,7 @@ static void test_an_open_bridge_charges_the_capacitor_until_it_meets_the_emf(voi
 }
 
 /* A coil in steady state: i_a = (2/3) d v / R, and the bus gives d i_a, so v = s - R_s (2/3) d^2 v / R. */
-static void test_the_source_resistance_drops_its_voltage_under_load(void)
+TEST(test_the_source_resistance_drops_its_voltage_under_load)
 {
     const double ohm = 10.0;
     const double source_ohm = 4.0;
@@ -217,7 +209,7 @@ static void test_the_source_resistance_drops_its_voltage_under_load(void)
 }
 
 /* No load: the capacitor keeps the highest voltage that the supply had at the start of a period. */
-static void test_the_rectifier_holds_the_peak_of_the_ripple(void)
+TEST(test_the_rectifier_holds_the_peak_of_the_ripple)
 {
     plant_cfg_t cfg = LOSSLESS;
     const double nearest = 1.0 - cos(3.14159265358979 * 300.0 * PERIOD_S);
@@ -237,7 +229,7 @@ static void test_the_rectifier_holds_the_peak_of_the_ripple(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.05 * BUS_V * nearest, 1.05 * BUS_V, view.bus_v);
 }
 
-static void test_a_supply_that_falls_leaves_the_capacitor_charged_and_one_that_rises_fills_it(void)
+TEST(test_a_supply_that_falls_leaves_the_capacitor_charged_and_one_that_rises_fills_it)
 {
     plant_cfg_t cfg = LOSSLESS;
 
@@ -259,7 +251,7 @@ static void test_a_supply_that_falls_leaves_the_capacitor_charged_and_one_that_r
 }
 
 /* A capacitor far too small for a period: its energy is gone, and no more than that. */
-static void test_a_bus_that_is_drained_stays_at_zero_or_above(void)
+TEST(test_a_bus_that_is_drained_stays_at_zero_or_above)
 {
     const uint32_t compare[PLANT_LEGS] = {COUNTS, 0U, 0U};
     plant_cfg_t cfg = LOSSLESS;
@@ -276,7 +268,7 @@ static void test_a_bus_that_is_drained_stays_at_zero_or_above(void)
     }
 }
 
-static void test_a_copy_goes_on_as_the_original(void)
+TEST(test_a_copy_goes_on_as_the_original)
 {
     start(&LOSSLESS);
     for (int k = 0; k < 50; k++) {
@@ -295,7 +287,7 @@ static void test_a_copy_goes_on_as_the_original(void)
     TEST_ASSERT_EQUAL_MEMORY(&first, &plant, sizeof plant);
 }
 
-static void test_init_names_the_field_that_is_out_of_range(void)
+TEST(test_init_names_the_field_that_is_out_of_range)
 {
     const char *bad = NULL;
     plant_cfg_t cfg = LOSSLESS;
@@ -307,21 +299,4 @@ static void test_init_names_the_field_that_is_out_of_range(void)
     cfg.supply.resistance_ohm = HUGE_VAL;
     TEST_ASSERT_FALSE(plant_init(&plant, &cfg, &bad));
     TEST_ASSERT_EQUAL_STRING("supply.resistance_ohm", bad);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_braking_without_losses_lifts_the_capacitor_by_all_the_energy);
-    RUN_TEST(test_what_the_resistance_heats_does_not_come_back);
-    RUN_TEST(test_what_switches_and_diodes_drop_does_not_come_back);
-    RUN_TEST(test_without_a_capacitor_the_bus_takes_current_back_and_stays);
-    RUN_TEST(test_an_open_bridge_charges_the_capacitor_until_it_meets_the_emf);
-    RUN_TEST(test_the_source_resistance_drops_its_voltage_under_load);
-    RUN_TEST(test_the_rectifier_holds_the_peak_of_the_ripple);
-    RUN_TEST(test_a_supply_that_falls_leaves_the_capacitor_charged_and_one_that_rises_fills_it);
-    RUN_TEST(test_a_bus_that_is_drained_stays_at_zero_or_above);
-    RUN_TEST(test_a_copy_goes_on_as_the_original);
-    RUN_TEST(test_init_names_the_field_that_is_out_of_range);
-    return UNITY_END();
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What can go wrong at run time: wires, shaft, the rotor's place, the temperature; and what comparators do about it. */
 #include "plant.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -61,11 +61,7 @@ void setUp(void)
     start(&DRIVE);
 }
 
-void tearDown(void)
-{
-}
-
-static void test_an_open_wire_carries_no_current_and_the_other_two_are_a_loop(void)
+TEST(test_an_open_wire_carries_no_current_and_the_other_two_are_a_loop)
 {
     for (int phase = 0; phase < ALL_PHASES; phase++) {
         start(&DRIVE);
@@ -83,7 +79,7 @@ static void test_an_open_wire_carries_no_current_and_the_other_two_are_a_loop(vo
 }
 
 /* Standing: two phases in series take (d_a - d_b) * bus over 2 R. */
-static void test_the_loop_of_two_phases_has_both_resistances(void)
+TEST(test_the_loop_of_two_phases_has_both_resistances)
 {
     plant_cfg_t cfg = DRIVE;
 
@@ -98,7 +94,7 @@ static void test_the_loop_of_two_phases_has_both_resistances(void)
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_A, -view.i_abc_a[0], view.i_abc_a[1]);
 }
 
-static void test_two_open_wires_leave_no_current_at_all(void)
+TEST(test_two_open_wires_leave_no_current_at_all)
 {
     run(20, 2400, 2125, 2000);
     plant_break_phases(&plant, 5U);
@@ -110,7 +106,7 @@ static void test_two_open_wires_leave_no_current_at_all(void)
     }
 }
 
-static void test_a_wire_that_is_closed_again_carries_current_again(void)
+TEST(test_a_wire_that_is_closed_again_carries_current_again)
 {
     plant_break_phases(&plant, 1U);
     run(20, 2400, 2125, 2000);
@@ -119,7 +115,7 @@ static void test_a_wire_that_is_closed_again_carries_current_again(void)
     TEST_ASSERT_TRUE(fabs(view.i_abc_a[0]) > 0.5);
 }
 
-static void test_an_open_wire_holds_with_dead_time_drop_and_open_gates(void)
+TEST(test_an_open_wire_holds_with_dead_time_drop_and_open_gates)
 {
     plant_cfg_t cfg = DRIVE;
 
@@ -135,7 +131,7 @@ static void test_an_open_wire_holds_with_dead_time_drop_and_open_gates(void)
     }
 }
 
-static void test_a_blocked_shaft_stands_whatever_pulls_and_a_released_one_turns(void)
+TEST(test_a_blocked_shaft_stands_whatever_pulls_and_a_released_one_turns)
 {
     run(20, 2400, 2125, 2000);
     plant_block_rotor(&plant, true);
@@ -153,7 +149,7 @@ static void test_a_blocked_shaft_stands_whatever_pulls_and_a_released_one_turns(
     TEST_ASSERT_DOUBLE_WITHIN(0.1 * 333.0, 333.0, view.omega_mech_rad_s);
 }
 
-static void test_a_blocked_shaft_holds_with_coulomb_friction_and_open_wires_too(void)
+TEST(test_a_blocked_shaft_holds_with_coulomb_friction_and_open_wires_too)
 {
     plant_cfg_t cfg = DRIVE;
 
@@ -167,7 +163,7 @@ static void test_a_blocked_shaft_holds_with_coulomb_friction_and_open_wires_too(
     TEST_ASSERT_TRUE(view.omega_mech_rad_s == 0.0);
 }
 
-static void test_a_turned_rotor_keeps_currents_and_speed_and_is_elsewhere(void)
+TEST(test_a_turned_rotor_keeps_currents_and_speed_and_is_elsewhere)
 {
     const double turn_rad = 1.25;
     plant_view_t before;
@@ -229,14 +225,13 @@ static void check_trip(double sign)
     TEST_ASSERT_FALSE(plant_take_trip(&plant));
 }
 
-static void
-test_comparators_open_the_switches_at_the_instant_of_their_current_in_each_direction(void)
+TEST(test_comparators_open_the_switches_at_the_instant_of_their_current_in_each_direction)
 {
     check_trip(1.0);
     check_trip(-1.0);
 }
 
-static void test_switches_that_comparators_opened_stay_open_until_they_are_enabled_again(void)
+TEST(test_switches_that_comparators_opened_stay_open_until_they_are_enabled_again)
 {
     start_standing(TRIP_A, 1.2);
     run(6, COUNTS, 0, 0);
@@ -249,7 +244,7 @@ static void test_switches_that_comparators_opened_stay_open_until_they_are_enabl
     TEST_ASSERT_TRUE(view.i_abc_a[0] > 2.0);
 }
 
-static void test_without_comparators_and_below_their_current_nothing_opens(void)
+TEST(test_without_comparators_and_below_their_current_nothing_opens)
 {
     start_standing(0.0, 0.0);
     run(6, COUNTS, 0, 0);
@@ -260,7 +255,7 @@ static void test_without_comparators_and_below_their_current_nothing_opens(void)
     TEST_ASSERT_FALSE(plant_take_trip(&plant));
 }
 
-static void test_a_comparator_current_out_of_range_is_named(void)
+TEST(test_a_comparator_current_out_of_range_is_named)
 {
     const double bad_values[] = {-1.0, nan("")};
 
@@ -274,7 +269,7 @@ static void test_a_comparator_current_out_of_range_is_named(void)
     }
 }
 
-static void test_temperature_is_that_of_the_room_until_it_is_set(void)
+TEST(test_temperature_is_that_of_the_room_until_it_is_set)
 {
     plant_adc_t adc;
 
@@ -283,23 +278,4 @@ static void test_temperature_is_that_of_the_room_until_it_is_set(void)
     plant_set_temperature(&plant, 100.0);
     plant_sample(&plant, &adc);
     TEST_ASSERT_EQUAL_UINT16(3000, adc.temperature);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_an_open_wire_carries_no_current_and_the_other_two_are_a_loop);
-    RUN_TEST(test_the_loop_of_two_phases_has_both_resistances);
-    RUN_TEST(test_two_open_wires_leave_no_current_at_all);
-    RUN_TEST(test_a_wire_that_is_closed_again_carries_current_again);
-    RUN_TEST(test_an_open_wire_holds_with_dead_time_drop_and_open_gates);
-    RUN_TEST(test_a_blocked_shaft_stands_whatever_pulls_and_a_released_one_turns);
-    RUN_TEST(test_a_blocked_shaft_holds_with_coulomb_friction_and_open_wires_too);
-    RUN_TEST(test_a_turned_rotor_keeps_currents_and_speed_and_is_elsewhere);
-    RUN_TEST(test_comparators_open_the_switches_at_the_instant_of_their_current_in_each_direction);
-    RUN_TEST(test_switches_that_comparators_opened_stay_open_until_they_are_enabled_again);
-    RUN_TEST(test_without_comparators_and_below_their_current_nothing_opens);
-    RUN_TEST(test_a_comparator_current_out_of_range_is_named);
-    RUN_TEST(test_temperature_is_that_of_the_room_until_it_is_set);
-    return UNITY_END();
 }

@@ -2,7 +2,7 @@
 /* Pulse pattern of the simulated inverter: duty, symmetry, dead time. */
 #include "inverter.h"
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -71,11 +71,7 @@ void setUp(void)
     start(0.0);
 }
 
-void tearDown(void)
-{
-}
-
-static void test_pattern_is_symmetric_about_mid_period(void)
+TEST(test_pattern_is_symmetric_about_mid_period)
 {
     period(1000, 3000, 2000);
     TEST_ASSERT_EQUAL_UINT(7, pattern.count);
@@ -88,7 +84,7 @@ static void test_pattern_is_symmetric_about_mid_period(void)
     check_segment(6, 1250.0 * TICK_S, 0, 7);
 }
 
-static void test_high_time_is_compare_over_counts_of_the_period(void)
+TEST(test_high_time_is_compare_over_counts_of_the_period)
 {
     static const uint32_t compares[] = {0, 1, 2, 2125, 4248, 4249, 4250};
 
@@ -102,21 +98,21 @@ static void test_high_time_is_compare_over_counts_of_the_period(void)
     }
 }
 
-static void test_equal_compares_switch_together(void)
+TEST(test_equal_compares_switch_together)
 {
     period(2000, 2000, 2000);
     TEST_ASSERT_EQUAL_UINT(3, pattern.count);
     check_segment(1, 4000.0 * TICK_S, 7, 0);
 }
 
-static void test_compare_beyond_the_counter_is_full_on(void)
+TEST(test_compare_beyond_the_counter_is_full_on)
 {
     period(5000, 0, UINT32_MAX);
     TEST_ASSERT_EQUAL_UINT(1, pattern.count);
     check_segment(0, PERIOD_S, 5, 2);
 }
 
-static void test_dead_time_delays_each_turn_on(void)
+TEST(test_dead_time_delays_each_turn_on)
 {
     start(DEAD_S);
     period(1000, 0, 0);
@@ -128,7 +124,7 @@ static void test_dead_time_delays_each_turn_on(void)
     check_segment(4, 3250.0 * TICK_S - DEAD_S, 0, 7);
 }
 
-static void test_pulse_shorter_than_the_dead_time_never_closes_its_switch(void)
+TEST(test_pulse_shorter_than_the_dead_time_never_closes_its_switch)
 {
     const uint32_t compare = 50; /* 100 ticks = 1.18 us */
 
@@ -140,7 +136,7 @@ static void test_pulse_shorter_than_the_dead_time_never_closes_its_switch(void)
     check_segment(2, 4200.0 * TICK_S - DEAD_S, 0, 7);
 }
 
-static void test_low_pulse_shorter_than_the_dead_time_leaves_the_leg_open_into_the_next_period(void)
+TEST(test_low_pulse_shorter_than_the_dead_time_leaves_the_leg_open_into_the_next_period)
 {
     start(DEAD_S);
     period(COUNTS, 0, 0);       /* rises at the start */
@@ -153,7 +149,7 @@ static void test_low_pulse_shorter_than_the_dead_time_leaves_the_leg_open_into_t
     check_segment(0, 10.0 * TICK_S + DEAD_S, 0, 6);
 }
 
-static void test_dead_time_runs_on_across_the_period_end(void)
+TEST(test_dead_time_runs_on_across_the_period_end)
 {
     const double left_s = DEAD_S - 10.0 * TICK_S;
 
@@ -165,7 +161,7 @@ static void test_dead_time_runs_on_across_the_period_end(void)
     check_segment(1, PERIOD_S - left_s, 0, 7);
 }
 
-static void test_steady_full_duty_needs_no_dead_time(void)
+TEST(test_steady_full_duty_needs_no_dead_time)
 {
     start(DEAD_S);
     period(COUNTS, 0, 0);
@@ -175,7 +171,7 @@ static void test_steady_full_duty_needs_no_dead_time(void)
     check_segment(0, PERIOD_S, 1, 6);
 }
 
-static void test_off_opens_all_legs_and_forgets_their_commands(void)
+TEST(test_off_opens_all_legs_and_forgets_their_commands)
 {
     start(DEAD_S);
     period(COUNTS, 0, 0);
@@ -210,7 +206,7 @@ static void follow(history_t *history, const plant_segment_t *s, unsigned leg)
     history->open_s = 0.0;
 }
 
-static void test_no_leg_ever_changes_sides_without_its_dead_time(void)
+TEST(test_no_leg_ever_changes_sides_without_its_dead_time)
 {
     seeded_t seeded = {12345U};
     history_t history[PLANT_LEGS] = {{0, 0.0}, {0, 0.0}, {0, 0.0}};
@@ -247,29 +243,11 @@ static void check_rejected(const plant_inverter_cfg_t *cfg, const char *field)
     TEST_ASSERT_EQUAL_STRING(field, bad);
 }
 
-static void test_init_names_the_field_that_is_out_of_range(void)
+TEST(test_init_names_the_field_that_is_out_of_range)
 {
     check_rejected(&(plant_inverter_cfg_t){0.0, COUNTS, 0.0}, "inverter.pwm_frequency_hz");
     check_rejected(&(plant_inverter_cfg_t){1.0e4, 1, 0.0}, "inverter.timer_counts");
     check_rejected(&(plant_inverter_cfg_t){1.0e4, 70000, 0.0}, "inverter.timer_counts");
     check_rejected(&(plant_inverter_cfg_t){1.0e4, COUNTS, -1.0e-6}, "inverter.dead_time_s");
     check_rejected(&(plant_inverter_cfg_t){1.0e4, COUNTS, 26.0e-6}, "inverter.dead_time_s");
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_pattern_is_symmetric_about_mid_period);
-    RUN_TEST(test_high_time_is_compare_over_counts_of_the_period);
-    RUN_TEST(test_equal_compares_switch_together);
-    RUN_TEST(test_compare_beyond_the_counter_is_full_on);
-    RUN_TEST(test_dead_time_delays_each_turn_on);
-    RUN_TEST(test_pulse_shorter_than_the_dead_time_never_closes_its_switch);
-    RUN_TEST(test_low_pulse_shorter_than_the_dead_time_leaves_the_leg_open_into_the_next_period);
-    RUN_TEST(test_dead_time_runs_on_across_the_period_end);
-    RUN_TEST(test_steady_full_duty_needs_no_dead_time);
-    RUN_TEST(test_off_opens_all_legs_and_forgets_their_commands);
-    RUN_TEST(test_no_leg_ever_changes_sides_without_its_dead_time);
-    RUN_TEST(test_init_names_the_field_that_is_out_of_range);
-    return UNITY_END();
 }

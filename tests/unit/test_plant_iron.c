@@ -2,7 +2,7 @@
 /* Flux maps of saturated iron: what is stated of them, and what any map from an energy has. */
 #include "iron.h"
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 
@@ -54,10 +54,6 @@ void setUp(void)
     start();
 }
 
-void tearDown(void)
-{
-}
-
 /* Any motor that can be configured, with the ends of the ranges among them. */
 static void start_any(seeded_t *seeded)
 {
@@ -83,7 +79,7 @@ static plant_dq_t any_current(seeded_t *seeded)
                         size * 1.0e-3 * seeded_in(seeded, -1000, 1000)};
 }
 
-static void test_without_current_the_inductances_are_those_stated(void)
+TEST(test_without_current_the_inductances_are_those_stated)
 {
     const double small = 1.0e-6 * cfg.current_a; /* bends by 3 g_d of it at most, g_d < 1/3 */
 
@@ -94,7 +90,7 @@ static void test_without_current_the_inductances_are_those_stated(void)
     TEST_ASSERT_TRUE(fabs(flux_at(0.0, 0.0).d) + fabs(flux_at(0.0, 0.0).q) <= 0.0);
 }
 
-static void test_at_the_stated_current_the_inductances_have_fallen_as_stated(void)
+TEST(test_at_the_stated_current_the_inductances_have_fallen_as_stated)
 {
     for (int k = 1; k <= 6; k++) {
         const double fall = PLANT_IRON_FALL_D_MAX * k / 6.0;
@@ -113,7 +109,7 @@ static void test_at_the_stated_current_the_inductances_have_fallen_as_stated(voi
 }
 
 /* The magnet is there already: i_d < 0 takes saturation away, up to twice the inductance where all flux is gone. */
-static void test_against_the_magnet_the_d_axis_has_more_inductance(void)
+TEST(test_against_the_magnet_the_d_axis_has_more_inductance)
 {
     cfg.fall_d = PLANT_IRON_FALL_D_MAX;
     cfg.shared = 0.0;
@@ -127,7 +123,7 @@ static void test_against_the_magnet_the_d_axis_has_more_inductance(void)
 }
 
 /* dpsi_d/di_q = dpsi_q/di_d, by differences of the fluxes. */
-static void test_the_maps_are_reciprocal(void)
+TEST(test_the_maps_are_reciprocal)
 {
     const double h = STEP * cfg.current_a;
 
@@ -144,7 +140,7 @@ static void test_the_maps_are_reciprocal(void)
 
 /* Around a closed way the currents do no work: Simpson's rule along the sides of a rectangle, exact for the third powers
  * that the currents have along each. */
-static void test_a_closed_way_takes_no_energy(void)
+TEST(test_a_closed_way_takes_no_energy)
 {
     const double corners[5][2] = {{-1.5, -0.5}, {1.0, -0.5}, {1.0, 2.0}, {-1.5, 2.0}, {-1.5, -0.5}};
     double work = 0.0;
@@ -168,7 +164,7 @@ static void test_a_closed_way_takes_no_energy(void)
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING * most, 0.0, work);
 }
 
-static void test_stiffness_is_the_slope_of_the_currents(void)
+TEST(test_stiffness_is_the_slope_of_the_currents)
 {
     const double h = STEP;
 
@@ -195,7 +191,7 @@ static void test_stiffness_is_the_slope_of_the_currents(void)
 }
 
 /* A mirror through the d axis changes the sign of q, and nothing else. */
-static void test_the_q_axis_has_no_sign(void)
+TEST(test_the_q_axis_has_no_sign)
 {
     for (int k = -4; k <= 4; k++) {
         const double i_d = 0.5 * k * cfg.current_a;
@@ -206,7 +202,7 @@ static void test_the_q_axis_has_no_sign(void)
 }
 
 /* What saturates acts along the flux, the magnet's share included, whatever its direction: x and y of one iron. */
-static void test_iron_that_both_axes_share_has_no_direction(void)
+TEST(test_iron_that_both_axes_share_has_no_direction)
 {
     cfg.inductance_q_h = cfg.inductance_d_h;
     cfg.fall_d = 0.2;
@@ -232,7 +228,7 @@ static void test_iron_that_both_axes_share_has_no_direction(void)
     }
 }
 
-static void test_q_current_takes_flux_from_the_d_axis(void)
+TEST(test_q_current_takes_flux_from_the_d_axis)
 {
     cfg = (plant_iron_cfg_t){0.01, 0.01, 6.0, 0.2, 0.2, 1.0};
     start();
@@ -244,7 +240,7 @@ static void test_q_current_takes_flux_from_the_d_axis(void)
 }
 
 /* Of any motor in range, far beyond rated current: the map has an inverse, and it is found. */
-static void test_each_current_has_one_flux(void)
+TEST(test_each_current_has_one_flux)
 {
     seeded_t seeded = {88675123U};
 
@@ -260,20 +256,4 @@ static void test_each_current_has_one_flux(void)
         TEST_ASSERT_TRUE(s.straight.d > 0.0);
         TEST_ASSERT_TRUE(s.straight.d * s.straight.q > s.cross * s.cross);
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_without_current_the_inductances_are_those_stated);
-    RUN_TEST(test_at_the_stated_current_the_inductances_have_fallen_as_stated);
-    RUN_TEST(test_against_the_magnet_the_d_axis_has_more_inductance);
-    RUN_TEST(test_the_maps_are_reciprocal);
-    RUN_TEST(test_a_closed_way_takes_no_energy);
-    RUN_TEST(test_stiffness_is_the_slope_of_the_currents);
-    RUN_TEST(test_the_q_axis_has_no_sign);
-    RUN_TEST(test_iron_that_both_axes_share_has_no_direction);
-    RUN_TEST(test_q_current_takes_flux_from_the_d_axis);
-    RUN_TEST(test_each_current_has_one_flux);
-    return UNITY_END();
 }

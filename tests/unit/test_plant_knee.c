@@ -2,7 +2,7 @@
 /* Soft commutation of the simulated bridge: the charge of the output capacitance, the energy, and its limits. */
 #include "knee.h"
 #include "plant.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -52,14 +52,6 @@ static double i_a(const plant_motor_t *motor)
     return plant_motor_current(motor).alpha;
 }
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 /* Volt-seconds that a leg loses against a current i > 0 in the dead times of one period: the current takes the charge of
  * the output capacitance, C = i_k t_d / U, from one rail to the other. */
 static double lost_vs(double current_a)
@@ -91,7 +83,7 @@ static double mean_voltage(const plant_cfg_t *cfg, double current_a)
 
 static const double CURRENTS_A[] = {0.01, 0.1, 0.3, 0.45, 0.6, 1.0, 3.0, 20.0};
 
-static void test_a_leg_loses_what_the_charge_of_its_output_takes(void)
+TEST(test_a_leg_loses_what_the_charge_of_its_output_takes)
 {
     /* The voltage is e(i) = BUS_V DEAD_S / PERIOD_S f(i / knee), of slope at most half of e over the knee. */
     const double tolerance_v = BUS_V * DEAD_S / PERIOD_S / (2.0 * KNEE_A) * RIPPLE_A;
@@ -108,7 +100,7 @@ static void test_a_leg_loses_what_the_charge_of_its_output_takes(void)
     TEST_ASSERT_DOUBLE_WITHIN(tolerance_v, 0.0, mean_voltage(&CHOKE, 0.0));
 }
 
-static void test_at_the_knee_dead_time_and_drop_take_half(void)
+TEST(test_at_the_knee_dead_time_and_drop_take_half)
 {
     plant_cfg_t cfg = CHOKE;
     const double tolerance_v = (BUS_V * DEAD_S / PERIOD_S + DROP_V) / (2.0 * KNEE_A) * RIPPLE_A;
@@ -146,7 +138,7 @@ static plant_motor_t motor_with(double inductance_h, double speed_mech_rad_s)
 
 /* What the bus gives is what the shaft, the windings' heat and field, and the drops take; with h for the trapezoidal
  * rule, the drops' heat is drop f i of each leg. */
-static void test_energy_from_the_bus_is_conserved(void)
+TEST(test_energy_from_the_bus_is_conserved)
 {
     const double h = 0.25e-6;
     const plant_rails_t rails = {.bus_v = BUS_V, .drop_v = DROP_V, .knee_a = KNEE_A};
@@ -200,7 +192,7 @@ static plant_motor_t switched(double knee_a, int parts)
     return motor;
 }
 
-static void test_result_does_not_depend_on_how_segments_are_cut(void)
+TEST(test_result_does_not_depend_on_how_segments_are_cut)
 {
     const plant_motor_t whole = switched(KNEE_A, 1);
     const plant_motor_t cut = switched(KNEE_A, 16);
@@ -214,7 +206,7 @@ static void test_result_does_not_depend_on_how_segments_are_cut(void)
 
 /* One leg is open beside two at the same rail. In the first part of a dead time its current passes zero, then it
  * approaches the value at which the leg is at their rail as well. */
-static void test_a_small_inductance_is_followed_through_zero(void)
+TEST(test_a_small_inductance_is_followed_through_zero)
 {
     const plant_segment_t to_low = {2.0e-6, 0, 6};
     const plant_segment_t to_high = {2.0e-6, 6, 0};
@@ -248,7 +240,7 @@ static plant_motor_t bridged(void)
 }
 
 /* Of a small knee only knee / (2 i) is left, and that of what a leg loses. */
-static void test_a_small_knee_is_an_ideal_diode(void)
+TEST(test_a_small_knee_is_an_ideal_diode)
 {
     const double knee_a = 1.0e-3;
     const plant_motor_t soft = switched(knee_a, 1);
@@ -261,7 +253,7 @@ static void test_a_small_knee_is_an_ideal_diode(void)
 }
 
 /* Phase a is broken, b open, c low: what b has left of the bus drives a current through two phases. */
-static void test_a_broken_phase_floats_beside_soft_legs(void)
+TEST(test_a_broken_phase_floats_beside_soft_legs)
 {
     const plant_segment_t segment = {0.5e-3, 0, 4};
     const plant_rails_t rails = {.bus_v = BUS_V, .knee_a = KNEE_A, .broken = 1};
@@ -280,7 +272,7 @@ static void test_a_broken_phase_floats_beside_soft_legs(void)
     TEST_ASSERT_DOUBLE_WITHIN(1.0e-6 * wanted_a, -wanted_a, i[2]);
 }
 
-static void test_without_gates_the_diodes_let_the_current_die(void)
+TEST(test_without_gates_the_diodes_let_the_current_die)
 {
     plant_cfg_t cfg = CHOKE;
 
@@ -294,7 +286,7 @@ static void test_without_gates_the_diodes_let_the_current_die(void)
 }
 
 /* The level is reached in the first period. The rest of it is of the diodes: the bus takes the current to zero. */
-static void test_after_a_trip_the_diodes_let_the_current_die(void)
+TEST(test_after_a_trip_the_diodes_let_the_current_die)
 {
     const uint32_t compare[PLANT_LEGS] = {COUNTS, 0, 0};
     plant_cfg_t cfg = CHOKE;
@@ -310,7 +302,7 @@ static void test_after_a_trip_the_diodes_let_the_current_die(void)
     TEST_ASSERT_TRUE(i_a(&plant.motor) == 0.0);
 }
 
-static void test_a_knee_that_takes_too_many_steps_is_refused(void)
+TEST(test_a_knee_that_takes_too_many_steps_is_refused)
 {
     plant_cfg_t cfg = CHOKE;
     const char *bad = NULL;
@@ -327,20 +319,4 @@ static void test_a_knee_that_takes_too_many_steps_is_refused(void)
     cfg.supply.commutation_knee_a = -1.0;
     TEST_ASSERT_FALSE(plant_init(&plant, &cfg, &bad));
     TEST_ASSERT_EQUAL_STRING("supply.commutation_knee_a", bad);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_leg_loses_what_the_charge_of_its_output_takes);
-    RUN_TEST(test_at_the_knee_dead_time_and_drop_take_half);
-    RUN_TEST(test_energy_from_the_bus_is_conserved);
-    RUN_TEST(test_result_does_not_depend_on_how_segments_are_cut);
-    RUN_TEST(test_a_small_inductance_is_followed_through_zero);
-    RUN_TEST(test_a_small_knee_is_an_ideal_diode);
-    RUN_TEST(test_a_broken_phase_floats_beside_soft_legs);
-    RUN_TEST(test_without_gates_the_diodes_let_the_current_die);
-    RUN_TEST(test_after_a_trip_the_diodes_let_the_current_die);
-    RUN_TEST(test_a_knee_that_takes_too_many_steps_is_refused);
-    return UNITY_END();
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The simulated motor against closed forms, its energy balance and itself with finer steps. */
 #include "motor.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -80,15 +80,7 @@ static double stored_j(void)
     return magnetic + 0.5 * (motor.pole_pairs / motor.acceleration) * omega_mech() * omega_mech();
 }
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
-static void test_locked_rotor_current_rises_along_the_exponential_of_its_axis(void)
+TEST(test_locked_rotor_current_rises_along_the_exponential_of_its_axis)
 {
     plant_motor_cfg_t cfg = SALIENT;
     const double v = 10.0;
@@ -109,7 +101,7 @@ static void test_locked_rotor_current_rises_along_the_exponential_of_its_axis(vo
     TEST_ASSERT_DOUBLE_WITHIN(ACCURACY * i_end, 0.0, plant_motor_i_d(&motor));
 }
 
-static void test_short_circuit_currents_settle_on_the_algebraic_solution(void)
+TEST(test_short_circuit_currents_settle_on_the_algebraic_solution)
 {
     plant_motor_cfg_t cfg = SALIENT;
 
@@ -129,7 +121,7 @@ static void test_short_circuit_currents_settle_on_the_algebraic_solution(void)
     TEST_ASSERT_DOUBLE_WITHIN(ACCURACY * scale, -w * r * phi / d, plant_motor_i_q(&motor));
 }
 
-static void test_voltage_fed_currents_settle_on_the_algebraic_solution(void)
+TEST(test_voltage_fed_currents_settle_on_the_algebraic_solution)
 {
     plant_motor_cfg_t cfg = SALIENT;
     const double v_d = -20.0;
@@ -155,7 +147,7 @@ static void test_voltage_fed_currents_settle_on_the_algebraic_solution(void)
                                   w * (cfg.inductance_d_h * i_d + cfg.flux_linkage_wb));
 }
 
-static void test_torque_is_that_of_magnet_and_reluctance(void)
+TEST(test_torque_is_that_of_magnet_and_reluctance)
 {
     start(&SALIENT);
     motor.now.flux_d_wb = SALIENT.inductance_d_h * -3.0 + SALIENT.flux_linkage_wb;
@@ -168,7 +160,7 @@ static void test_torque_is_that_of_magnet_and_reluctance(void)
 
 /* Electrical energy in = stored + copper + friction + load, all but the first integrated here by
  * the trapezoidal rule over h. */
-static void test_energy_is_conserved(void)
+TEST(test_energy_is_conserved)
 {
     plant_motor_cfg_t cfg = SALIENT;
     const double h = 1.0e-6;
@@ -205,7 +197,7 @@ static void test_energy_is_conserved(void)
     TEST_ASSERT_DOUBLE_WITHIN(tolerance * in_j, in_j, out_j + stored_j());
 }
 
-static void test_viscous_friction_slows_along_the_exponential(void)
+TEST(test_viscous_friction_slows_along_the_exponential)
 {
     plant_motor_cfg_t cfg = ROUND_ROTOR;
     const double t = 1.5;
@@ -223,7 +215,7 @@ static void test_viscous_friction_slows_along_the_exponential(void)
 }
 
 /* w(t) = (w0 + T_C/B) e^(-B t/J) - T_C/B down to zero. */
-static void test_coulomb_friction_stops_the_shaft_at_the_closed_form_time(void)
+TEST(test_coulomb_friction_stops_the_shaft_at_the_closed_form_time)
 {
     plant_motor_cfg_t cfg = ROUND_ROTOR;
     const double step_s = 1.0e-4;
@@ -245,7 +237,7 @@ static void test_coulomb_friction_stops_the_shaft_at_the_closed_form_time(void)
     TEST_ASSERT_DOUBLE_WITHIN(tolerance, -angle, plant_motor_angle_mech(&motor));
 }
 
-static void test_stiction_holds_exactly_up_to_the_coulomb_torque(void)
+TEST(test_stiction_holds_exactly_up_to_the_coulomb_torque)
 {
     plant_motor_cfg_t cfg = ROUND_ROTOR;
 
@@ -263,7 +255,7 @@ static void test_stiction_holds_exactly_up_to_the_coulomb_torque(void)
     TEST_ASSERT_TRUE(motor.now.omega_el_rad_s == 0.0);
 }
 
-static void test_beyond_the_coulomb_torque_the_rest_accelerates(void)
+TEST(test_beyond_the_coulomb_torque_the_rest_accelerates)
 {
     plant_motor_cfg_t cfg = ROUND_ROTOR;
 
@@ -277,7 +269,7 @@ static void test_beyond_the_coulomb_torque_the_rest_accelerates(void)
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, -0.1 * 0.01 / cfg.inertia_kg_m2, omega_mech());
 }
 
-static void test_stiction_holds_against_the_torque_of_a_current(void)
+TEST(test_stiction_holds_against_the_torque_of_a_current)
 {
     plant_motor_cfg_t cfg = ROUND_ROTOR;
     const double torque_per_amp = 1.5 * 2.0 * 0.387;
@@ -291,7 +283,7 @@ static void test_stiction_holds_against_the_torque_of_a_current(void)
     TEST_ASSERT_TRUE(motor.now.omega_el_rad_s > 0.0);
 }
 
-static void test_reversal_under_load_passes_zero_without_sticking(void)
+TEST(test_reversal_under_load_passes_zero_without_sticking)
 {
     plant_motor_cfg_t cfg = ROUND_ROTOR;
 
@@ -338,22 +330,22 @@ static void check_independence_of_step(const plant_motor_cfg_t *cfg, double peri
     TEST_ASSERT_DOUBLE_WITHIN(accuracy, fine.now.theta_el_rad, coarse.now.theta_el_rad);
 }
 
-static void test_result_does_not_depend_on_the_step_for_the_round_rotor(void)
+TEST(test_result_does_not_depend_on_the_step_for_the_round_rotor)
 {
     check_independence_of_step(&ROUND_ROTOR, 1.0e-4, 100.0, ACCURACY);
 }
 
-static void test_result_does_not_depend_on_the_step_for_the_salient_rotor(void)
+TEST(test_result_does_not_depend_on_the_step_for_the_salient_rotor)
 {
     check_independence_of_step(&SALIENT, 1.0e-4, 60.0, ACCURACY);
 }
 
-static void test_result_does_not_depend_on_the_step_for_a_drone_motor(void)
+TEST(test_result_does_not_depend_on_the_step_for_a_drone_motor)
 {
     check_independence_of_step(&DRONE, 2.5e-5, 8.0, ACCURACY_DRONE);
 }
 
-static void test_angle_counts_turns_both_ways_and_its_cosine_stays_true(void)
+TEST(test_angle_counts_turns_both_ways_and_its_cosine_stays_true)
 {
     plant_motor_cfg_t cfg = ROUND_ROTOR;
 
@@ -374,7 +366,7 @@ static void test_angle_counts_turns_both_ways_and_its_cosine_stays_true(void)
     }
 }
 
-static void test_rotation_agrees_with_the_library(void)
+TEST(test_rotation_agrees_with_the_library)
 {
     for (int k = -2000; k <= 2000; k++) {
         const double angle = 0.01 * k + 1.0e-3 * k * k;
@@ -394,7 +386,7 @@ static void check_rejected(const plant_motor_cfg_t *cfg, const char *field)
     TEST_ASSERT_EQUAL_STRING(field, bad);
 }
 
-static void test_init_names_the_field_that_is_out_of_range(void)
+TEST(test_init_names_the_field_that_is_out_of_range)
 {
     plant_motor_cfg_t cfg = ROUND_ROTOR;
     cfg.pole_pairs = 0;
@@ -411,27 +403,4 @@ static void test_init_names_the_field_that_is_out_of_range(void)
     cfg = ROUND_ROTOR;
     cfg.initial_angle_el_rad = 1.0e7;
     check_rejected(&cfg, "motor.initial_angle_el_rad");
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_locked_rotor_current_rises_along_the_exponential_of_its_axis);
-    RUN_TEST(test_short_circuit_currents_settle_on_the_algebraic_solution);
-    RUN_TEST(test_voltage_fed_currents_settle_on_the_algebraic_solution);
-    RUN_TEST(test_torque_is_that_of_magnet_and_reluctance);
-    RUN_TEST(test_energy_is_conserved);
-    RUN_TEST(test_viscous_friction_slows_along_the_exponential);
-    RUN_TEST(test_coulomb_friction_stops_the_shaft_at_the_closed_form_time);
-    RUN_TEST(test_stiction_holds_exactly_up_to_the_coulomb_torque);
-    RUN_TEST(test_beyond_the_coulomb_torque_the_rest_accelerates);
-    RUN_TEST(test_stiction_holds_against_the_torque_of_a_current);
-    RUN_TEST(test_reversal_under_load_passes_zero_without_sticking);
-    RUN_TEST(test_result_does_not_depend_on_the_step_for_the_round_rotor);
-    RUN_TEST(test_result_does_not_depend_on_the_step_for_the_salient_rotor);
-    RUN_TEST(test_result_does_not_depend_on_the_step_for_a_drone_motor);
-    RUN_TEST(test_angle_counts_turns_both_ways_and_its_cosine_stays_true);
-    RUN_TEST(test_rotation_agrees_with_the_library);
-    RUN_TEST(test_init_names_the_field_that_is_out_of_range);
-    return UNITY_END();
 }

@@ -2,7 +2,7 @@
 /* The coupled plant, period by period: timing, voltages, bus, snapshots. */
 #include "plant.h"
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -93,11 +93,7 @@ void setUp(void)
     start(&COIL);
 }
 
-void tearDown(void)
-{
-}
-
-static void test_mean_voltage_of_a_period_is_duty_times_bus(void)
+TEST(test_mean_voltage_of_a_period_is_duty_times_bus)
 {
     static const uint32_t compares[][PLANT_LEGS] = {
         {2125, 2125, 2125}, {2126, 2125, 2125}, {4250, 0, 0}, {0, 4250, 4250}, {1234, 3456, 2345},
@@ -118,7 +114,7 @@ static void test_mean_voltage_of_a_period_is_duty_times_bus(void)
     }
 }
 
-static void test_compare_acts_one_period_after_it_is_written(void)
+TEST(test_compare_acts_one_period_after_it_is_written)
 {
     double v[PLANT_LEGS];
 
@@ -163,7 +159,7 @@ static void check_leg_shift(const plant_cfg_t *cfg, double shift_v)
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_V, 2.0 / 3.0 * shift_v, real[2] - ideal[2]);
 }
 
-static void test_dead_time_costs_its_share_of_the_bus_against_the_current(void)
+TEST(test_dead_time_costs_its_share_of_the_bus_against_the_current)
 {
     plant_cfg_t cfg = COIL;
 
@@ -171,7 +167,7 @@ static void test_dead_time_costs_its_share_of_the_bus_against_the_current(void)
     check_leg_shift(&cfg, DEAD_S / PERIOD_S * BUS_V);
 }
 
-static void test_device_drop_costs_its_voltage_against_the_current(void)
+TEST(test_device_drop_costs_its_voltage_against_the_current)
 {
     plant_cfg_t cfg = COIL;
 
@@ -180,7 +176,7 @@ static void test_device_drop_costs_its_voltage_against_the_current(void)
 }
 
 /* The diode of a dead time drops as the switch before it: the two effects add. */
-static void test_dead_time_and_drop_add(void)
+TEST(test_dead_time_and_drop_add)
 {
     plant_cfg_t cfg = COIL;
     double ideal[PLANT_LEGS];
@@ -195,7 +191,7 @@ static void test_dead_time_and_drop_add(void)
                               real[0] - ideal[0]);
 }
 
-static void test_equal_legs_leave_a_standing_motor_without_current(void)
+TEST(test_equal_legs_leave_a_standing_motor_without_current)
 {
     plant_cfg_t cfg = drive_cfg();
 
@@ -211,7 +207,7 @@ static void test_equal_legs_leave_a_standing_motor_without_current(void)
 }
 
 /* A voltage below what dead time and drop take away leaves no mean current behind. */
-static void test_dead_time_swallows_a_small_voltage(void)
+TEST(test_dead_time_swallows_a_small_voltage)
 {
     plant_cfg_t cfg = COIL;
 
@@ -227,7 +223,7 @@ static void test_dead_time_swallows_a_small_voltage(void)
     TEST_ASSERT_TRUE(fabs(view.i_abc_a[0]) < 0.05 * without_dead_time_a);
 }
 
-static void test_gates_act_at_once_and_off_lets_the_current_die(void)
+TEST(test_gates_act_at_once_and_off_lets_the_current_die)
 {
     plant_cfg_t cfg = drive_cfg();
 
@@ -254,7 +250,7 @@ static void test_gates_act_at_once_and_off_lets_the_current_die(void)
     }
 }
 
-static void test_load_torque_opposes_positive_rotation(void)
+TEST(test_load_torque_opposes_positive_rotation)
 {
     plant_cfg_t cfg = drive_cfg();
 
@@ -269,7 +265,7 @@ static void test_load_torque_opposes_positive_rotation(void)
                               view.omega_mech_rad_s);
 }
 
-static void test_bus_ripples_as_a_sine_of_time(void)
+TEST(test_bus_ripples_as_a_sine_of_time)
 {
     plant_cfg_t cfg = COIL;
 
@@ -285,7 +281,7 @@ static void test_bus_ripples_as_a_sine_of_time(void)
     }
 }
 
-static void test_the_bus_in_the_middle_of_a_period_makes_its_voltage(void)
+TEST(test_the_bus_in_the_middle_of_a_period_makes_its_voltage)
 {
     plant_cfg_t cfg = COIL;
     double v[PLANT_LEGS];
@@ -303,7 +299,7 @@ static void test_the_bus_in_the_middle_of_a_period_makes_its_voltage(void)
     }
 }
 
-static void test_sample_reads_the_present_currents_and_bus(void)
+TEST(test_sample_reads_the_present_currents_and_bus)
 {
     plant_adc_t adc;
 
@@ -320,7 +316,7 @@ static void test_sample_reads_the_present_currents_and_bus(void)
 
 /* A magnet that turns in shorted windings at the corner of the sensors: what they show is behind by 45 degrees and
  * smaller by 1/sqrt(2). */
-static void test_sensors_lag_behind_the_current_of_the_plant(void)
+TEST(test_sensors_lag_behind_the_current_of_the_plant)
 {
     plant_cfg_t cfg = drive_cfg();
     const double corner_hz = 60.0;
@@ -358,7 +354,7 @@ static double after_ramp(double shown, double from, double slope, double time_s,
 }
 
 /* The coil's current rises straight to the level of the comparators and falls as fast through the diodes. */
-static void test_sensors_lag_across_a_trip_of_the_comparators(void)
+TEST(test_sensors_lag_across_a_trip_of_the_comparators)
 {
     plant_cfg_t cfg = COIL;
     const double slope = 2.0 / 3.0 * BUS_V / INDUCTANCE_H;
@@ -380,7 +376,7 @@ static void test_sensors_lag_across_a_trip_of_the_comparators(void)
     TEST_ASSERT_DOUBLE_WITHIN(tolerance, -0.5 * at_end, plant.sensors.seen_a[1]);
 }
 
-static void test_view_is_consistent(void)
+TEST(test_view_is_consistent)
 {
     const plant_cfg_t cfg = drive_cfg();
 
@@ -424,7 +420,7 @@ static uint64_t eventful_run(plant_t *p, int periods)
     return sum;
 }
 
-static void test_two_runs_give_the_same_bytes(void)
+TEST(test_two_runs_give_the_same_bytes)
 {
     const plant_cfg_t cfg = drive_cfg();
 
@@ -437,7 +433,7 @@ static void test_two_runs_give_the_same_bytes(void)
     TEST_ASSERT_EQUAL_MEMORY(&first, &plant, sizeof plant);
 }
 
-static void test_another_seed_gives_another_run(void)
+TEST(test_another_seed_gives_another_run)
 {
     plant_cfg_t cfg = drive_cfg();
 
@@ -448,7 +444,7 @@ static void test_another_seed_gives_another_run(void)
     TEST_ASSERT_FALSE(first_sum == eventful_run(&plant, 100));
 }
 
-static void test_a_copy_goes_on_as_the_original(void)
+TEST(test_a_copy_goes_on_as_the_original)
 {
     const plant_cfg_t cfg = drive_cfg();
 
@@ -462,7 +458,7 @@ static void test_a_copy_goes_on_as_the_original(void)
 
 /* Any compare values, gates on and off, at any speed: currents sum to zero and stay below what the
  * bus and the EMF together could drive through the resistance. */
-static void test_random_operation_stays_within_physical_bounds(void)
+TEST(test_random_operation_stays_within_physical_bounds)
 {
     plant_cfg_t cfg = drive_cfg();
     seeded_t seeded = {2463534242U};
@@ -499,7 +495,7 @@ static void check_rejected(const plant_cfg_t *cfg, const char *field)
     TEST_ASSERT_EQUAL_STRING(field, bad);
 }
 
-static void test_init_names_the_field_that_is_out_of_range(void)
+TEST(test_init_names_the_field_that_is_out_of_range)
 {
     plant_cfg_t cfg = COIL;
     cfg.motor.inductance_d_h = 0.0;
@@ -519,30 +515,4 @@ static void test_init_names_the_field_that_is_out_of_range(void)
     cfg = COIL;
     cfg.supply.device_drop_v = 155.0;
     check_rejected(&cfg, "supply.device_drop_v");
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_mean_voltage_of_a_period_is_duty_times_bus);
-    RUN_TEST(test_compare_acts_one_period_after_it_is_written);
-    RUN_TEST(test_dead_time_costs_its_share_of_the_bus_against_the_current);
-    RUN_TEST(test_device_drop_costs_its_voltage_against_the_current);
-    RUN_TEST(test_dead_time_and_drop_add);
-    RUN_TEST(test_equal_legs_leave_a_standing_motor_without_current);
-    RUN_TEST(test_dead_time_swallows_a_small_voltage);
-    RUN_TEST(test_gates_act_at_once_and_off_lets_the_current_die);
-    RUN_TEST(test_load_torque_opposes_positive_rotation);
-    RUN_TEST(test_bus_ripples_as_a_sine_of_time);
-    RUN_TEST(test_the_bus_in_the_middle_of_a_period_makes_its_voltage);
-    RUN_TEST(test_sample_reads_the_present_currents_and_bus);
-    RUN_TEST(test_sensors_lag_behind_the_current_of_the_plant);
-    RUN_TEST(test_sensors_lag_across_a_trip_of_the_comparators);
-    RUN_TEST(test_view_is_consistent);
-    RUN_TEST(test_two_runs_give_the_same_bytes);
-    RUN_TEST(test_another_seed_gives_another_run);
-    RUN_TEST(test_a_copy_goes_on_as_the_original);
-    RUN_TEST(test_random_operation_stays_within_physical_bounds);
-    RUN_TEST(test_init_names_the_field_that_is_out_of_range);
-    return UNITY_END();
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What a real motor has beyond an ideal one: closed forms, its energy balance, and itself with finer steps. */
 #include "motor.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -164,17 +164,9 @@ static double magnetic_j(void)
            (scale_d * d + scale_q * q + 0.5 * common * (x + 0.5 * x * x) * y * y);
 }
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 /* ---- EMF harmonics ---- */
 
-static void test_emf_of_each_phase_has_its_harmonics(void)
+TEST(test_emf_of_each_phase_has_its_harmonics)
 {
     plant_motor_cfg_t cfg = with_harmonics();
     const double speed = 100.0;
@@ -198,7 +190,7 @@ static void test_emf_of_each_phase_has_its_harmonics(void)
 }
 
 /* The electrical power that the EMF takes is the mechanical one, at any angle and current; reluctance has its own. */
-static void test_torque_has_the_power_of_emf_and_current(void)
+TEST(test_torque_has_the_power_of_emf_and_current)
 {
     plant_motor_cfg_t cfg = with_harmonics();
     const double i_d = -3.0;
@@ -220,7 +212,7 @@ static void test_torque_has_the_power_of_emf_and_current(void)
 }
 
 /* Without current the terminals show the EMF: the voltage that holds the current at zero in the next moment. */
-static void test_the_emf_as_voltage_keeps_the_current_away(void)
+TEST(test_the_emf_as_voltage_keeps_the_current_away)
 {
     plant_motor_cfg_t cfg = with_harmonics();
     const double h = 1.0e-7;
@@ -245,7 +237,7 @@ static void test_the_emf_as_voltage_keeps_the_current_away(void)
 
 /* Shorted windings of a magnet that turns: the wave of order 6 in the rotor frame is a motor of its own. With L_d = L_q
  * the current is the sum of three: I_n = -E_n / (R + j n w L) of orders 1, -5 and 7. */
-static void test_short_circuit_current_is_the_sum_of_its_harmonics(void)
+TEST(test_short_circuit_current_is_the_sum_of_its_harmonics)
 {
     plant_motor_cfg_t cfg = with_harmonics();
     const double orders[] = {1.0, -5.0, 7.0};
@@ -279,7 +271,7 @@ static void test_short_circuit_current_is_the_sum_of_its_harmonics(void)
 
 /* ---- cogging ---- */
 
-static void test_cogging_is_a_sine_of_the_shaft_whatever_the_turn(void)
+TEST(test_cogging_is_a_sine_of_the_shaft_whatever_the_turn)
 {
     plant_motor_cfg_t cfg = with_cogging();
 
@@ -299,7 +291,7 @@ static void test_cogging_is_a_sine_of_the_shaft_whatever_the_turn(void)
 }
 
 /* A free shaft: what the cogging takes from the kinetic energy it gives back, nothing is left after a turn. */
-static void test_cogging_is_conservative(void)
+TEST(test_cogging_is_conservative)
 {
     plant_motor_cfg_t cfg = with_cogging();
     const double kinetic_j = 0.5 * cfg.inertia_kg_m2 * 2.0 * 2.0;
@@ -320,7 +312,7 @@ static void test_cogging_is_conservative(void)
     TEST_ASSERT_DOUBLE_WITHIN(1.0e-3 * hill_j, kinetic_j - 2.0 * hill_j, least_j);
 }
 
-static void test_cogging_holds_a_load_where_its_torque_is_the_load(void)
+TEST(test_cogging_holds_a_load_where_its_torque_is_the_load)
 {
     plant_motor_cfg_t cfg = with_cogging();
     const double load_nm = -0.7 * COGGING_NM;
@@ -342,7 +334,7 @@ static void test_cogging_holds_a_load_where_its_torque_is_the_load(void)
 }
 
 /* At rest within the dry friction of the slope it stands on, exactly; a little more and it goes. */
-static void test_stiction_holds_on_a_slope_of_the_cogging(void)
+TEST(test_stiction_holds_on_a_slope_of_the_cogging)
 {
     plant_motor_cfg_t cfg = with_cogging();
     const double mech_rad = 0.02;
@@ -362,7 +354,7 @@ static void test_stiction_holds_on_a_slope_of_the_cogging(void)
 }
 
 /* Swings of a shaft with dry friction end in a valley between two angles of |cogging| = friction. */
-static void test_swings_end_where_the_friction_holds(void)
+TEST(test_swings_end_where_the_friction_holds)
 {
     plant_motor_cfg_t cfg = with_cogging();
 
@@ -380,7 +372,7 @@ static void test_swings_end_where_the_friction_holds(void)
 /* ---- saturation ---- */
 
 /* Without resistance the flux is the integral of the voltage, and the current is the map's. */
-static void test_current_of_a_blocked_rotor_is_that_of_its_volt_seconds(void)
+TEST(test_current_of_a_blocked_rotor_is_that_of_its_volt_seconds)
 {
     plant_motor_cfg_t cfg = with_saturation();
     const double v_d = -3.0;
@@ -402,7 +394,7 @@ static void test_current_of_a_blocked_rotor_is_that_of_its_volt_seconds(void)
 }
 
 /* The work of a small turn at constant flux linkages of the phases is what the field loses. */
-static void test_torque_is_what_the_field_loses_in_a_turn(void)
+TEST(test_torque_is_what_the_field_loses_in_a_turn)
 {
     const plant_motor_cfg_t cfg = with_saturation();
     const double h = 1.0e-5; /* electrical rad: h^2 / 6 of a torque that turns over in 1 rad */
@@ -426,7 +418,7 @@ static void test_torque_is_what_the_field_loses_in_a_turn(void)
 }
 
 /* By cross-saturation the magnet's flux falls with i_q, and torque per ampere with it. */
-static void test_torque_per_ampere_falls_with_the_current(void)
+TEST(test_torque_per_ampere_falls_with_the_current)
 {
     const plant_motor_cfg_t cfg = with_saturation();
 
@@ -438,7 +430,7 @@ static void test_torque_per_ampere_falls_with_the_current(void)
                               plant_motor_torque(&motor));
 }
 
-static void test_a_phase_that_stops_conducting_has_no_current(void)
+TEST(test_a_phase_that_stops_conducting_has_no_current)
 {
     const plant_motor_cfg_t cfg = with_everything();
     const plant_vector_t axis = {-0.5, 0.5 * PLANT_SQRT3};
@@ -453,7 +445,7 @@ static void test_a_phase_that_stops_conducting_has_no_current(void)
 }
 
 /* With that potential at its terminal the phase gets no current, wherever the rotor is. */
-static void test_the_potential_of_a_floating_phase_holds_its_current(void)
+TEST(test_the_potential_of_a_floating_phase_holds_its_current)
 {
     plant_motor_cfg_t cfg = with_everything();
     const plant_vector_t axis = {1.0, 0.0};
@@ -473,7 +465,7 @@ static void test_the_potential_of_a_floating_phase_holds_its_current(void)
 }
 
 /* Two phases in series, the third floats: the flux along their axis is the volt-seconds, less those of R. */
-static void test_a_floating_phase_stays_without_current(void)
+TEST(test_a_floating_phase_stays_without_current)
 {
     plant_motor_cfg_t cfg = with_everything();
     const plant_vector_t axis = {1.0, 0.0};
@@ -514,7 +506,7 @@ static double stored_j(void)
 
 /* Electrical energy in = stored + copper + friction + load, all but the first integrated here by the trapezoidal rule
  * over h. */
-static void test_energy_is_conserved(void)
+TEST(test_energy_is_conserved)
 {
     plant_motor_cfg_t cfg = with_everything();
     const double h = 1.0e-6;
@@ -581,7 +573,7 @@ static void check_same(const plant_motor_t *a, const plant_motor_t *b, double ac
     TEST_ASSERT_DOUBLE_WITHIN(accuracy * speed, a->now.load_speed_rad_s, b->now.load_speed_rad_s);
 }
 
-static void test_result_does_not_depend_on_the_step(void)
+TEST(test_result_does_not_depend_on_the_step)
 {
     plant_motor_cfg_t cfg = with_everything();
 
@@ -592,7 +584,7 @@ static void test_result_does_not_depend_on_the_step(void)
 }
 
 /* At more than 30 times the stated current the inductances have fallen to hundredths, so R/L has risen. */
-static void test_result_does_not_depend_on_the_step_deep_in_saturation(void)
+TEST(test_result_does_not_depend_on_the_step_deep_in_saturation)
 {
     plant_motor_cfg_t cfg = with_saturation();
 
@@ -605,7 +597,7 @@ static void test_result_does_not_depend_on_the_step_deep_in_saturation(void)
     check_same(&fine, &coarse, ACCURACY);
 }
 
-static void test_result_does_not_depend_on_the_step_for_a_drone_motor(void)
+TEST(test_result_does_not_depend_on_the_step_for_a_drone_motor)
 {
     const plant_motor_t coarse = modulated_run(&DRONE, 2.5e-5, 8.0, 1);
     const plant_motor_t fine = modulated_run(&DRONE, 2.5e-5, 8.0, 16);
@@ -620,7 +612,7 @@ static void test_result_does_not_depend_on_the_step_for_a_drone_motor(void)
 }
 
 /* Another method of another order; of cogging or saturation there is a rounding. */
-static void test_a_motor_with_next_to_nothing_is_the_ideal_one(void)
+TEST(test_a_motor_with_next_to_nothing_is_the_ideal_one)
 {
     plant_motor_cfg_t cfg = IDEAL;
 
@@ -641,7 +633,7 @@ static void test_a_motor_with_next_to_nothing_is_the_ideal_one(void)
     check_same(&ideal, &saturated, ACCURACY);
 }
 
-static void test_a_turned_rotor_keeps_its_phase_currents_and_finds_its_cogging(void)
+TEST(test_a_turned_rotor_keeps_its_phase_currents_and_finds_its_cogging)
 {
     plant_motor_cfg_t cfg = with_everything();
 
@@ -665,7 +657,7 @@ static void check_rejected(const plant_motor_cfg_t *cfg, const char *field)
     TEST_ASSERT_EQUAL_STRING(field, bad);
 }
 
-static void test_init_names_the_field_that_is_out_of_range(void)
+TEST(test_init_names_the_field_that_is_out_of_range)
 {
     plant_motor_cfg_t cfg = with_everything();
     cfg.emf_5th = -0.6;
@@ -695,32 +687,4 @@ static void test_init_names_the_field_that_is_out_of_range(void)
     cfg = with_everything();
     cfg.cogging_order = 0;
     check_rejected(&cfg, "motor.cogging_order");
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_emf_of_each_phase_has_its_harmonics);
-    RUN_TEST(test_torque_has_the_power_of_emf_and_current);
-    RUN_TEST(test_the_emf_as_voltage_keeps_the_current_away);
-    RUN_TEST(test_short_circuit_current_is_the_sum_of_its_harmonics);
-    RUN_TEST(test_cogging_is_a_sine_of_the_shaft_whatever_the_turn);
-    RUN_TEST(test_cogging_is_conservative);
-    RUN_TEST(test_cogging_holds_a_load_where_its_torque_is_the_load);
-    RUN_TEST(test_stiction_holds_on_a_slope_of_the_cogging);
-    RUN_TEST(test_swings_end_where_the_friction_holds);
-    RUN_TEST(test_current_of_a_blocked_rotor_is_that_of_its_volt_seconds);
-    RUN_TEST(test_torque_is_what_the_field_loses_in_a_turn);
-    RUN_TEST(test_torque_per_ampere_falls_with_the_current);
-    RUN_TEST(test_a_phase_that_stops_conducting_has_no_current);
-    RUN_TEST(test_the_potential_of_a_floating_phase_holds_its_current);
-    RUN_TEST(test_a_floating_phase_stays_without_current);
-    RUN_TEST(test_energy_is_conserved);
-    RUN_TEST(test_result_does_not_depend_on_the_step);
-    RUN_TEST(test_result_does_not_depend_on_the_step_deep_in_saturation);
-    RUN_TEST(test_result_does_not_depend_on_the_step_for_a_drone_motor);
-    RUN_TEST(test_a_motor_with_next_to_nothing_is_the_ideal_one);
-    RUN_TEST(test_a_turned_rotor_keeps_its_phase_currents_and_finds_its_cogging);
-    RUN_TEST(test_init_names_the_field_that_is_out_of_range);
-    return UNITY_END();
 }

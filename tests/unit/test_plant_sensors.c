@@ -4,7 +4,7 @@
 #include "random.h"
 #include "rotation.h"
 #include "sensors.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -45,11 +45,7 @@ void setUp(void)
     start(&CLEAN);
 }
 
-void tearDown(void)
-{
-}
-
-static void test_zero_current_reads_half_scale(void)
+TEST(test_zero_current_reads_half_scale)
 {
     convert(0.0, 0.0, 0.0);
     TEST_ASSERT_EQUAL_UINT16(2048, adc.ia);
@@ -57,7 +53,7 @@ static void test_zero_current_reads_half_scale(void)
     TEST_ASSERT_EQUAL_UINT16(0, adc.bus);
 }
 
-static void test_counts_are_rounded_to_nearest(void)
+TEST(test_counts_are_rounded_to_nearest)
 {
     const double lsb = 20.0 / 2048.0;
 
@@ -71,7 +67,7 @@ static void test_counts_are_rounded_to_nearest(void)
     TEST_ASSERT_EQUAL_UINT16(1, adc.bus);
 }
 
-static void test_range_is_clipped_at_both_ends(void)
+TEST(test_range_is_clipped_at_both_ends)
 {
     convert(19.99, -20.0, 409.5);
     TEST_ASSERT_EQUAL_UINT16(4095, adc.ia);
@@ -85,7 +81,7 @@ static void test_range_is_clipped_at_both_ends(void)
     TEST_ASSERT_EQUAL_UINT16(0, adc.bus);
 }
 
-static void test_sixteen_bits_use_the_whole_word(void)
+TEST(test_sixteen_bits_use_the_whole_word)
 {
     plant_sensor_cfg_t cfg = CLEAN;
 
@@ -97,7 +93,7 @@ static void test_sixteen_bits_use_the_whole_word(void)
     TEST_ASSERT_EQUAL_UINT16(65535, adc.bus);
 }
 
-static void test_offset_shifts_each_phase_on_its_own(void)
+TEST(test_offset_shifts_each_phase_on_its_own)
 {
     plant_sensor_cfg_t cfg = CLEAN;
 
@@ -110,7 +106,7 @@ static void test_offset_shifts_each_phase_on_its_own(void)
     TEST_ASSERT_EQUAL_UINT16(1000, adc.bus);
 }
 
-static void test_gain_error_scales_the_current_and_not_the_zero(void)
+TEST(test_gain_error_scales_the_current_and_not_the_zero)
 {
     plant_sensor_cfg_t cfg = CLEAN;
 
@@ -125,7 +121,7 @@ static void test_gain_error_scales_the_current_and_not_the_zero(void)
     TEST_ASSERT_EQUAL_UINT16(2048, adc.ib);
 }
 
-static void test_noise_has_no_mean_and_the_stated_rms(void)
+TEST(test_noise_has_no_mean_and_the_stated_rms)
 {
     plant_sensor_cfg_t cfg = CLEAN;
     double sum[3] = {0.0, 0.0, 0.0};
@@ -155,7 +151,7 @@ static void test_noise_has_no_mean_and_the_stated_rms(void)
     TEST_ASSERT_DOUBLE_WITHIN(4.0 * variance / root_n, 0.0, cross_sum / SAMPLES);
 }
 
-static void test_without_noise_the_generator_stands_still(void)
+TEST(test_without_noise_the_generator_stands_still)
 {
     const plant_random_t before = sensors.random;
 
@@ -163,7 +159,7 @@ static void test_without_noise_the_generator_stands_still(void)
     TEST_ASSERT_TRUE(before.state == sensors.random.state);
 }
 
-static void test_deviates_are_bell_shaped(void)
+TEST(test_deviates_are_bell_shaped)
 {
     plant_random_t random;
     double fourth = 0.0;
@@ -185,7 +181,7 @@ static void test_deviates_are_bell_shaped(void)
     TEST_ASSERT_TRUE(largest < 6.0);
 }
 
-static void test_same_seed_repeats_and_another_does_not(void)
+TEST(test_same_seed_repeats_and_another_does_not)
 {
     plant_sensor_cfg_t cfg = CLEAN;
     uint16_t run[3][64];
@@ -211,7 +207,7 @@ static void start_with_bandwidth(double bandwidth_hz)
     start(&cfg);
 }
 
-static void test_decay_agrees_with_the_library(void)
+TEST(test_decay_agrees_with_the_library)
 {
     for (int k = 0; k <= 50000; k++) {
         const double x = 1.0e-3 * k;
@@ -220,7 +216,7 @@ static void test_decay_agrees_with_the_library(void)
 }
 
 /* A ramp of slope s from rest: the low pass is behind by s tau (1 - e^(-t/tau)), in whatever steps it is followed. */
-static void test_low_pass_lags_behind_a_ramp_by_its_time_constant(void)
+TEST(test_low_pass_lags_behind_a_ramp_by_its_time_constant)
 {
     const double tau_s = 1.0 / (PLANT_TWO_PI * 20.0e3);
     const double slope_a_s[2] = {1.0e5, -3.0e4};
@@ -247,7 +243,7 @@ static void test_low_pass_lags_behind_a_ramp_by_its_time_constant(void)
 }
 
 /* At the corner the gain is 1/sqrt(2) and the lag 45 degrees. */
-static void test_low_pass_halves_the_power_at_its_corner(void)
+TEST(test_low_pass_halves_the_power_at_its_corner)
 {
     const double hz = 5.0e3;
     const double h = 1.0e-7; /* lines instead of arcs: (2 pi hz h)^2 / 12 = 8e-7 */
@@ -265,7 +261,7 @@ static void test_low_pass_halves_the_power_at_its_corner(void)
     TEST_ASSERT_DOUBLE_WITHIN(1.0e-6, sqrt(0.5) * sin(angle), sensors.seen_a[1]);
 }
 
-static void test_conversion_takes_what_the_low_pass_shows(void)
+TEST(test_conversion_takes_what_the_low_pass_shows)
 {
     const double from[2] = {0.0, 0.0};
     const double to[2] = {10.0, -10.0};
@@ -294,7 +290,7 @@ static void check_temperature(double temperature_c, uint16_t expected)
     TEST_ASSERT_EQUAL_UINT16(expected, adc.temperature);
 }
 
-static void test_temperature_is_linear_between_its_ends_and_clipped_beyond(void)
+TEST(test_temperature_is_linear_between_its_ends_and_clipped_beyond)
 {
     check_temperature(-50.0, 0);
     check_temperature(25.0, 1500);
@@ -304,7 +300,7 @@ static void test_temperature_is_linear_between_its_ends_and_clipped_beyond(void)
     check_temperature(200.0, 4095);
 }
 
-static void test_temperature_may_count_down(void)
+TEST(test_temperature_may_count_down)
 {
     plant_sensor_cfg_t cfg = CLEAN;
     cfg.temperature[0].share = 1.0;
@@ -315,7 +311,7 @@ static void test_temperature_may_count_down(void)
     check_temperature(-50.0, 4095);
 }
 
-static void test_a_bent_line_is_linear_from_each_point_to_the_next_and_on_beyond_the_ends(void)
+TEST(test_a_bent_line_is_linear_from_each_point_to_the_next_and_on_beyond_the_ends)
 {
     plant_sensor_cfg_t cfg = CLEAN;
     cfg.temperature[0] = (plant_sensor_point_t){0.0, 0.125};
@@ -332,7 +328,7 @@ static void test_a_bent_line_is_linear_from_each_point_to_the_next_and_on_beyond
     check_temperature(110.0, 3277); /* 3072 and 204.8 */
 }
 
-static void test_without_a_temperature_sensor_its_channel_reads_0(void)
+TEST(test_without_a_temperature_sensor_its_channel_reads_0)
 {
     plant_sensor_cfg_t cfg = CLEAN;
     cfg.temperature_points = 0;
@@ -340,7 +336,7 @@ static void test_without_a_temperature_sensor_its_channel_reads_0(void)
     check_temperature(25.0, 0);
 }
 
-static void test_the_angle_is_told_in_65536_of_a_turn_and_wraps(void)
+TEST(test_the_angle_is_told_in_65536_of_a_turn_and_wraps)
 {
     const double turn = 6.283185307179586;
 
@@ -352,7 +348,7 @@ static void test_the_angle_is_told_in_65536_of_a_turn_and_wraps(void)
     TEST_ASSERT_EQUAL_UINT16(0, plant_sensors_angle(&sensors, 65535.6 / 65536 * turn));
 }
 
-static void test_the_angle_has_the_steps_of_its_sensor(void)
+TEST(test_the_angle_has_the_steps_of_its_sensor)
 {
     const double turn = 6.283185307179586;
     plant_sensor_cfg_t cfg = CLEAN;
@@ -367,7 +363,7 @@ static void test_the_angle_has_the_steps_of_its_sensor(void)
     TEST_ASSERT_EQUAL_UINT16(21845, plant_sensors_angle(&sensors, 0.3 * turn));
 }
 
-static void test_init_names_the_field_that_is_out_of_range(void)
+TEST(test_init_names_the_field_that_is_out_of_range)
 {
     plant_sensor_cfg_t cfg = CLEAN;
     cfg.adc_bits = 17;
@@ -402,31 +398,4 @@ static void test_init_names_the_field_that_is_out_of_range(void)
     cfg = CLEAN;
     cfg.angle_counts = 65537;
     check_rejected(&cfg, "sensor.angle_counts");
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_zero_current_reads_half_scale);
-    RUN_TEST(test_counts_are_rounded_to_nearest);
-    RUN_TEST(test_range_is_clipped_at_both_ends);
-    RUN_TEST(test_sixteen_bits_use_the_whole_word);
-    RUN_TEST(test_offset_shifts_each_phase_on_its_own);
-    RUN_TEST(test_gain_error_scales_the_current_and_not_the_zero);
-    RUN_TEST(test_noise_has_no_mean_and_the_stated_rms);
-    RUN_TEST(test_without_noise_the_generator_stands_still);
-    RUN_TEST(test_deviates_are_bell_shaped);
-    RUN_TEST(test_same_seed_repeats_and_another_does_not);
-    RUN_TEST(test_decay_agrees_with_the_library);
-    RUN_TEST(test_low_pass_lags_behind_a_ramp_by_its_time_constant);
-    RUN_TEST(test_low_pass_halves_the_power_at_its_corner);
-    RUN_TEST(test_conversion_takes_what_the_low_pass_shows);
-    RUN_TEST(test_temperature_is_linear_between_its_ends_and_clipped_beyond);
-    RUN_TEST(test_temperature_may_count_down);
-    RUN_TEST(test_a_bent_line_is_linear_from_each_point_to_the_next_and_on_beyond_the_ends);
-    RUN_TEST(test_without_a_temperature_sensor_its_channel_reads_0);
-    RUN_TEST(test_the_angle_is_told_in_65536_of_a_turn_and_wraps);
-    RUN_TEST(test_the_angle_has_the_steps_of_its_sensor);
-    RUN_TEST(test_init_names_the_field_that_is_out_of_range);
-    return UNITY_END();
 }

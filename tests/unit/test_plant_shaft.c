@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A load behind an elastic shaft: resonance, antiresonance and frequency response of two masses, momentum, friction. */
 #include "motor.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -88,15 +88,7 @@ static double swings_hz(int passes)
     return (double)passes / (last_s - first_s);
 }
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
-static void test_free_shaft_swings_at_the_resonance(void)
+TEST(test_free_shaft_swings_at_the_resonance)
 {
     plant_motor_cfg_t cfg = TWO_MASSES;
     const double wanted =
@@ -109,7 +101,7 @@ static void test_free_shaft_swings_at_the_resonance(void)
 }
 
 /* With the rotor held the load swings by itself. */
-static void test_blocked_rotor_leaves_the_antiresonance(void)
+TEST(test_blocked_rotor_leaves_the_antiresonance)
 {
     const double wanted = sqrt(STIFFNESS_NM / LOAD_KG_M2) / (2.0 * PLANT_PI);
 
@@ -122,7 +114,7 @@ static void test_blocked_rotor_leaves_the_antiresonance(void)
 }
 
 /* Swings fade by e^(-pi D / sqrt(1 - D^2)) from one peak to the next of the other sign, D = d/2 sqrt(1/k (1/J_M + 1/J_L)). */
-static void test_swings_fade_by_the_damping(void)
+TEST(test_swings_fade_by_the_damping)
 {
     plant_motor_cfg_t cfg = TWO_MASSES;
     const double both = 1.0 / MOTOR_KG_M2 + 1.0 / LOAD_KG_M2;
@@ -149,7 +141,7 @@ static void test_swings_fade_by_the_damping(void)
     TEST_ASSERT_DOUBLE_WITHIN(tolerance, fade, peak[2] / peak[1]);
 }
 
-static void test_momentum_of_both_masses_is_kept_and_their_load_brakes_them(void)
+TEST(test_momentum_of_both_masses_is_kept_and_their_load_brakes_them)
 {
     plant_motor_cfg_t cfg = TWO_MASSES;
     const double load_nm = 0.5;
@@ -227,7 +219,7 @@ static complex_t measured_response(double w, double amplitude_nm)
     return (complex_t){scale * sum.real, scale * sum.imaginary};
 }
 
-static void test_motor_answers_torque_as_two_masses_do(void)
+TEST(test_motor_answers_torque_as_two_masses_do)
 {
     const double anti = sqrt(STIFFNESS_NM / LOAD_KG_M2);
     const double resonance = sqrt(STIFFNESS_NM * (1.0 / MOTOR_KG_M2 + 1.0 / LOAD_KG_M2));
@@ -252,7 +244,7 @@ static void test_motor_answers_torque_as_two_masses_do(void)
     TEST_ASSERT_TRUE(hypot(held.real, held.imaginary) < 0.2 / ((MOTOR_KG_M2 + LOAD_KG_M2) * anti));
 }
 
-static void test_stiction_of_the_motor_holds_what_the_shaft_brings(void)
+TEST(test_stiction_of_the_motor_holds_what_the_shaft_brings)
 {
     plant_motor_cfg_t cfg = TWO_MASSES;
 
@@ -271,7 +263,7 @@ static void test_stiction_of_the_motor_holds_what_the_shaft_brings(void)
 }
 
 /* What counts is the twist, which is not yet there or still is. */
-static void test_a_shaft_sticks_by_its_twist_and_not_by_the_load(void)
+TEST(test_a_shaft_sticks_by_its_twist_and_not_by_the_load)
 {
     plant_motor_cfg_t cfg = TWO_MASSES;
 
@@ -288,7 +280,7 @@ static void test_a_shaft_sticks_by_its_twist_and_not_by_the_load(void)
 }
 
 /* Swings with dry friction on one side lose what the friction takes of the motor's way. */
-static void test_energy_goes_into_friction_and_damping(void)
+TEST(test_energy_goes_into_friction_and_damping)
 {
     plant_motor_cfg_t cfg = TWO_MASSES;
     double lost_j = 0.0;
@@ -322,7 +314,7 @@ static void test_energy_goes_into_friction_and_damping(void)
 }
 
 /* The swing that friction starts at first has faded to e^-33. */
-static void test_a_stiff_shaft_is_a_rigid_one(void)
+TEST(test_a_stiff_shaft_is_a_rigid_one)
 {
     plant_motor_cfg_t cfg = TWO_MASSES;
 
@@ -374,7 +366,7 @@ static void check_steps(double stiffness_nm, double damping_nm_s)
     TEST_ASSERT_DOUBLE_WITHIN(tolerance, fine.omega_el_rad_s / 2.0, coarse.omega_el_rad_s / 2.0);
 }
 
-static void test_steps_are_as_short_as_the_shaft_is_stiff_or_damped(void)
+TEST(test_steps_are_as_short_as_the_shaft_is_stiff_or_damped)
 {
     check_steps(1.0e4 * STIFFNESS_NM, 0.1);
     check_steps(STIFFNESS_NM, 200.0);
@@ -388,7 +380,7 @@ static void check_rejected(const plant_motor_cfg_t *cfg, const char *field)
     TEST_ASSERT_EQUAL_STRING(field, bad);
 }
 
-static void test_init_names_the_field_that_is_out_of_range(void)
+TEST(test_init_names_the_field_that_is_out_of_range)
 {
     plant_motor_cfg_t cfg = TWO_MASSES;
     cfg.load_inertia_kg_m2 = -1.0;
@@ -399,21 +391,4 @@ static void test_init_names_the_field_that_is_out_of_range(void)
     cfg = TWO_MASSES;
     cfg.shaft_damping_nm_s = -0.1;
     check_rejected(&cfg, "motor.shaft_damping_nm_s");
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_free_shaft_swings_at_the_resonance);
-    RUN_TEST(test_blocked_rotor_leaves_the_antiresonance);
-    RUN_TEST(test_swings_fade_by_the_damping);
-    RUN_TEST(test_momentum_of_both_masses_is_kept_and_their_load_brakes_them);
-    RUN_TEST(test_motor_answers_torque_as_two_masses_do);
-    RUN_TEST(test_stiction_of_the_motor_holds_what_the_shaft_brings);
-    RUN_TEST(test_a_shaft_sticks_by_its_twist_and_not_by_the_load);
-    RUN_TEST(test_energy_goes_into_friction_and_damping);
-    RUN_TEST(test_a_stiff_shaft_is_a_rigid_one);
-    RUN_TEST(test_steps_are_as_short_as_the_shaft_is_stiff_or_damped);
-    RUN_TEST(test_init_names_the_field_that_is_out_of_range);
-    return UNITY_END();
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Windings that differ: against the circuit of three windings with a common star point, phase by phase. */
 #include "motor.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -38,10 +38,6 @@ void setUp(void)
     start(&UNEQUAL);
 }
 
-void tearDown(void)
-{
-}
-
 static void currents(double phase[PLANT_LEGS])
 {
     plant_phases(plant_motor_current(&motor), phase);
@@ -76,7 +72,7 @@ static double linkage_of(int phase, const double i[PLANT_LEGS])
     return 2.0 / 3.0 * UNEQUAL.inductance_d_h * turns_of(phase) * sum;
 }
 
-static void test_windings_that_are_alike_are_those_of_an_ideal_motor(void)
+TEST(test_windings_that_are_alike_are_those_of_an_ideal_motor)
 {
     plant_motor_cfg_t cfg = UNEQUAL;
 
@@ -87,7 +83,7 @@ static void test_windings_that_are_alike_are_those_of_an_ideal_motor(void)
     TEST_ASSERT_TRUE(motor.windings.are_alike);
 }
 
-static void test_a_steady_current_is_that_of_the_three_resistances(void)
+TEST(test_a_steady_current_is_that_of_the_three_resistances)
 {
     const double v[PLANT_LEGS] = {10.0, -3.0, 4.0};
     double i[PLANT_LEGS];
@@ -105,7 +101,7 @@ static void test_a_steady_current_is_that_of_the_three_resistances(void)
 }
 
 /* The voltage of a winding is that of its resistance and its flux linkage, less what the star point has. */
-static void test_a_change_is_that_of_the_three_coupled_inductances(void)
+TEST(test_a_change_is_that_of_the_three_coupled_inductances)
 {
     const double v[PLANT_LEGS] = {100.0, -30.0, 40.0};
     const double step_s =
@@ -128,7 +124,7 @@ static void test_a_change_is_that_of_the_three_coupled_inductances(void)
     TEST_ASSERT_DOUBLE_WITHIN(1.0e-5, star_v[0], star_v[2]);
 }
 
-static void test_the_emf_of_a_winding_is_that_of_its_turns(void)
+TEST(test_the_emf_of_a_winding_is_that_of_its_turns)
 {
     double emf[PLANT_LEGS];
     double whole[PLANT_LEGS];
@@ -146,7 +142,7 @@ static void test_the_emf_of_a_winding_is_that_of_its_turns(void)
 }
 
 /* Energy of the field: ½·m·L·m·3/2, of the rotor, and in the resistances. */
-static void test_what_the_terminals_give_is_torque_field_and_heat(void)
+TEST(test_what_the_terminals_give_is_torque_field_and_heat)
 {
     double given_j = 0.0;
     double heat_j = 0.0;
@@ -182,7 +178,7 @@ static void test_what_the_terminals_give_is_torque_field_and_heat(void)
     TEST_ASSERT_DOUBLE_WITHIN(1.0e-5 * fabs(given_j), given_j, heat_j + stored_j);
 }
 
-static void test_an_open_phase_carries_no_current(void)
+TEST(test_an_open_phase_carries_no_current)
 {
     const plant_vector_t axis = {-0.5, 0.5 * PLANT_SQRT3};
     const plant_vector_t v = plant_clarke(30.0, 0.0, -30.0);
@@ -199,7 +195,7 @@ static void test_an_open_phase_carries_no_current(void)
     TEST_ASSERT_DOUBLE_WITHIN(1.0e-9, 0.0, i[0]);
 }
 
-static void test_what_is_out_of_range_is_named(void)
+TEST(test_what_is_out_of_range_is_named)
 {
     const char *bad = NULL;
     plant_motor_cfg_t cfg = UNEQUAL;
@@ -211,17 +207,4 @@ static void test_what_is_out_of_range_is_named(void)
     cfg.contact_ohm[1] = -1.0;
     TEST_ASSERT_FALSE(plant_motor_init(&motor, &cfg, &bad));
     TEST_ASSERT_EQUAL_STRING("motor.contact_ohm", bad);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_windings_that_are_alike_are_those_of_an_ideal_motor);
-    RUN_TEST(test_a_steady_current_is_that_of_the_three_resistances);
-    RUN_TEST(test_a_change_is_that_of_the_three_coupled_inductances);
-    RUN_TEST(test_the_emf_of_a_winding_is_that_of_its_turns);
-    RUN_TEST(test_what_the_terminals_give_is_torque_field_and_heat);
-    RUN_TEST(test_an_open_phase_carries_no_current);
-    RUN_TEST(test_what_is_out_of_range_is_named);
-    return UNITY_END();
 }

@@ -2,7 +2,7 @@
 /* The probe: its words and their limits, the sums of a window, pulses, and how the vector turns. All words are exact. */
 #include "probe.h"
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -24,10 +24,6 @@ void setUp(void)
     probe_reset(&probe);
 }
 
-void tearDown(void)
-{
-}
-
 static void set(probe_word_t word, int32_t value)
 {
     probe_set(&probe, (uint32_t)word, value);
@@ -42,7 +38,7 @@ static void note(uint32_t count)
 
 /* ---- words ---- */
 
-static void test_a_reset_leaves_no_current_no_window_and_the_smallest_divisors(void)
+TEST(test_a_reset_leaves_no_current_no_window_and_the_smallest_divisors)
 {
     probe_t expected;
 
@@ -70,7 +66,7 @@ static void check_word(probe_word_t word, int32_t *field, int32_t value, int32_t
     TEST_ASSERT_EQUAL_MEMORY(&before, &probe, sizeof probe);
 }
 
-static void test_each_word_is_stored_and_limited_to_its_range(void)
+TEST(test_each_word_is_stored_and_limited_to_its_range)
 {
     static const struct {
         probe_word_t word;
@@ -107,7 +103,7 @@ static void test_each_word_is_stored_and_limited_to_its_range(void)
     }
 }
 
-static void test_the_reactance_is_that_of_both_axes(void)
+TEST(test_the_reactance_is_that_of_both_axes)
 {
     static const int32_t values[][2] = {{0, 0},  {1, 1},         {32767, 32767},    {32768, 32767},
                                         {-1, 0}, {INT32_MIN, 0}, {INT32_MAX, 32767}};
@@ -119,7 +115,7 @@ static void test_the_reactance_is_that_of_both_axes(void)
     }
 }
 
-static void test_any_word_is_an_angle(void)
+TEST(test_any_word_is_an_angle)
 {
     static const int32_t words[] = {0, 1, -1, INT32_MAX, INT32_MIN};
     static const angle_t angles[] = {0U, 1U, 0xFFFFFFFFU, 0x7FFFFFFFU, 0x80000000U};
@@ -154,7 +150,7 @@ static void check_gain(int32_t word, int32_t mantissa, uint32_t shift)
     }
 }
 
-static void test_a_gain_is_a_mantissa_of_15_bits_and_a_shift_of_1_to_30(void)
+TEST(test_a_gain_is_a_mantissa_of_15_bits_and_a_shift_of_1_to_30)
 {
     check_gain((5 << 16) | 1234, 1234, 5U);
     check_gain((1 << 16) | 32767, 32767, 1U);
@@ -166,7 +162,7 @@ static void test_a_gain_is_a_mantissa_of_15_bits_and_a_shift_of_1_to_30(void)
     check_gain(INT32_MIN | 3, 3, 1U);
 }
 
-static void test_what_is_no_word_changes_nothing(void)
+TEST(test_what_is_no_word_changes_nothing)
 {
     static const uint32_t others[] = {0U, 1U, 15U, (uint32_t)PROBE_WORDS, 255U, 0xFFFFFFFFU};
     const probe_t before = probe;
@@ -179,7 +175,7 @@ static void test_what_is_no_word_changes_nothing(void)
 
 /* ---- a window ---- */
 
-static void test_a_window_has_its_ticks_of_samples_and_closes_two_ticks_behind_them(void)
+TEST(test_a_window_has_its_ticks_of_samples_and_closes_two_ticks_behind_them)
 {
     static const uint32_t lengths[] = {1U, 2U, 3U, 50U, 131071U};
 
@@ -199,7 +195,7 @@ static void test_a_window_has_its_ticks_of_samples_and_closes_two_ticks_behind_t
     }
 }
 
-static void test_the_ticks_of_a_window_end_at_1_and_131071_whatever_its_number(void)
+TEST(test_the_ticks_of_a_window_end_at_1_and_131071_whatever_its_number)
 {
     static const struct {
         int32_t word;
@@ -218,7 +214,7 @@ static void test_the_ticks_of_a_window_end_at_1_and_131071_whatever_its_number(v
     }
 }
 
-static void test_a_window_opens_once_for_its_word_and_begins_at_zero(void)
+TEST(test_a_window_opens_once_for_its_word_and_begins_at_zero)
 {
     probe_sums_t first;
 
@@ -244,7 +240,7 @@ static void test_a_window_opens_once_for_its_word_and_begins_at_zero(void)
     TEST_ASSERT_EQUAL_INT32(0, probe.sums.across);
 }
 
-static void test_without_a_window_nothing_is_summed_up(void)
+TEST(test_without_a_window_nothing_is_summed_up)
 {
     static const probe_sums_t none;
 
@@ -253,7 +249,7 @@ static void test_without_a_window_nothing_is_summed_up(void)
     TEST_ASSERT_EQUAL_MEMORY(&none, &probe.sums, sizeof none);
 }
 
-static void test_voltage_current_and_a_quarter_of_the_bus_are_summed_up(void)
+TEST(test_voltage_current_and_a_quarter_of_the_bus_are_summed_up)
 {
     static const int32_t bus[] = {32767, 4, 3};
 
@@ -273,7 +269,7 @@ static void test_voltage_current_and_a_quarter_of_the_bus_are_summed_up(void)
 }
 
 /* The first change is that from the sample before the window. */
-static void test_noise_is_the_size_of_each_change_from_sample_to_sample(void)
+TEST(test_noise_is_the_size_of_each_change_from_sample_to_sample)
 {
     static const int32_t a[] = {10, 13, 8, 8, 1000};
     static const int32_t b[] = {-5, -5, 5, 4, -1000};
@@ -292,7 +288,7 @@ static void test_noise_is_the_size_of_each_change_from_sample_to_sample(void)
     TEST_ASSERT_EQUAL_INT32(0 + 10 + 1, probe.sums.noise_b);
 }
 
-static void test_the_largest_current_across_counts_whatever_its_sign(void)
+TEST(test_the_largest_current_across_counts_whatever_its_sign)
 {
     static const int32_t across[] = {3, -70, 69, 1000, 1000};
 
@@ -305,7 +301,7 @@ static void test_the_largest_current_across_counts_whatever_its_sign(void)
 }
 
 /* From the first sample to that behind the last: as long as its ticks. */
-static void test_the_turn_of_the_vector_wraps(void)
+TEST(test_the_turn_of_the_vector_wraps)
 {
     static const int32_t turns[] = {INT32_MAX - 10, INT32_MAX - 5, INT32_MAX, INT32_MIN + 4,
                                     INT32_MIN + 9};
@@ -338,7 +334,7 @@ static int32_t torque(dq_t emf, dq_t current, int32_t speed_q15)
     return probe.sums.torque;
 }
 
-static void test_the_torque_is_the_power_of_the_emf_over_the_speed_to_the_nearest(void)
+TEST(test_the_torque_is_the_power_of_the_emf_over_the_speed_to_the_nearest)
 {
     static const struct {
         int32_t power;
@@ -367,12 +363,12 @@ static void test_the_torque_is_the_power_of_the_emf_over_the_speed_to_the_neares
     }
 }
 
-static void test_a_vector_at_rest_has_no_torque(void)
+TEST(test_a_vector_at_rest_has_no_torque)
 {
     TEST_ASSERT_EQUAL_INT32(0, torque((dq_t){1000, 1000}, (dq_t){1000, 1000}, 0));
 }
 
-static void test_torque_saturates_as_emf_current_and_quotient_do(void)
+TEST(test_torque_saturates_as_emf_current_and_quotient_do)
 {
     TEST_ASSERT_EQUAL_INT32(32767, torque((dq_t){32767, 0}, (dq_t){16383, 0}, 1));
     TEST_ASSERT_EQUAL_INT32(-32768, torque((dq_t){32767, 0}, (dq_t){16383, 0}, -1));
@@ -386,7 +382,7 @@ static void test_torque_saturates_as_emf_current_and_quotient_do(void)
                             torque((dq_t){-100000, -100000}, (dq_t){-34400, -34400}, -32768));
 }
 
-static void test_what_the_legs_lose_is_no_torque(void)
+TEST(test_what_the_legs_lose_is_no_torque)
 {
     set(PROBE_LOSS, 40);
     TEST_ASSERT_EQUAL_INT32(100 * 10, torque((dq_t){100, 0}, (dq_t){10, 0}, 1));
@@ -396,7 +392,7 @@ static void test_what_the_legs_lose_is_no_torque(void)
 }
 
 /* The power of 500 along and of 100 across, whose EMF of the sample has the R of another current in it: R is 1 at 8192. */
-static void test_r_takes_its_part_of_the_torque_from_the_current_that_flows(void)
+TEST(test_r_takes_its_part_of_the_torque_from_the_current_that_flows)
 {
     static const struct {
         dq_t emf;
@@ -419,7 +415,7 @@ static void test_r_takes_its_part_of_the_torque_from_the_current_that_flows(void
 }
 
 /* R·i is rounded down: ±0.9998 and ±1.0002 for a current of 2. */
-static void test_the_resistance_of_a_torque_is_its_word_in_q13(void)
+TEST(test_the_resistance_of_a_torque_is_its_word_in_q13)
 {
     set(PROBE_CURRENT, 100);
     set(PROBE_RESISTANCE, 4095);
@@ -435,7 +431,7 @@ static void test_the_resistance_of_a_torque_is_its_word_in_q13(void)
 }
 
 /* A current beyond 16 bits counts as its end, and so does an EMF less R·i. */
-static void test_what_r_takes_from_a_torque_saturates(void)
+TEST(test_what_r_takes_from_a_torque_saturates)
 {
     set(PROBE_RESISTANCE, 8192);
     TEST_ASSERT_EQUAL_INT32(2 * 16383, torque((dq_t){32767 + 2, 0}, (dq_t){34400, 0}, 1));
@@ -460,7 +456,7 @@ static int32_t sign_in(uint32_t tick, uint32_t quarter_ticks)
 static const uint32_t WINDOWS[][2] = {{24U, 3U}, {10U, 2U}, {7U, 1U}, {5U, 8U}, {1U, 1U}};
 
 /* As the drive does it: the word, the sample, the demand. */
-static void test_pulses_are_one_quarter_up_two_down_one_up_again_and_again(void)
+TEST(test_pulses_are_one_quarter_up_two_down_one_up_again_and_again)
 {
     for (uint32_t w = 0U; w < COUNT(WINDOWS); w++) {
         const uint32_t ticks = WINDOWS[w][0];
@@ -486,7 +482,7 @@ static void test_pulses_are_one_quarter_up_two_down_one_up_again_and_again(void)
     }
 }
 
-static void test_pulses_are_added_in_a_window_with_a_pulse_voltage_only(void)
+TEST(test_pulses_are_added_in_a_window_with_a_pulse_voltage_only)
 {
     set(PROBE_PULSE_D, 1);
     TEST_ASSERT_FALSE(probe_pulses(&probe));
@@ -519,7 +515,7 @@ static void check_voltage(int32_t steady, int32_t first, int32_t second)
     }
 }
 
-static void test_the_control_sees_its_reference_along_the_pulses_and_the_current_across(void)
+TEST(test_the_control_sees_its_reference_along_the_pulses_and_the_current_across)
 {
     const dq_t reference = {100, 7};
     const dq_t measured = {130, -20};
@@ -536,7 +532,7 @@ static void test_the_control_sees_its_reference_along_the_pulses_and_the_current
     TEST_ASSERT_EQUAL_INT32(7, seen.q);
 }
 
-static void test_the_voltage_of_pulses_saturates(void)
+TEST(test_the_voltage_of_pulses_saturates)
 {
     check_voltage(22767, 32767, 12767);
     check_voltage(22768, 32767, 12768);
@@ -577,7 +573,7 @@ static void check_changes(uint32_t ticks, uint32_t quarter, bool along)
     TEST_ASSERT_EQUAL_INT32(change.q, probe.sums.change.q);
 }
 
-static void test_changes_of_the_current_count_with_the_sign_of_the_pulse_two_ticks_before(void)
+TEST(test_changes_of_the_current_count_with_the_sign_of_the_pulse_two_ticks_before)
 {
     for (uint32_t w = 0U; w < COUNT(WINDOWS); w++) {
         check_changes(WINDOWS[w][0], WINDOWS[w][1], true);
@@ -587,7 +583,7 @@ static void test_changes_of_the_current_count_with_the_sign_of_the_pulse_two_tic
 
 /* ---- sums at their ends ---- */
 
-static void test_a_sum_that_was_beyond_its_end_counts_from_there(void)
+TEST(test_a_sum_that_was_beyond_its_end_counts_from_there)
 {
     int32_t *const sums[] = {&probe.sums.voltage.d, &probe.sums.voltage.q, &probe.sums.current.d,
                              &probe.sums.current.q, &probe.sums.bus,       &probe.sums.noise_a,
@@ -615,7 +611,7 @@ static void test_a_sum_that_was_beyond_its_end_counts_from_there(void)
     }
 }
 
-static void test_sums_of_the_pulses_end_likewise(void)
+TEST(test_sums_of_the_pulses_end_likewise)
 {
     set(PROBE_WINDOW, 5);
     note(2U);
@@ -629,7 +625,7 @@ static void test_sums_of_the_pulses_end_likewise(void)
 
 /* ---- a vector at rest ---- */
 
-static void test_a_vector_at_rest_goes_the_short_way_to_its_angle_at_its_rate(void)
+TEST(test_a_vector_at_rest_goes_the_short_way_to_its_angle_at_its_rate)
 {
     static const struct {
         angle_t to;
@@ -665,7 +661,7 @@ static step_t turn(dq_t emf)
 }
 
 /* With no lag it turns with its own speed. */
-static void test_the_speed_follows_its_word_along_a_ramp(void)
+TEST(test_the_speed_follows_its_word_along_a_ramp)
 {
     static const step_t up[] = {30, 60, 90, 100, 100};
     static const step_t through[] = {70, 40, 10, -20, -50, -50};
@@ -683,7 +679,7 @@ static void test_the_speed_follows_its_word_along_a_ramp(void)
 }
 
 /* sin 45°. The lag has the sign of the torque that the vector gives the rotor on its way. */
-static void test_a_ramp_waits_for_a_rotor_that_it_strains(void)
+TEST(test_a_ramp_waits_for_a_rotor_that_it_strains)
 {
     static const struct {
         step_t now;
@@ -707,7 +703,7 @@ static void test_a_ramp_waits_for_a_rotor_that_it_strains(void)
     }
 }
 
-static void test_a_vector_that_is_stopped_ramps_down_and_then_goes_to_its_angle(void)
+TEST(test_a_vector_that_is_stopped_ramps_down_and_then_goes_to_its_angle)
 {
     set(PROBE_RATE, 7);
     set(PROBE_ANGLE, 0x12345678 + 1000);
@@ -724,7 +720,7 @@ static void test_a_vector_that_is_stopped_ramps_down_and_then_goes_to_its_angle(
     TEST_ASSERT_EQUAL_INT32(0, probe.mean_lag_q29);
 }
 
-static void test_a_vector_that_is_to_turn_has_a_lag_before_it_does(void)
+TEST(test_a_vector_that_is_to_turn_has_a_lag_before_it_does)
 {
     set(PROBE_RATE, 7);
     set(PROBE_SPEED, -100);
@@ -747,7 +743,7 @@ static int32_t lag(dq_t emf)
 }
 
 /* 32767·e_d/|e|, both rounded towards 0. */
-static void test_the_lag_is_the_share_of_the_emf_along_the_vector_with_the_sign_of_the_speed(void)
+TEST(test_the_lag_is_the_share_of_the_emf_along_the_vector_with_the_sign_of_the_speed)
 {
     static const struct {
         dq_t emf;
@@ -776,7 +772,7 @@ static void test_the_lag_is_the_share_of_the_emf_along_the_vector_with_the_sign_
     }
 }
 
-static void test_what_the_legs_lose_is_no_lag_while_a_current_flows(void)
+TEST(test_what_the_legs_lose_is_no_lag_while_a_current_flows)
 {
     begin_to_turn(1000);
     set(PROBE_LOSS, 1000);
@@ -787,7 +783,7 @@ static void test_what_the_legs_lose_is_no_lag_while_a_current_flows(void)
     TEST_ASSERT_EQUAL_INT32(-32767, lag((dq_t){-32768, 0}));
 }
 
-static void test_an_emf_below_the_full_one_counts_less(void)
+TEST(test_an_emf_below_the_full_one_counts_less)
 {
     begin_to_turn(1000);
     set(PROBE_EMF, 10000);
@@ -804,7 +800,7 @@ static void test_an_emf_below_the_full_one_counts_less(void)
 #define SPEED (1000000)
 
 /* floor(K·lag/2^16) of the lag less its mean, which the first tick finds at 0 and the second at 19660/2^14, 1.2. */
-static void test_the_vector_is_damped_by_what_the_lag_is_off_its_mean(void)
+TEST(test_the_vector_is_damped_by_what_the_lag_is_off_its_mean)
 {
     begin_to_turn(SPEED);
     set(PROBE_DAMPING, K_1);
@@ -816,7 +812,7 @@ static void test_the_vector_is_damped_by_what_the_lag_is_off_its_mean(void)
 }
 
 /* Half of an LSB is one. */
-static void test_the_mean_lag_counts_to_the_nearest(void)
+TEST(test_the_mean_lag_counts_to_the_nearest)
 {
     begin_to_turn(SPEED);
     set(PROBE_DAMPING, K_1);
@@ -830,7 +826,7 @@ static void test_the_mean_lag_counts_to_the_nearest(void)
     TEST_ASSERT_EQUAL_INT32(SPEED - 16, turn((dq_t){0, 4000}));
 }
 
-static void test_damping_is_of_the_same_size_backwards(void)
+TEST(test_damping_is_of_the_same_size_backwards)
 {
     begin_to_turn(-SPEED);
     set(PROBE_DAMPING, K_1);
@@ -838,7 +834,7 @@ static void test_damping_is_of_the_same_size_backwards(void)
 }
 
 /* To an LSB of the lag, 16 steps: below 2^14 of its own the mean no longer moves. */
-static void test_a_constant_lag_does_not_slow_the_vector_down(void)
+TEST(test_a_constant_lag_does_not_slow_the_vector_down)
 {
     step_t step = 0;
 
@@ -851,7 +847,7 @@ static void test_a_constant_lag_does_not_slow_the_vector_down(void)
     TEST_ASSERT_INT32_WITHIN(16384, 16384 * 19660, probe.mean_lag_q29);
 }
 
-static void test_damping_takes_or_adds_half_of_the_speed_at_most(void)
+TEST(test_damping_takes_or_adds_half_of_the_speed_at_most)
 {
     static const dq_t ahead = {-3000, 4000};
     static const dq_t behind = {3000, 4000};
@@ -871,7 +867,7 @@ static void test_damping_takes_or_adds_half_of_the_speed_at_most(void)
 }
 
 /* 3·2^14 ticks bring the mean to 0.95 of 32767. Against it the lag is −1.95, which counts as −1: 2^16·(−1). */
-static void test_a_lag_that_is_off_its_mean_by_more_than_one_counts_as_one(void)
+TEST(test_a_lag_that_is_off_its_mean_by_more_than_one_counts_as_one)
 {
     begin_to_turn(SPEED);
     set(PROBE_DAMPING, 0x10000);
@@ -883,7 +879,7 @@ static void test_a_lag_that_is_off_its_mean_by_more_than_one_counts_as_one(void)
 
 /* ---- tracking ---- */
 
-static void test_tracking_moves_the_own_speed_by_the_whole_lag(void)
+TEST(test_tracking_moves_the_own_speed_by_the_whole_lag)
 {
     begin_to_turn(SPEED);
     TEST_ASSERT_EQUAL_INT32(SPEED, turn((dq_t){3000, 4000})); /* a mean that is not 0 */
@@ -896,7 +892,7 @@ static void test_tracking_moves_the_own_speed_by_the_whole_lag(void)
 }
 
 /* The first 2^15 ticks bring the mean to 0.86 of the lag: without tracking it would be taken off. */
-static void test_tracking_damps_with_the_whole_lag(void)
+TEST(test_tracking_damps_with_the_whole_lag)
 {
     begin_to_turn(SPEED);
     for (uint32_t k = 0U; k < (1U << 15U); k++) {
@@ -909,7 +905,7 @@ static void test_tracking_damps_with_the_whole_lag(void)
 }
 
 /* Within 2^-15 of the whole lag, to which its steps no longer reach. */
-static void test_the_mean_of_a_lag_that_stays_is_that_lag(void)
+TEST(test_the_mean_of_a_lag_that_stays_is_that_lag)
 {
     begin_to_turn(SPEED);
     for (uint32_t k = 0U; k < 400000U; k++) {
@@ -926,7 +922,7 @@ static void test_the_mean_of_a_lag_that_stays_is_that_lag(void)
 }
 
 /* 8/K = 2^bits: K = 0.03125 a tick for 2^8, which is a word of 2·0.03125·2^32/(2·pi). */
-static void test_the_mean_is_the_longer_the_weaker_the_damping(void)
+TEST(test_the_mean_is_the_longer_the_weaker_the_damping)
 {
     static const struct {
         int32_t damping;
@@ -946,7 +942,7 @@ static void test_the_mean_is_the_longer_the_weaker_the_damping(void)
     }
 }
 
-static void test_no_speed_is_beyond_an_eighth_of_a_turn_a_tick(void)
+TEST(test_no_speed_is_beyond_an_eighth_of_a_turn_a_tick)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         begin_to_turn(sign * SPEED_MAX);
@@ -958,57 +954,4 @@ static void test_no_speed_is_beyond_an_eighth_of_a_turn_a_tick(void)
         TEST_ASSERT_EQUAL_INT32(sign * SPEED_MAX, turn((dq_t){-4000, 0}));
         TEST_ASSERT_EQUAL_INT32(sign * SPEED_MAX, probe.own_speed);
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_reset_leaves_no_current_no_window_and_the_smallest_divisors);
-    RUN_TEST(test_each_word_is_stored_and_limited_to_its_range);
-    RUN_TEST(test_the_reactance_is_that_of_both_axes);
-    RUN_TEST(test_any_word_is_an_angle);
-    RUN_TEST(test_a_gain_is_a_mantissa_of_15_bits_and_a_shift_of_1_to_30);
-    RUN_TEST(test_what_is_no_word_changes_nothing);
-    RUN_TEST(test_a_window_has_its_ticks_of_samples_and_closes_two_ticks_behind_them);
-    RUN_TEST(test_the_ticks_of_a_window_end_at_1_and_131071_whatever_its_number);
-    RUN_TEST(test_a_window_opens_once_for_its_word_and_begins_at_zero);
-    RUN_TEST(test_without_a_window_nothing_is_summed_up);
-    RUN_TEST(test_voltage_current_and_a_quarter_of_the_bus_are_summed_up);
-    RUN_TEST(test_noise_is_the_size_of_each_change_from_sample_to_sample);
-    RUN_TEST(test_the_largest_current_across_counts_whatever_its_sign);
-    RUN_TEST(test_the_turn_of_the_vector_wraps);
-    RUN_TEST(test_the_torque_is_the_power_of_the_emf_over_the_speed_to_the_nearest);
-    RUN_TEST(test_a_vector_at_rest_has_no_torque);
-    RUN_TEST(test_torque_saturates_as_emf_current_and_quotient_do);
-    RUN_TEST(test_what_the_legs_lose_is_no_torque);
-    RUN_TEST(test_r_takes_its_part_of_the_torque_from_the_current_that_flows);
-    RUN_TEST(test_the_resistance_of_a_torque_is_its_word_in_q13);
-    RUN_TEST(test_what_r_takes_from_a_torque_saturates);
-    RUN_TEST(test_pulses_are_one_quarter_up_two_down_one_up_again_and_again);
-    RUN_TEST(test_pulses_are_added_in_a_window_with_a_pulse_voltage_only);
-    RUN_TEST(test_the_control_sees_its_reference_along_the_pulses_and_the_current_across);
-    RUN_TEST(test_the_voltage_of_pulses_saturates);
-    RUN_TEST(test_changes_of_the_current_count_with_the_sign_of_the_pulse_two_ticks_before);
-    RUN_TEST(test_a_sum_that_was_beyond_its_end_counts_from_there);
-    RUN_TEST(test_sums_of_the_pulses_end_likewise);
-    RUN_TEST(test_a_vector_at_rest_goes_the_short_way_to_its_angle_at_its_rate);
-    RUN_TEST(test_the_speed_follows_its_word_along_a_ramp);
-    RUN_TEST(test_a_ramp_waits_for_a_rotor_that_it_strains);
-    RUN_TEST(test_a_vector_that_is_stopped_ramps_down_and_then_goes_to_its_angle);
-    RUN_TEST(test_a_vector_that_is_to_turn_has_a_lag_before_it_does);
-    RUN_TEST(test_the_lag_is_the_share_of_the_emf_along_the_vector_with_the_sign_of_the_speed);
-    RUN_TEST(test_what_the_legs_lose_is_no_lag_while_a_current_flows);
-    RUN_TEST(test_an_emf_below_the_full_one_counts_less);
-    RUN_TEST(test_the_vector_is_damped_by_what_the_lag_is_off_its_mean);
-    RUN_TEST(test_the_mean_lag_counts_to_the_nearest);
-    RUN_TEST(test_damping_is_of_the_same_size_backwards);
-    RUN_TEST(test_a_constant_lag_does_not_slow_the_vector_down);
-    RUN_TEST(test_damping_takes_or_adds_half_of_the_speed_at_most);
-    RUN_TEST(test_a_lag_that_is_off_its_mean_by_more_than_one_counts_as_one);
-    RUN_TEST(test_tracking_moves_the_own_speed_by_the_whole_lag);
-    RUN_TEST(test_tracking_damps_with_the_whole_lag);
-    RUN_TEST(test_the_mean_of_a_lag_that_stays_is_that_lag);
-    RUN_TEST(test_the_mean_is_the_longer_the_weaker_the_damping);
-    RUN_TEST(test_no_speed_is_beyond_an_eighth_of_a_turn_a_tick);
-    return UNITY_END();
 }

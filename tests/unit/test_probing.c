@@ -6,7 +6,7 @@
 #include "fault_frames.h"
 #include "probing.h"
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -51,10 +51,6 @@ void setUp(void)
 {
     cfg = example_drive_cfg();
     power_on();
-}
-
-void tearDown(void)
-{
 }
 
 static void tick(void)
@@ -114,7 +110,7 @@ static void tune(void)
 
 /* ---- begin and end ---- */
 
-static void test_probe_begins_when_it_is_asked_for_and_its_gates_are_on_from_the_next_tick(void)
+TEST(test_probe_begins_when_it_is_asked_for_and_its_gates_are_on_from_the_next_tick)
 {
     begin();
     assert_gates_open();
@@ -123,7 +119,7 @@ static void test_probe_begins_when_it_is_asked_for_and_its_gates_are_on_from_the
     TEST_ASSERT_TRUE(out.gate_enable);
 }
 
-static void test_the_request_to_run_wins(void)
+TEST(test_the_request_to_run_wins)
 {
     request(DRIVE_REQUEST_RUN | DRIVE_REQUEST_PROBE);
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, drive.state);
@@ -134,7 +130,7 @@ static void test_the_request_to_run_wins(void)
     TEST_ASSERT_EQUAL(DRIVE_STATE_PROBE, drive.state);
 }
 
-static void test_probe_ends_with_open_gates_when_its_own_request_goes(void)
+TEST(test_probe_ends_with_open_gates_when_its_own_request_goes)
 {
     static const uint8_t others[] = {0U, DRIVE_REQUEST_CLEAR, DRIVE_REQUEST_RUN};
 
@@ -151,7 +147,7 @@ static void test_probe_ends_with_open_gates_when_its_own_request_goes(void)
     }
 }
 
-static void test_no_other_state_obeys_the_request_to_probe(void)
+TEST(test_no_other_state_obeys_the_request_to_probe)
 {
     cfg.sampling.offset_log2 = 4U;
     cfg.crc = config_guard_crc(&cfg);
@@ -168,7 +164,7 @@ static void test_no_other_state_obeys_the_request_to_probe(void)
     assert_gates_open();
 }
 
-static void test_it_begins_with_no_word_no_current_and_nothing_that_a_run_has_left(void)
+TEST(test_it_begins_with_no_word_no_current_and_nothing_that_a_run_has_left)
 {
     probe_t fresh;
 
@@ -215,7 +211,7 @@ static void test_it_begins_with_no_word_no_current_and_nothing_that_a_run_has_le
 }
 
 /* The current of a voltage drive is compared with its mean: the last run's is no reference of this one. */
-static void test_after_a_run_of_the_voltage_drive_no_current_is_missed(void)
+TEST(test_after_a_run_of_the_voltage_drive_no_current_is_missed)
 {
     drive.voltage_drive.active = true;
     drive.voltage_drive.damping.mean_q30 = (dq_t){SPEED_MAX, SPEED_MAX};
@@ -227,7 +223,7 @@ static void test_after_a_run_of_the_voltage_drive_no_current_is_missed(void)
 
 /* ---- protection ---- */
 
-static void test_each_fault_opens_the_gates_in_its_tick(void)
+TEST(test_each_fault_opens_the_gates_in_its_tick)
 {
     static const struct {
         void (*make)(drive_in_t *frame);
@@ -250,7 +246,7 @@ static void test_each_fault_opens_the_gates_in_its_tick(void)
     }
 }
 
-static void test_late_ticks_are_a_fault_as_ever(void)
+TEST(test_late_ticks_are_a_fault_as_ever)
 {
     begin();
     in.flags = DRIVE_FLAG_LATE;
@@ -263,7 +259,7 @@ static void test_late_ticks_are_a_fault_as_ever(void)
 }
 
 /* Found by the slow schedule, after the compare values are there. */
-static void test_a_fault_of_the_slow_part_opens_the_gates_in_its_tick(void)
+TEST(test_a_fault_of_the_slow_part_opens_the_gates_in_its_tick)
 {
     begin();
     ticks(10U);
@@ -278,7 +274,7 @@ static void test_a_fault_of_the_slow_part_opens_the_gates_in_its_tick(void)
 }
 
 /* A step of i²t in each round of the checks, as in RUN. */
-static void test_the_heat_of_the_imposed_current_is_counted(void)
+TEST(test_the_heat_of_the_imposed_current_is_counted)
 {
     int32_t before;
 
@@ -298,7 +294,7 @@ static void test_the_heat_of_the_imposed_current_is_counted(void)
 
 /* ---- words ---- */
 
-static void test_each_tick_gives_the_probe_its_word_and_nothing_else_is_one(void)
+TEST(test_each_tick_gives_the_probe_its_word_and_nothing_else_is_one)
 {
     begin();
     word(PROBE_CURRENT, 1234);
@@ -314,7 +310,7 @@ static void test_each_tick_gives_the_probe_its_word_and_nothing_else_is_one(void
 }
 
 /* Two windows begin in the ticks of their words: the sample of that tick is the first. */
-static void test_the_sample_of_the_tick_with_its_word_is_the_first_of_a_window(void)
+TEST(test_the_sample_of_the_tick_with_its_word_is_the_first_of_a_window)
 {
     begin();
     word(PROBE_WINDOW, 2);
@@ -326,7 +322,7 @@ static void test_the_sample_of_the_tick_with_its_word_is_the_first_of_a_window(v
     TEST_ASSERT_EQUAL_INT32(2 * (drive.signals.bus / 4), drive.probe.sums.bus);
 }
 
-static void test_the_samples_of_a_window_are_what_the_drive_has_measured(void)
+TEST(test_the_samples_of_a_window_are_what_the_drive_has_measured)
 {
     begin();
     tune();
@@ -355,7 +351,7 @@ static void test_the_samples_of_a_window_are_what_the_drive_has_measured(void)
 }
 
 /* Along them it sees no error, and demands its integral, R·i* is 0; across there is no current. */
-static void test_pulses_ride_on_what_the_control_demands_without_an_error(void)
+TEST(test_pulses_ride_on_what_the_control_demands_without_an_error)
 {
     begin();
     word(PROBE_PULSE_D, 3000);
@@ -367,7 +363,7 @@ static void test_pulses_ride_on_what_the_control_demands_without_an_error(void)
 }
 
 /* The voltage of the last demand less the model: R·i* of the plan; its reactances are 0. Torque: e·i over the speed. */
-static void test_the_emf_is_the_demand_less_what_the_model_needs(void)
+TEST(test_the_emf_is_the_demand_less_what_the_model_needs)
 {
     dq_t i;
     int32_t speed;
@@ -391,7 +387,7 @@ static void test_the_emf_is_the_demand_less_what_the_model_needs(void)
 
 /* ---- the vector ---- */
 
-static void test_the_vector_turns_with_its_speed_and_is_the_position(void)
+TEST(test_the_vector_turns_with_its_speed_and_is_the_position)
 {
     begin();
     word(PROBE_RAMP, SPEED_MAX);
@@ -411,7 +407,7 @@ static void test_the_vector_turns_with_its_speed_and_is_the_position(void)
 }
 
 /* What the legs lose is to be measured: with a dead time in the configuration the compare values are those without. */
-static void test_dead_time_is_not_compensated_and_the_voltage_is_turned_for_its_period(void)
+TEST(test_dead_time_is_not_compensated_and_the_voltage_is_turned_for_its_period)
 {
     cfg.modulator = example_modulator_cfg_with_dead_time();
     power_on();
@@ -443,7 +439,7 @@ static void test_dead_time_is_not_compensated_and_the_voltage_is_turned_for_its_
 /* ---- a motor ---- */
 
 /* The converter has 8 LSB a count; the integral holds its mean to that. */
-static void test_the_current_becomes_what_its_word_says_and_the_rotor_rests_on_it(void)
+TEST(test_the_current_becomes_what_its_word_says_and_the_rotor_rests_on_it)
 {
     begin();
     tune();
@@ -458,7 +454,7 @@ static void test_the_current_becomes_what_its_word_says_and_the_rotor_rests_on_i
 /* L·di/dt = v: Q15 of U_b a tick make so much of I_b, T/L·U_b/I_b. */
 #define RISE (1e-4 / 0.0116 * 450.0 / 40.0)
 
-static void test_along_pulses_the_control_holds_its_voltage(void)
+TEST(test_along_pulses_the_control_holds_its_voltage)
 {
     dq_t held;
     int32_t integral;
@@ -495,7 +491,7 @@ static void test_along_pulses_the_control_holds_its_voltage(void)
  * of which a count of each current in R and L·ω takes up to 4, and Q13 of R and L another 1: 0.003 of sin δ. The torque is
  * 3 % off at most: 1 LSB of the sine of the frame, half a count in each current of 6.7 A, and the same EMF.
  */
-static void test_a_load_shows_as_lag_and_torque_in_both_directions(void)
+TEST(test_a_load_shows_as_lag_and_torque_in_both_directions)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         const double speed = 300.0 * EXAMPLE_PI / 30.0;
@@ -547,7 +543,7 @@ static int32_t any_word(seeded_t *seed)
     return seeded_i32(seed) >> bits;
 }
 
-static void test_any_words_and_samples_leave_each_field_in_its_range(void)
+TEST(test_any_words_and_samples_leave_each_field_in_its_range)
 {
     seeded_t seed = {0x9B0B1U};
     uint32_t probing = 0U;
@@ -567,31 +563,4 @@ static void test_any_words_and_samples_leave_each_field_in_its_range(void)
         probing += (drive.state == DRIVE_STATE_PROBE) ? 1U : 0U;
     }
     TEST_ASSERT_GREATER_THAN_UINT32(90000U, probing);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_probe_begins_when_it_is_asked_for_and_its_gates_are_on_from_the_next_tick);
-    RUN_TEST(test_the_request_to_run_wins);
-    RUN_TEST(test_probe_ends_with_open_gates_when_its_own_request_goes);
-    RUN_TEST(test_no_other_state_obeys_the_request_to_probe);
-    RUN_TEST(test_it_begins_with_no_word_no_current_and_nothing_that_a_run_has_left);
-    RUN_TEST(test_after_a_run_of_the_voltage_drive_no_current_is_missed);
-    RUN_TEST(test_each_fault_opens_the_gates_in_its_tick);
-    RUN_TEST(test_late_ticks_are_a_fault_as_ever);
-    RUN_TEST(test_a_fault_of_the_slow_part_opens_the_gates_in_its_tick);
-    RUN_TEST(test_the_heat_of_the_imposed_current_is_counted);
-    RUN_TEST(test_each_tick_gives_the_probe_its_word_and_nothing_else_is_one);
-    RUN_TEST(test_the_sample_of_the_tick_with_its_word_is_the_first_of_a_window);
-    RUN_TEST(test_the_samples_of_a_window_are_what_the_drive_has_measured);
-    RUN_TEST(test_the_vector_turns_with_its_speed_and_is_the_position);
-    RUN_TEST(test_dead_time_is_not_compensated_and_the_voltage_is_turned_for_its_period);
-    RUN_TEST(test_the_current_becomes_what_its_word_says_and_the_rotor_rests_on_it);
-    RUN_TEST(test_along_pulses_the_control_holds_its_voltage);
-    RUN_TEST(test_a_load_shows_as_lag_and_torque_in_both_directions);
-    RUN_TEST(test_any_words_and_samples_leave_each_field_in_its_range);
-    RUN_TEST(test_pulses_ride_on_what_the_control_demands_without_an_error);
-    RUN_TEST(test_the_emf_is_the_demand_less_what_the_model_needs);
-    return UNITY_END();
 }

@@ -2,7 +2,7 @@
 /* Protection: each fault exactly at its limit, the order of faults, what is recorded. */
 #include "example_cfg.h"
 #include "protection.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -30,16 +30,12 @@ void setUp(void)
     in = (protection_in_t){.bus = 22572};
 }
 
-void tearDown(void)
-{
-}
-
-static void test_nothing_wrong_is_no_fault(void)
+TEST(test_nothing_wrong_is_no_fault)
 {
     TEST_ASSERT_EQUAL_INT(FAULT_NONE, check(RUNNING));
 }
 
-static void test_overcurrent_begins_one_above_the_limit_in_each_phase_and_direction(void)
+TEST(test_overcurrent_begins_one_above_the_limit_in_each_phase_and_direction)
 {
     /* Phase c = −a − b takes the whole limit from two halves. */
     const int32_t max = cfg.current_max;
@@ -66,7 +62,7 @@ static void test_overcurrent_begins_one_above_the_limit_in_each_phase_and_direct
     }
 }
 
-static void test_a_saturated_current_sample_always_exceeds_the_largest_limit(void)
+TEST(test_a_saturated_current_sample_always_exceeds_the_largest_limit)
 {
     static const int32_t ends[] = {-16384, 16383};
 
@@ -82,7 +78,7 @@ static void test_a_saturated_current_sample_always_exceeds_the_largest_limit(voi
     }
 }
 
-static void test_currents_and_a_low_bus_are_not_watched_at_rest(void)
+TEST(test_currents_and_a_low_bus_are_not_watched_at_rest)
 {
     static const int32_t currents[] = {-16384, 0, 16383};
 
@@ -96,7 +92,7 @@ static void test_currents_and_a_low_bus_are_not_watched_at_rest(void)
     }
 }
 
-static void test_too_high_a_bus_is_watched_at_rest_too(void)
+TEST(test_too_high_a_bus_is_watched_at_rest_too)
 {
     in.bus = cfg.bus_max + 1;
     TEST_ASSERT_EQUAL_INT(FAULT_OVERVOLTAGE, check(AT_REST));
@@ -104,7 +100,7 @@ static void test_too_high_a_bus_is_watched_at_rest_too(void)
     TEST_ASSERT_EQUAL_INT(FAULT_OVERVOLTAGE, check(AT_REST));
 }
 
-static void test_smallest_current_limit_allows_one_and_no_more(void)
+TEST(test_smallest_current_limit_allows_one_and_no_more)
 {
     cfg.current_max = 1;
     for (int32_t sign = -1; sign <= 1; sign += 2) {
@@ -115,7 +111,7 @@ static void test_smallest_current_limit_allows_one_and_no_more(void)
     }
 }
 
-static void test_overvoltage_begins_one_above_the_limit(void)
+TEST(test_overvoltage_begins_one_above_the_limit)
 {
     in.bus = cfg.bus_max;
     TEST_ASSERT_EQUAL_INT(FAULT_NONE, check(RUNNING));
@@ -123,7 +119,7 @@ static void test_overvoltage_begins_one_above_the_limit(void)
     TEST_ASSERT_EQUAL_INT(FAULT_OVERVOLTAGE, check(RUNNING));
 }
 
-static void test_undervoltage_begins_one_below_the_limit_and_only_while_running(void)
+TEST(test_undervoltage_begins_one_below_the_limit_and_only_while_running)
 {
     in.bus = cfg.bus_min;
     TEST_ASSERT_EQUAL_INT(FAULT_NONE, check(RUNNING));
@@ -132,7 +128,7 @@ static void test_undervoltage_begins_one_below_the_limit_and_only_while_running(
     TEST_ASSERT_EQUAL_INT(FAULT_NONE, check(AT_REST));
 }
 
-static void test_faults_are_found_in_the_order_of_their_numbers(void)
+TEST(test_faults_are_found_in_the_order_of_their_numbers)
 {
     in.phase_a = 16383;
     in.bus = cfg.bus_max + 1;
@@ -148,7 +144,7 @@ static void test_faults_are_found_in_the_order_of_their_numbers(void)
                      (FAULT_OVERVOLTAGE < FAULT_UNDERVOLTAGE));
 }
 
-static void test_limits_hold_exactly_where_no_fault_is_found(void)
+TEST(test_limits_hold_exactly_where_no_fault_is_found)
 {
     static const int32_t currents[] = {-16384, -8193, -8192, -1, 0, 1, 8192, 8193, 16383};
     const int32_t buses[] = {0, cfg.bus_min - 1, cfg.bus_min, cfg.bus_max, cfg.bus_max + 1};
@@ -175,7 +171,7 @@ static void assert_record(fault_id_t id, int32_t value, int32_t limit)
     TEST_ASSERT_EQUAL_INT32(limit, fault.limit);
 }
 
-static void test_record_holds_the_measured_value_and_its_limit(void)
+TEST(test_record_holds_the_measured_value_and_its_limit)
 {
     fault_t opened;
 
@@ -194,7 +190,7 @@ static void test_record_holds_the_measured_value_and_its_limit(void)
     assert_record(FAULT_UNDERVOLTAGE, cfg.bus_min - 1, cfg.bus_min);
 }
 
-static void test_record_of_an_overcurrent_holds_the_phase_that_carries_most(void)
+TEST(test_record_of_an_overcurrent_holds_the_phase_that_carries_most)
 {
     static const int32_t currents[][3] = {
         {-15000, 1000, 15000}, {1000, -15000, 15000}, {15000, -14000, 15000}, {8000, 7000, 15000}};
@@ -206,7 +202,7 @@ static void test_record_of_an_overcurrent_holds_the_phase_that_carries_most(void
     }
 }
 
-static void test_offset_fault_begins_one_above_the_limit_for_either_sensor_and_sign(void)
+TEST(test_offset_fault_begins_one_above_the_limit_for_either_sensor_and_sign)
 {
     const int32_t max = cfg.offset_max;
     const int32_t above[][2] = {{max + 1, 0}, {-max - 1, 0}, {0, max + 1}, {0, -max - 1}};
@@ -225,31 +221,11 @@ static void test_offset_fault_begins_one_above_the_limit_for_either_sensor_and_s
     }
 }
 
-static void test_offset_limit_of_zero_accepts_only_a_perfect_sensor(void)
+TEST(test_offset_limit_of_zero_accepts_only_a_perfect_sensor)
 {
     fault_t fault;
 
     cfg.offset_max = 0;
     TEST_ASSERT_EQUAL_INT(FAULT_NONE, protection_check_offset(&cfg, 0, 0, &fault));
     TEST_ASSERT_EQUAL_INT(FAULT_CURRENT_OFFSET, protection_check_offset(&cfg, 0, 1, &fault));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_nothing_wrong_is_no_fault);
-    RUN_TEST(test_overcurrent_begins_one_above_the_limit_in_each_phase_and_direction);
-    RUN_TEST(test_a_saturated_current_sample_always_exceeds_the_largest_limit);
-    RUN_TEST(test_currents_and_a_low_bus_are_not_watched_at_rest);
-    RUN_TEST(test_too_high_a_bus_is_watched_at_rest_too);
-    RUN_TEST(test_smallest_current_limit_allows_one_and_no_more);
-    RUN_TEST(test_overvoltage_begins_one_above_the_limit);
-    RUN_TEST(test_undervoltage_begins_one_below_the_limit_and_only_while_running);
-    RUN_TEST(test_faults_are_found_in_the_order_of_their_numbers);
-    RUN_TEST(test_limits_hold_exactly_where_no_fault_is_found);
-    RUN_TEST(test_record_holds_the_measured_value_and_its_limit);
-    RUN_TEST(test_record_of_an_overcurrent_holds_the_phase_that_carries_most);
-    RUN_TEST(test_offset_fault_begins_one_above_the_limit_for_either_sensor_and_sign);
-    RUN_TEST(test_offset_limit_of_zero_accepts_only_a_perfect_sensor);
-    return UNITY_END();
 }

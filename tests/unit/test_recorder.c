@@ -6,7 +6,7 @@
 #include "drive_words.h"
 #include "recorded_run.h"
 #include "recorder.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <signal.h>
 #include <stdbool.h>
@@ -21,10 +21,6 @@ static drive_cfg_t other_cfg; /* takes turns with run.cfg */
 void setUp(void)
 {
     recorded_run_start(&run);
-}
-
-void tearDown(void)
-{
 }
 
 /* Configuration of a change in the history. */
@@ -81,7 +77,7 @@ static void fail_and_freeze(void)
     TEST_ASSERT_TRUE(run.recorder.frozen);
 }
 
-static void test_history_is_the_run(void)
+TEST(test_history_is_the_run)
 {
     recorded_run_ticks(&run, LONG_RUN);
     TEST_ASSERT_TRUE(run.out.gate_enable);
@@ -90,7 +86,7 @@ static void test_history_is_the_run(void)
 }
 
 /* The margin is left over in each segment, and a change begins it. */
-static void test_all_but_one_segments_of_history_are_there_whenever_it_ends(void)
+TEST(test_all_but_one_segments_of_history_are_there_whenever_it_ends)
 {
     const uint32_t least = (RECORDER_SEGMENTS - 1U) * (RUN_SEGMENT_ENTRIES - RECORDER_MARGIN - 1U);
 
@@ -102,7 +98,7 @@ static void test_all_but_one_segments_of_history_are_there_whenever_it_ends(void
     }
 }
 
-static void test_freezes_after_the_fault_and_the_ticks_behind_it(void)
+TEST(test_freezes_after_the_fault_and_the_ticks_behind_it)
 {
     recorded_run_ticks(&run, LONG_RUN);
     recorded_run_fail(&run);
@@ -118,7 +114,7 @@ static void test_freezes_after_the_fault_and_the_ticks_behind_it(void)
 }
 
 /* A fault is seen even if it is there before anything was recorded, or comes again at once. */
-static void test_fault_in_the_first_tick_is_recorded(void)
+TEST(test_fault_in_the_first_tick_is_recorded)
 {
     run.in.adc_bus = 4095U;
     recorded_run_interrupt(&run);
@@ -136,7 +132,7 @@ static void clear(void)
     run.in.command.request = DRIVE_REQUEST_RUN;
 }
 
-static void test_what_was_read_is_there_again_until_the_fault_is_left(void)
+TEST(test_what_was_read_is_there_again_until_the_fault_is_left)
 {
     uint32_t ticks = 0U;
 
@@ -149,7 +145,7 @@ static void test_what_was_read_is_there_again_until_the_fault_is_left(void)
     TEST_ASSERT_EQUAL_UINT32(ticks, replay());
 }
 
-static void test_begins_anew_when_it_is_released_and_the_fault_is_left(void)
+TEST(test_begins_anew_when_it_is_released_and_the_fault_is_left)
 {
     recorded_run_ticks(&run, LONG_RUN);
     fail_and_freeze();
@@ -162,7 +158,7 @@ static void test_begins_anew_when_it_is_released_and_the_fault_is_left(void)
     TEST_ASSERT_GREATER_THAN_UINT32(0U, replay());
 }
 
-static void test_a_recording_of_a_fault_stays_until_it_is_released(void)
+TEST(test_a_recording_of_a_fault_stays_until_it_is_released)
 {
     uint32_t ticks = 0U;
 
@@ -178,7 +174,7 @@ static void test_a_recording_of_a_fault_stays_until_it_is_released(void)
     TEST_ASSERT_FALSE(run.recorder.frozen);
 }
 
-static void test_holding_freezes_without_a_fault(void)
+TEST(test_holding_freezes_without_a_fault)
 {
     recorded_run_ticks(&run, LONG_RUN);
     recorder_hold(&run.recorder, &run.drive);
@@ -189,7 +185,7 @@ static void test_holding_freezes_without_a_fault(void)
 }
 
 /* After a fault the ticks behind it belong to the recording. */
-static void test_holding_does_not_cut_off_what_follows_a_fault(void)
+TEST(test_holding_does_not_cut_off_what_follows_a_fault)
 {
     recorded_run_ticks(&run, LONG_RUN);
     recorded_run_fail(&run);
@@ -201,7 +197,7 @@ static void test_holding_does_not_cut_off_what_follows_a_fault(void)
 }
 
 /* The background comes in every other tick, at random: within the margin it does. */
-static void test_history_is_the_run_with_a_background_that_comes_irregularly(void)
+TEST(test_history_is_the_run_with_a_background_that_comes_irregularly)
 {
     seeded_t chance = {99U};
 
@@ -222,7 +218,7 @@ static void test_history_is_the_run_with_a_background_that_comes_irregularly(voi
 }
 
 /* The next tick of the drive goes unrecorded, as if it had come while the state was copied. */
-static void test_snapshot_of_another_tick_is_rejected(void)
+TEST(test_snapshot_of_another_tick_is_rejected)
 {
     const uint32_t current = run.recorder.current;
 
@@ -261,7 +257,7 @@ static timer_t start_interrupts(long period_ns)
 }
 
 /* A timer's signal comes between any two instructions, as an interrupt does. */
-static void test_offered_is_only_a_state_that_no_tick_came_into(void)
+TEST(test_offered_is_only_a_state_that_no_tick_came_into)
 {
     const timer_t timer = start_interrupts(100000L);
     const time_t start = time(NULL);
@@ -288,7 +284,7 @@ static void test_offered_is_only_a_state_that_no_tick_came_into(void)
     TEST_ASSERT_GREATER_OR_EQUAL_UINT32(10U, rejected);
 }
 
-static void test_an_open_offer_stays_as_it_is_until_a_tick_decides(void)
+TEST(test_an_open_offer_stays_as_it_is_until_a_tick_decides)
 {
     drive_t offered;
 
@@ -302,7 +298,7 @@ static void test_an_open_offer_stays_as_it_is_until_a_tick_decides(void)
                             run.recorder.states[run.recorder.next].speed_reference);
 }
 
-static void test_offer_that_came_too_late_does_not_end_a_segment(void)
+TEST(test_offer_that_came_too_late_does_not_end_a_segment)
 {
     uint32_t current = 0U;
 
@@ -318,7 +314,7 @@ static void test_offer_that_came_too_late_does_not_end_a_segment(void)
 }
 
 /* Without a background the segment fills up; what follows begins after the gap. */
-static void test_history_begins_behind_a_gap(void)
+TEST(test_history_begins_behind_a_gap)
 {
     uint32_t first = 0U;
     recorder_history_t history;
@@ -336,7 +332,7 @@ static void test_history_begins_behind_a_gap(void)
     TEST_ASSERT_GREATER_THAN_UINT32(30U, replay());
 }
 
-static void test_commands_and_temperature_change_in_the_tick_in_which_the_drive_reads_them(void)
+TEST(test_commands_and_temperature_change_in_the_tick_in_which_the_drive_reads_them)
 {
     seeded_t chance = {7U};
 
@@ -386,7 +382,7 @@ static void assert_comes_back(const drive_in_t *in, const drive_out_t *out)
     TEST_ASSERT_EQUAL_INT(out->gate_enable, back.out.gate_enable);
 }
 
-static void test_every_bit_of_a_frame_comes_back(void)
+TEST(test_every_bit_of_a_frame_comes_back)
 {
     const drive_in_t none = {0};
     const drive_in_t all = {0xFFFFU, 0xFFFFU, 0xFFFFU, 0xFFFFU, {-1, 0xFFU, 0xFFU},
@@ -402,14 +398,14 @@ static void test_every_bit_of_a_frame_comes_back(void)
     assert_comes_back(&mixed, &out_mixed);
 }
 
-static void test_nothing_frozen_has_no_history(void)
+TEST(test_nothing_frozen_has_no_history)
 {
     TEST_ASSERT_EQUAL_UINT32(0U, recorder_history(&run.recorder).entries);
     recorded_run_ticks(&run, LONG_RUN);
     TEST_ASSERT_EQUAL_UINT32(0U, recorder_history(&run.recorder).entries);
 }
 
-static void test_drive_does_the_same_with_and_without_a_recorder(void)
+TEST(test_drive_does_the_same_with_and_without_a_recorder)
 {
     drive_t alone;
     drive_out_t out = {0};
@@ -453,7 +449,7 @@ static void enter_next_segment(void)
     }
 }
 
-static void test_history_is_the_run_through_a_change_of_the_configuration(void)
+TEST(test_history_is_the_run_through_a_change_of_the_configuration)
 {
     for (uint32_t k = 0U; k < RUN_SEGMENT_ENTRIES; k++) {
         recorder_history_t history;
@@ -471,7 +467,7 @@ static void test_history_is_the_run_through_a_change_of_the_configuration(void)
     }
 }
 
-static void test_history_is_the_run_through_a_change_and_back(void)
+TEST(test_history_is_the_run_through_a_change_and_back)
 {
     const int32_t own = run.cfg.current_loop.pi_d.kp;
 
@@ -484,7 +480,7 @@ static void test_history_is_the_run_through_a_change_and_back(void)
     TEST_ASSERT_GREATER_THAN_UINT32(RUN_SEGMENT_ENTRIES, replay());
 }
 
-static void test_history_without_a_change_has_no_further_configuration(void)
+TEST(test_history_without_a_change_has_no_further_configuration)
 {
     recorder_history_t history;
 
@@ -497,7 +493,7 @@ static void test_history_without_a_change_has_no_further_configuration(void)
     TEST_ASSERT_GREATER_THAN_UINT32(RUN_SEGMENT_ENTRIES, replay());
 }
 
-static void test_history_begins_behind_a_configuration_that_was_overwritten(void)
+TEST(test_history_begins_behind_a_configuration_that_was_overwritten)
 {
     recorder_history_t history;
     uint32_t second = 0U;
@@ -514,7 +510,7 @@ static void test_history_begins_behind_a_configuration_that_was_overwritten(void
     TEST_ASSERT_GREATER_THAN_UINT32(20U, replay());
 }
 
-static void test_two_changes_within_the_last_segment_leave_no_history(void)
+TEST(test_two_changes_within_the_last_segment_leave_no_history)
 {
     recorded_run_ticks(&run, LONG_RUN);
     enter_next_segment();
@@ -527,7 +523,7 @@ static void test_two_changes_within_the_last_segment_leave_no_history(void)
 }
 
 /* The first is there again at the end, and the second is not. */
-static void test_a_configuration_between_two_that_are_there_is_not_taken_for_one_of_them(void)
+TEST(test_a_configuration_between_two_that_are_there_is_not_taken_for_one_of_them)
 {
     const int32_t own = run.cfg.current_loop.pi_d.kp;
     uint32_t ticks = 0U;
@@ -546,7 +542,7 @@ static void test_a_configuration_between_two_that_are_there_is_not_taken_for_one
     TEST_ASSERT_LESS_THAN_UINT32(RUN_SEGMENT_ENTRIES, ticks);
 }
 
-static void test_a_change_without_room_is_in_the_next_segment(void)
+TEST(test_a_change_without_room_is_in_the_next_segment)
 {
     recorder_history_t history;
     uint32_t crc = 0U;
@@ -604,7 +600,7 @@ static void follow(uint32_t ticks)
     }
 }
 
-static void test_a_reader_that_follows_has_the_entries_of_the_history(void)
+TEST(test_a_reader_that_follows_has_the_entries_of_the_history)
 {
     recorder_history_t history;
     uint32_t number = 0U;
@@ -632,7 +628,7 @@ static void test_a_reader_that_follows_has_the_entries_of_the_history(void)
 }
 
 /* From the state of each segment its frames lead to the state of the next. */
-static void test_segments_that_follow_each_other_are_the_run(void)
+TEST(test_segments_that_follow_each_other_are_the_run)
 {
     recorder_view_t view = {0};
     drive_t drive = run.drive;
@@ -660,7 +656,7 @@ static void test_segments_that_follow_each_other_are_the_run(void)
     TEST_ASSERT_EQUAL_HEX32(drive_words_hash(&run.drive), drive_words_hash(&drive));
 }
 
-static void test_segments_are_numbered_from_one_on_and_go_on_when_it_begins_anew(void)
+TEST(test_segments_are_numbered_from_one_on_and_go_on_when_it_begins_anew)
 {
     uint32_t number = 0U;
 
@@ -678,7 +674,7 @@ static void test_segments_are_numbered_from_one_on_and_go_on_when_it_begins_anew
     TEST_ASSERT_EQUAL_UINT32(number + 1U, recorder_newest(&run.recorder));
 }
 
-static void test_no_segment_has_the_number_zero_when_the_count_wraps(void)
+TEST(test_no_segment_has_the_number_zero_when_the_count_wraps)
 {
     recorder_view_t view = {0};
 
@@ -692,7 +688,7 @@ static void test_no_segment_has_the_number_zero_when_the_count_wraps(void)
     TEST_ASSERT_FALSE(recorder_find(&run.recorder, 0U, &view));
 }
 
-static void test_a_segment_is_found_until_it_is_overwritten(void)
+TEST(test_a_segment_is_found_until_it_is_overwritten)
 {
     recorder_view_t view = {0};
     uint32_t number = 0U;
@@ -715,7 +711,7 @@ static void test_a_segment_is_found_until_it_is_overwritten(void)
     TEST_ASSERT_TRUE(recorder_find(&run.recorder, number + 1U, &view));
 }
 
-static void test_a_state_that_a_reader_asked_for_is_kept_when_its_segment_is_overwritten(void)
+TEST(test_a_state_that_a_reader_asked_for_is_kept_when_its_segment_is_overwritten)
 {
     recorder_view_t view = {0};
     uint32_t number = 0U;
@@ -736,7 +732,7 @@ static void test_a_state_that_a_reader_asked_for_is_kept_when_its_segment_is_ove
 }
 
 /* The place is that of the state at the end. */
-static void test_a_recording_that_freezes_ends_with_its_own_state_whatever_a_reader_keeps(void)
+TEST(test_a_recording_that_freezes_ends_with_its_own_state_whatever_a_reader_keeps)
 {
     uint32_t number = 0U;
     uint32_t end = 0U;
@@ -757,7 +753,7 @@ static void test_a_recording_that_freezes_ends_with_its_own_state_whatever_a_rea
     TEST_ASSERT_GREATER_THAN_UINT32(0U, replay());
 }
 
-static void test_a_segment_behind_a_gap_does_not_follow(void)
+TEST(test_a_segment_behind_a_gap_does_not_follow)
 {
     recorder_view_t view = {0};
 
@@ -774,7 +770,7 @@ static void test_a_segment_behind_a_gap_does_not_follow(void)
     TEST_ASSERT_TRUE(view.follows);
 }
 
-static void test_a_segment_says_the_configuration_of_its_state(void)
+TEST(test_a_segment_says_the_configuration_of_its_state)
 {
     recorder_view_t view = {0};
     const uint32_t first = run.cfg.crc;
@@ -791,7 +787,7 @@ static void test_a_segment_says_the_configuration_of_its_state(void)
     TEST_ASSERT_EQUAL_HEX32(second, view.first[0].word[3]);
 }
 
-static void test_a_fault_does_not_freeze_while_a_reader_follows(void)
+TEST(test_a_fault_does_not_freeze_while_a_reader_follows)
 {
     uint32_t number = 0U;
 
@@ -806,7 +802,7 @@ static void test_a_fault_does_not_freeze_while_a_reader_follows(void)
 }
 
 /* What lies behind it is no longer the run before that fault. */
-static void test_a_fault_that_a_reader_saw_does_not_freeze_later_and_the_next_one_does(void)
+TEST(test_a_fault_that_a_reader_saw_does_not_freeze_later_and_the_next_one_does)
 {
     recorder_follow(&run.recorder, true);
     recorded_run_ticks(&run, LONG_RUN);
@@ -821,7 +817,7 @@ static void test_a_fault_that_a_reader_saw_does_not_freeze_later_and_the_next_on
     TEST_ASSERT_GREATER_THAN_UINT32(0U, replay());
 }
 
-static void test_a_reader_does_not_touch_a_recording_of_a_fault_that_is_held(void)
+TEST(test_a_reader_does_not_touch_a_recording_of_a_fault_that_is_held)
 {
     uint32_t ticks = 0U;
 
@@ -834,7 +830,7 @@ static void test_a_reader_does_not_touch_a_recording_of_a_fault_that_is_held(voi
     TEST_ASSERT_EQUAL_UINT32(ticks, replay());
 }
 
-static void test_a_recording_that_was_read_begins_anew_for_a_reader_in_the_fault(void)
+TEST(test_a_recording_that_was_read_begins_anew_for_a_reader_in_the_fault)
 {
     recorded_run_ticks(&run, LONG_RUN);
     fail_and_freeze();
@@ -846,7 +842,7 @@ static void test_a_recording_that_was_read_begins_anew_for_a_reader_in_the_fault
     TEST_ASSERT_NOT_EQUAL(0U, recorder_newest(&run.recorder));
 }
 
-static void test_init_names_what_is_out_of_range(void)
+TEST(test_init_names_what_is_out_of_range)
 {
     recorder_t recorder;
 
@@ -858,50 +854,4 @@ static void test_init_names_what_is_out_of_range(void)
     TEST_ASSERT_EQUAL_STRING(
         "post_ticks",
         recorder_init(&recorder, run.entries, RUN_SEGMENT_ENTRIES, RECORDER_POST_TICKS_MAX + 1U));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_history_is_the_run);
-    RUN_TEST(test_all_but_one_segments_of_history_are_there_whenever_it_ends);
-    RUN_TEST(test_freezes_after_the_fault_and_the_ticks_behind_it);
-    RUN_TEST(test_fault_in_the_first_tick_is_recorded);
-    RUN_TEST(test_what_was_read_is_there_again_until_the_fault_is_left);
-    RUN_TEST(test_begins_anew_when_it_is_released_and_the_fault_is_left);
-    RUN_TEST(test_a_recording_of_a_fault_stays_until_it_is_released);
-    RUN_TEST(test_holding_freezes_without_a_fault);
-    RUN_TEST(test_holding_does_not_cut_off_what_follows_a_fault);
-    RUN_TEST(test_history_is_the_run_with_a_background_that_comes_irregularly);
-    RUN_TEST(test_snapshot_of_another_tick_is_rejected);
-    RUN_TEST(test_offered_is_only_a_state_that_no_tick_came_into);
-    RUN_TEST(test_an_open_offer_stays_as_it_is_until_a_tick_decides);
-    RUN_TEST(test_offer_that_came_too_late_does_not_end_a_segment);
-    RUN_TEST(test_history_begins_behind_a_gap);
-    RUN_TEST(test_commands_and_temperature_change_in_the_tick_in_which_the_drive_reads_them);
-    RUN_TEST(test_every_bit_of_a_frame_comes_back);
-    RUN_TEST(test_nothing_frozen_has_no_history);
-    RUN_TEST(test_drive_does_the_same_with_and_without_a_recorder);
-    RUN_TEST(test_history_is_the_run_through_a_change_of_the_configuration);
-    RUN_TEST(test_history_is_the_run_through_a_change_and_back);
-    RUN_TEST(test_history_without_a_change_has_no_further_configuration);
-    RUN_TEST(test_history_begins_behind_a_configuration_that_was_overwritten);
-    RUN_TEST(test_two_changes_within_the_last_segment_leave_no_history);
-    RUN_TEST(test_a_configuration_between_two_that_are_there_is_not_taken_for_one_of_them);
-    RUN_TEST(test_a_change_without_room_is_in_the_next_segment);
-    RUN_TEST(test_a_reader_that_follows_has_the_entries_of_the_history);
-    RUN_TEST(test_segments_that_follow_each_other_are_the_run);
-    RUN_TEST(test_segments_are_numbered_from_one_on_and_go_on_when_it_begins_anew);
-    RUN_TEST(test_no_segment_has_the_number_zero_when_the_count_wraps);
-    RUN_TEST(test_a_segment_is_found_until_it_is_overwritten);
-    RUN_TEST(test_a_state_that_a_reader_asked_for_is_kept_when_its_segment_is_overwritten);
-    RUN_TEST(test_a_recording_that_freezes_ends_with_its_own_state_whatever_a_reader_keeps);
-    RUN_TEST(test_a_segment_behind_a_gap_does_not_follow);
-    RUN_TEST(test_a_segment_says_the_configuration_of_its_state);
-    RUN_TEST(test_a_fault_does_not_freeze_while_a_reader_follows);
-    RUN_TEST(test_a_fault_that_a_reader_saw_does_not_freeze_later_and_the_next_one_does);
-    RUN_TEST(test_a_reader_does_not_touch_a_recording_of_a_fault_that_is_held);
-    RUN_TEST(test_a_recording_that_was_read_begins_anew_for_a_reader_in_the_fault);
-    RUN_TEST(test_init_names_what_is_out_of_range);
-    return UNITY_END();
 }

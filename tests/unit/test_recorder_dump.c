@@ -4,7 +4,7 @@
 #include "drive_words.h"
 #include "recorded_run.h"
 #include "recorder_dump.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <string.h>
 
@@ -31,10 +31,6 @@ void setUp(void)
                                .build = {5U, 6U, 7U, 8U, 9U},
                                .name = {10U}};
     recorder_dump_start(&dump, &run.recorder, &about);
-}
-
-void tearDown(void)
-{
 }
 
 static uint32_t digit_of(char c)
@@ -98,7 +94,7 @@ static uint32_t read_all(void)
 }
 
 /* The check value of this CRC: that of "123456789"; here of eight digits, as it goes by four. */
-static void test_crc_is_that_of_ieee_802_3(void)
+TEST(test_crc_is_that_of_ieee_802_3)
 {
     const uint8_t bytes[] = "12345678";
     const uint32_t crc = crc32_step(crc32_step(CRC32_START, bytes), &bytes[4]);
@@ -106,7 +102,7 @@ static void test_crc_is_that_of_ieee_802_3(void)
     TEST_ASSERT_EQUAL_HEX32(0x9AE0DAAFU, ~crc);
 }
 
-static void test_parts_lie_behind_each_other_and_the_end_is_their_crc(void)
+TEST(test_parts_lie_behind_each_other_and_the_end_is_their_crc)
 {
     const uint32_t read = read_all();
     const recorder_history_t history = recorder_history(&run.recorder);
@@ -130,7 +126,7 @@ static void test_parts_lie_behind_each_other_and_the_end_is_their_crc(void)
     }
 }
 
-static void test_a_configuration_that_it_changes_to_lies_behind_the_entries(void)
+TEST(test_a_configuration_that_it_changes_to_lies_behind_the_entries)
 {
     static drive_cfg_t further;
     uint32_t end = 0U;
@@ -155,7 +151,7 @@ static void test_a_configuration_that_it_changes_to_lies_behind_the_entries(void
     TEST_ASSERT_EQUAL_HEX32(crc_of(words, end + CONFIG_WORDS), words[end + CONFIG_WORDS]);
 }
 
-static void test_header_says_how_it_ended(void)
+TEST(test_header_says_how_it_ended)
 {
     const recorder_header_t *const header = &dump.header;
     const drive_t *const end = recorder_end_state(&run.recorder);
@@ -170,7 +166,7 @@ static void test_header_says_how_it_ended(void)
     TEST_ASSERT_EQUAL_MEMORY(&about, &header->about, sizeof(about));
 }
 
-static void test_without_a_fault_the_header_has_none(void)
+TEST(test_without_a_fault_the_header_has_none)
 {
     recorded_run_start(&run);
     /* Of one that was cleared. */
@@ -194,7 +190,7 @@ typedef struct {
     uint32_t behind;
 } named_t;
 
-static void test_a_name_is_readable_as_text_with_zeros_behind_it(void)
+TEST(test_a_name_is_readable_as_text_with_zeros_behind_it)
 {
     static const char text[NAME_CHARACTERS] = "motor_a, bench_310v";
     named_t named = {.behind = 0x55555555U};
@@ -204,7 +200,7 @@ static void test_a_name_is_readable_as_text_with_zeros_behind_it(void)
     TEST_ASSERT_EQUAL_HEX32(0x55555555U, named.behind);
 }
 
-static void test_a_name_that_does_not_fit_is_cut_off_and_overwrites_nothing(void)
+TEST(test_a_name_that_does_not_fit_is_cut_off_and_overwrites_nothing)
 {
     char text[NAME_CHARACTERS + 2U];
     named_t named = {.behind = 0x55555555U};
@@ -214,17 +210,4 @@ static void test_a_name_that_does_not_fit_is_cut_off_and_overwrites_nothing(void
     recorder_about_name(&named.about, text);
     TEST_ASSERT_EQUAL_MEMORY(text, named.about.name, NAME_CHARACTERS);
     TEST_ASSERT_EQUAL_HEX32(0x55555555U, named.behind);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_crc_is_that_of_ieee_802_3);
-    RUN_TEST(test_parts_lie_behind_each_other_and_the_end_is_their_crc);
-    RUN_TEST(test_a_configuration_that_it_changes_to_lies_behind_the_entries);
-    RUN_TEST(test_header_says_how_it_ended);
-    RUN_TEST(test_without_a_fault_the_header_has_none);
-    RUN_TEST(test_a_name_is_readable_as_text_with_zeros_behind_it);
-    RUN_TEST(test_a_name_that_does_not_fit_is_cut_off_and_overwrites_nothing);
-    return UNITY_END();
 }

@@ -2,7 +2,7 @@
 /* Rotor position: exact integration, wrap of the angle, count of turns. */
 #include "rotor_position.h"
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <stdint.h>
 
@@ -16,11 +16,7 @@ void setUp(void)
     rotor_position_reset(&position, 0U);
 }
 
-void tearDown(void)
-{
-}
-
-static void test_reset_puts_the_rotor_at_the_angle_within_turn_zero(void)
+TEST(test_reset_puts_the_rotor_at_the_angle_within_turn_zero)
 {
     static const angle_t angles[] = {0U, 1U, 0x7FFFFFFFU, 0x80000000U, 0xFFFFFFFFU};
 
@@ -31,7 +27,7 @@ static void test_reset_puts_the_rotor_at_the_angle_within_turn_zero(void)
     }
 }
 
-static void test_step_forward_over_the_end_of_a_turn_wraps_the_angle_and_counts_up(void)
+TEST(test_step_forward_over_the_end_of_a_turn_wraps_the_angle_and_counts_up)
 {
     rotor_position_reset(&position, 0xFFFFFFFFU);
     rotor_position_step(&position, 3);
@@ -39,7 +35,7 @@ static void test_step_forward_over_the_end_of_a_turn_wraps_the_angle_and_counts_
     TEST_ASSERT_EQUAL_INT64(ONE_TURN_Q32 + 2, position.turns_q32);
 }
 
-static void test_step_backward_over_zero_wraps_the_angle_and_counts_down(void)
+TEST(test_step_backward_over_zero_wraps_the_angle_and_counts_down)
 {
     rotor_position_reset(&position, 1U);
     rotor_position_step(&position, -3);
@@ -47,7 +43,7 @@ static void test_step_backward_over_zero_wraps_the_angle_and_counts_down(void)
     TEST_ASSERT_EQUAL_INT64(-2, position.turns_q32);
 }
 
-static void test_largest_steps_are_taken_in_both_directions(void)
+TEST(test_largest_steps_are_taken_in_both_directions)
 {
     rotor_position_step(&position, INT32_MAX);
     TEST_ASSERT_EQUAL_HEX32(0x7FFFFFFFU, rotor_position_angle(&position));
@@ -56,7 +52,7 @@ static void test_largest_steps_are_taken_in_both_directions(void)
     TEST_ASSERT_EQUAL_INT64(-1, position.turns_q32);
 }
 
-static void test_constant_speed_of_one_unit_neither_rounds_nor_drifts(void)
+TEST(test_constant_speed_of_one_unit_neither_rounds_nor_drifts)
 {
     for (int32_t i = 0; i < SEEDED_STEPS; i++) {
         rotor_position_step(&position, -1);
@@ -64,7 +60,7 @@ static void test_constant_speed_of_one_unit_neither_rounds_nor_drifts(void)
     TEST_ASSERT_EQUAL_INT64(-SEEDED_STEPS, position.turns_q32);
 }
 
-static void test_seeded_speeds_there_and_back_return_to_the_start(void)
+TEST(test_seeded_speeds_there_and_back_return_to_the_start)
 {
     seeded_t there = {0x5EEDU};
     seeded_t back = {0x5EEDU};
@@ -85,24 +81,11 @@ static void test_seeded_speeds_there_and_back_return_to_the_start(void)
     TEST_ASSERT_EQUAL_INT64(12345, position.turns_q32);
 }
 
-static void test_turn_count_wraps_at_both_ends(void)
+TEST(test_turn_count_wraps_at_both_ends)
 {
     position.turns_q32 = INT64_MAX;
     rotor_position_step(&position, 1);
     TEST_ASSERT_EQUAL_INT64(INT64_MIN, position.turns_q32);
     rotor_position_step(&position, -1);
     TEST_ASSERT_EQUAL_INT64(INT64_MAX, position.turns_q32);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_reset_puts_the_rotor_at_the_angle_within_turn_zero);
-    RUN_TEST(test_step_forward_over_the_end_of_a_turn_wraps_the_angle_and_counts_up);
-    RUN_TEST(test_step_backward_over_zero_wraps_the_angle_and_counts_down);
-    RUN_TEST(test_largest_steps_are_taken_in_both_directions);
-    RUN_TEST(test_constant_speed_of_one_unit_neither_rounds_nor_drifts);
-    RUN_TEST(test_seeded_speeds_there_and_back_return_to_the_start);
-    RUN_TEST(test_turn_count_wraps_at_both_ends);
-    return UNITY_END();
 }

@@ -3,7 +3,7 @@
 #include "safe_state.h"
 
 #include "fx.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 
@@ -31,10 +31,6 @@ void setUp(void)
     safe = (safe_state_t){.phase = SAFE_STATE_BROKEN, .slow_ticks = 77U};
     safe_state_reset(&safe);
     angle = 0.0;
-}
-
-void tearDown(void)
-{
 }
 
 static bool step(ab_t current, int32_t bus)
@@ -97,7 +93,7 @@ static uint32_t ticks_short(sensors_t sensors, double share, uint32_t most)
     return count;
 }
 
-static void test_a_motor_is_shorted_above_the_speed_and_not_at_it(void)
+TEST(test_a_motor_is_shorted_above_the_speed_and_not_at_it)
 {
     safe_state_leave(&safe, &CFG, OPEN_SPEED);
     TEST_ASSERT_FALSE(safe_state_is_short(&safe));
@@ -107,7 +103,7 @@ static void test_a_motor_is_shorted_above_the_speed_and_not_at_it(void)
     TEST_ASSERT_TRUE(step((ab_t){8000, 0}, 20000));
 }
 
-static void test_without_a_speed_nothing_shorts_it(void)
+TEST(test_without_a_speed_nothing_shorts_it)
 {
     safe_state_cfg_t open = CFG;
     const safe_state_in_t in = {.current = {8000, 0}, .bus = 32767, .bus_max = BUS_MAX};
@@ -121,7 +117,7 @@ static void test_without_a_speed_nothing_shorts_it(void)
 }
 
 /* At half of it an open wire and a clipped sensor are slow too; at 3/4 of a healthy one's change the gates are still shut. */
-static void test_the_short_circuit_lasts_while_the_rotor_is_fast_whatever_one_sensor_does(void)
+TEST(test_the_short_circuit_lasts_while_the_rotor_is_fast_whatever_one_sensor_does)
 {
     static const double fast[] = {1.0, 1.6, 3.0, 5.0, -1.0, -2.0};
 
@@ -137,14 +133,14 @@ static void test_the_short_circuit_lasts_while_the_rotor_is_fast_whatever_one_se
     }
 }
 
-static void test_a_current_that_does_not_turn_hides_no_fast_rotor(void)
+TEST(test_a_current_that_does_not_turn_hides_no_fast_rotor)
 {
     safe_state_leave(&safe, &CFG, OPEN_SPEED + 1);
     TEST_ASSERT_EQUAL_UINT32(5000U, ticks_short(SHIFTED, 2.0, 5000U));
 }
 
 /* The last large change, a span at most behind the first tick, then the time. */
-static void test_the_gates_open_once_the_rotor_was_slow_for_the_whole_time_and_stay_open(void)
+TEST(test_the_gates_open_once_the_rotor_was_slow_for_the_whole_time_and_stay_open)
 {
     safe_state_leave(&safe, &CFG, OPEN_SPEED + 1);
     (void)ticks_short(HEALTHY, 1.5, 200U);
@@ -155,7 +151,7 @@ static void test_the_gates_open_once_the_rotor_was_slow_for_the_whole_time_and_s
     TEST_ASSERT_EQUAL_UINT32(0U, ticks_short(HEALTHY, 3.0, 100U));
 }
 
-static void test_a_fast_span_begins_the_time_anew(void)
+TEST(test_a_fast_span_begins_the_time_anew)
 {
     safe_state_leave(&safe, &CFG, OPEN_SPEED + 1);
     for (uint32_t k = 0U; k < 20U; k++) {
@@ -165,14 +161,14 @@ static void test_a_fast_span_begins_the_time_anew(void)
     }
 }
 
-static void test_a_bus_above_its_limit_shorts_the_motor(void)
+TEST(test_a_bus_above_its_limit_shorts_the_motor)
 {
     TEST_ASSERT_FALSE(step((ab_t){0, 0}, BUS_MAX));
     TEST_ASSERT_TRUE(step((ab_t){0, 0}, BUS_MAX + 1));
 }
 
 /* It has no room for the energy of the windings, and with dead sensors nothing else tells of a fast rotor. */
-static void test_the_gates_do_not_open_while_the_bus_is_above_its_limit(void)
+TEST(test_the_gates_do_not_open_while_the_bus_is_above_its_limit)
 {
     uint32_t count = 0U;
 
@@ -188,7 +184,7 @@ static void test_the_gates_do_not_open_while_the_bus_is_above_its_limit(void)
     TEST_ASSERT_TRUE(step((ab_t){5000, -3000}, BUS_MAX + 1));
 }
 
-static void test_what_is_broken_stays_open_until_it_is_reset(void)
+TEST(test_what_is_broken_stays_open_until_it_is_reset)
 {
     safe_state_leave(&safe, &CFG, OPEN_SPEED + 1);
     TEST_ASSERT_TRUE(step((ab_t){0, 0}, 20000));
@@ -200,7 +196,7 @@ static void test_what_is_broken_stays_open_until_it_is_reset(void)
 }
 
 /* The largest of everything: nothing overflows, the words stay within their rows. */
-static void test_the_largest_numbers_stay_within_what_is_stated(void)
+TEST(test_the_largest_numbers_stay_within_what_is_stated)
 {
     const safe_state_cfg_t largest = {.open_speed = 0x20000000,
                                       .span_ticks = 1024U,
@@ -222,20 +218,4 @@ static void test_the_largest_numbers_stay_within_what_is_stated(void)
     TEST_ASSERT_FALSE(safe_state_step(&safe, &largest, &in));
     in.bus = 32767;
     TEST_ASSERT_TRUE(safe_state_step(&safe, &largest, &in));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_motor_is_shorted_above_the_speed_and_not_at_it);
-    RUN_TEST(test_without_a_speed_nothing_shorts_it);
-    RUN_TEST(test_the_short_circuit_lasts_while_the_rotor_is_fast_whatever_one_sensor_does);
-    RUN_TEST(test_a_current_that_does_not_turn_hides_no_fast_rotor);
-    RUN_TEST(test_the_gates_open_once_the_rotor_was_slow_for_the_whole_time_and_stay_open);
-    RUN_TEST(test_a_fast_span_begins_the_time_anew);
-    RUN_TEST(test_a_bus_above_its_limit_shorts_the_motor);
-    RUN_TEST(test_the_gates_do_not_open_while_the_bus_is_above_its_limit);
-    RUN_TEST(test_what_is_broken_stays_open_until_it_is_reset);
-    RUN_TEST(test_the_largest_numbers_stay_within_what_is_stated);
-    return UNITY_END();
 }

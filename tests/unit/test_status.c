@@ -2,6 +2,7 @@
 /* The drive's state as a line of text: every quantity and every kind of fault in its unit. */
 #include "example_app.h"
 #include "status.h"
+#include "testing.h"
 
 #include <string.h>
 
@@ -21,11 +22,7 @@ void setUp(void)
     power_on();
 }
 
-void tearDown(void)
-{
-}
-
-static void test_it_has_every_quantity_in_its_unit(void)
+TEST(test_it_has_every_quantity_in_its_unit)
 {
     const drive_command_t asked = {.target = units_step(&ABOUT.rotation, -345)};
 
@@ -41,7 +38,7 @@ static void test_it_has_every_quantity_in_its_unit(void)
                              status());
 }
 
-static void test_before_the_first_tick_there_is_no_temperature(void)
+TEST(test_before_the_first_tick_there_is_no_temperature)
 {
     TEST_ASSERT_NOT_NULL(strstr(status(), " V, 0 C, "));
     tick(1U);
@@ -54,7 +51,7 @@ static void assert_state(drive_state_t state, const char *name)
     TEST_ASSERT_EQUAL_STRING_LEN(name, status(), strlen(name));
 }
 
-static void test_it_begins_with_the_state(void)
+TEST(test_it_begins_with_the_state)
 {
     assert_state(DRIVE_STATE_INIT, "INIT, speed");
     assert_state(DRIVE_STATE_OFFSET_CAL, "OFFSET_CAL, speed");
@@ -69,7 +66,7 @@ static void test_it_begins_with_the_state(void)
     assert_state(DRIVE_STATE_FAULT, "FAULT by ");
 }
 
-static void test_a_motor_that_is_shorted_is_said(void)
+TEST(test_a_motor_that_is_shorted_is_said)
 {
     app.drive.safe_state.phase = SAFE_STATE_SHORT;
     assert_state(DRIVE_STATE_READY, "READY, shorting the motor, speed");
@@ -77,7 +74,7 @@ static void test_a_motor_that_is_shorted_is_said(void)
     assert_state(DRIVE_STATE_READY, "READY, speed");
 }
 
-static void test_the_speed_is_that_of_the_drive(void)
+TEST(test_the_speed_is_that_of_the_drive)
 {
     app.drive.state = DRIVE_STATE_RUN;
     app.drive.observer.speed = -EXAMPLE_SPEED_STEP;
@@ -85,7 +82,7 @@ static void test_the_speed_is_that_of_the_drive(void)
 }
 
 /* 3 turns of the shaft with 2 pole pairs are 6 electrical ones. */
-static void test_a_position_is_asked_for_in_turns_and_is_no_speed(void)
+TEST(test_a_position_is_asked_for_in_turns_and_is_no_speed)
 {
     const drive_command_t position = {.target = 6 * 65536, .mode = (uint8_t)DRIVE_MODE_POSITION};
 
@@ -93,7 +90,7 @@ static void test_a_position_is_asked_for_in_turns_and_is_no_speed(void)
     TEST_ASSERT_EQUAL_STRING_LEN("INIT, speed 0 rpm, to turn 3.00, phases ", status(), 40U);
 }
 
-static void test_a_torque_is_asked_for_in_newton_metres_and_is_no_speed(void)
+TEST(test_a_torque_is_asked_for_in_newton_metres_and_is_no_speed)
 {
     const drive_command_t torque = {.target = 0x8000000, .mode = (uint8_t)DRIVE_MODE_TORQUE};
 
@@ -103,7 +100,7 @@ static void test_a_torque_is_asked_for_in_newton_metres_and_is_no_speed(void)
 }
 
 /* T_b is of the configuration. */
-static void test_where_the_configuration_is_refused_no_torque_is_told(void)
+TEST(test_where_the_configuration_is_refused_no_torque_is_told)
 {
     const drive_command_t torque = {.target = 0x8000000, .mode = (uint8_t)DRIVE_MODE_TORQUE};
 
@@ -114,7 +111,7 @@ static void test_where_the_configuration_is_refused_no_torque_is_told(void)
 }
 
 /* The command's target is a word of the probe then. */
-static void test_while_the_motor_is_measured_no_speed_is_asked_for(void)
+TEST(test_while_the_motor_is_measured_no_speed_is_asked_for)
 {
     const drive_command_t word = {.target = units_step(&ABOUT.rotation, 1234),
                                   .mode = (uint8_t)PROBE_SPEED,
@@ -132,7 +129,7 @@ static void assert_fault(const char *expected, fault_id_t id, int32_t value, int
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(status(), expected), text.characters);
 }
 
-static void test_a_fault_has_value_and_limit_in_its_unit(void)
+TEST(test_a_fault_has_value_and_limit_in_its_unit)
 {
     fail();
     assert_fault(" by OVERCURRENT 20.000 A, limit -10.000 A (", FAULT_OVERCURRENT, 16384, -8192);
@@ -144,13 +141,13 @@ static void test_a_fault_has_value_and_limit_in_its_unit(void)
     assert_fault(" by LATE 11, limit 10 (", FAULT_LATE, 11, 10);
 }
 
-static void test_a_fault_has_its_advice_in_brackets(void)
+TEST(test_a_fault_has_its_advice_in_brackets)
 {
     fail();
     TEST_ASSERT_NOT_NULL(strstr(status(), "), speed "));
 }
 
-static void test_a_swing_has_its_frequency_and_says_what_it_has_lowered(void)
+TEST(test_a_swing_has_its_frequency_and_says_what_it_has_lowered)
 {
     app.drive.state = DRIVE_STATE_RUN;
     app.drive.oscillation.span = 400U; /* slow periods of 1 ms */
@@ -160,7 +157,7 @@ static void test_a_swing_has_its_frequency_and_says_what_it_has_lowered(void)
                                  52U);
 }
 
-static void test_a_swing_that_is_a_fault_has_its_frequency_beside_its_amplitude(void)
+TEST(test_a_swing_that_is_a_fault_has_its_frequency_beside_its_amplitude)
 {
     fail();
     app.drive.oscillation.span = 400U;
@@ -169,23 +166,4 @@ static void test_a_swing_that_is_a_fault_has_its_frequency_beside_its_amplitude(
     TEST_ASSERT_NULL(strstr(status(), "swing"));
     assert_fault(" by OVERCURRENT 20.000 A, limit 10.000 A (", FAULT_OVERCURRENT, 16384, 8192);
     TEST_ASSERT_NOT_NULL(strstr(status(), "), swing 25.0 Hz, speed "));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_it_has_every_quantity_in_its_unit);
-    RUN_TEST(test_before_the_first_tick_there_is_no_temperature);
-    RUN_TEST(test_it_begins_with_the_state);
-    RUN_TEST(test_a_motor_that_is_shorted_is_said);
-    RUN_TEST(test_the_speed_is_that_of_the_drive);
-    RUN_TEST(test_a_position_is_asked_for_in_turns_and_is_no_speed);
-    RUN_TEST(test_a_torque_is_asked_for_in_newton_metres_and_is_no_speed);
-    RUN_TEST(test_where_the_configuration_is_refused_no_torque_is_told);
-    RUN_TEST(test_while_the_motor_is_measured_no_speed_is_asked_for);
-    RUN_TEST(test_a_fault_has_value_and_limit_in_its_unit);
-    RUN_TEST(test_a_fault_has_its_advice_in_brackets);
-    RUN_TEST(test_a_swing_has_its_frequency_and_says_what_it_has_lowered);
-    RUN_TEST(test_a_swing_that_is_a_fault_has_its_frequency_beside_its_amplitude);
-    return UNITY_END();
 }

@@ -5,7 +5,7 @@
 #include "example_cfg.h"
 #include "flash_model.h"
 #include "store.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -31,10 +31,6 @@ void setUp(void)
 {
     flash_new(0U);
     store_find(&store, &hal);
-}
-
-void tearDown(void)
-{
 }
 
 /* Blocks are told apart by all that is in them. */
@@ -95,13 +91,13 @@ static uint32_t steps_of_a_write(uint32_t number)
     return flash.steps;
 }
 
-static void test_an_empty_store_has_no_block(void)
+TEST(test_an_empty_store_has_no_block)
 {
     TEST_ASSERT_FALSE(store.found);
     TEST_ASSERT_FALSE(store_read(&store, &found));
 }
 
-static void test_what_was_written_is_found_by_the_next_start(void)
+TEST(test_what_was_written_is_found_by_the_next_start)
 {
     for (uint32_t number = 1U; number <= 5U; number++) {
         TEST_ASSERT_NULL(write(number));
@@ -109,7 +105,7 @@ static void test_what_was_written_is_found_by_the_next_start(void)
     }
 }
 
-static void test_what_was_written_can_be_read_without_another_start(void)
+TEST(test_what_was_written_can_be_read_without_another_start)
 {
     const config_block_t second = block_of(2U);
 
@@ -119,7 +115,7 @@ static void test_what_was_written_can_be_read_without_another_start(void)
     TEST_ASSERT_EQUAL_MEMORY(&second, &found, sizeof found);
 }
 
-static void test_the_slots_take_turns(void)
+TEST(test_the_slots_take_turns)
 {
     for (uint32_t number = 0U; number < 4U; number++) {
         TEST_ASSERT_NULL(write(number));
@@ -128,13 +124,13 @@ static void test_the_slots_take_turns(void)
 }
 
 /* One more stamp, the erase, the units of the block, its stamp. */
-static void test_a_write_takes_a_step_for_each_unit(void)
+TEST(test_a_write_takes_a_step_for_each_unit)
 {
     TEST_ASSERT_EQUAL_UINT32(FIRST_STEPS, steps_of_a_write(1U));
     TEST_ASSERT_EQUAL_UINT32(STEPS, steps_of_a_write(2U));
 }
 
-static void test_numbers_of_stamps_are_even_for_a_block_and_odd_for_one_more(void)
+TEST(test_numbers_of_stamps_are_even_for_a_block_and_odd_for_one_more)
 {
     TEST_ASSERT_NULL(write(1U));
     TEST_ASSERT_EQUAL_UINT32(2U, store.sequence);
@@ -154,7 +150,7 @@ static void test_numbers_of_stamps_are_even_for_a_block_and_odd_for_one_more(voi
     TEST_ASSERT_EQUAL_UINT32(3U, start());
 }
 
-static void test_the_higher_number_is_the_newer_one_also_behind_a_wrap(void)
+TEST(test_the_higher_number_is_the_newer_one_also_behind_a_wrap)
 {
     TEST_ASSERT_NULL(write(1U));
     store.sequence = UINT32_MAX - 2U; /* so that the next one is UINT32_MAX − 1, and then 0 */
@@ -166,7 +162,7 @@ static void test_the_higher_number_is_the_newer_one_also_behind_a_wrap(void)
     TEST_ASSERT_LESS_THAN_UINT32(20U, store.sequence);
 }
 
-static void test_an_erase_that_fails_is_said_and_keeps_the_old_block(void)
+TEST(test_an_erase_that_fails_is_said_and_keeps_the_old_block)
 {
     TEST_ASSERT_NULL(write(1U));
     flash.refuses_erase = true;
@@ -174,7 +170,7 @@ static void test_an_erase_that_fails_is_said_and_keeps_the_old_block(void)
     TEST_ASSERT_EQUAL_UINT32(1U, start());
 }
 
-static void test_a_unit_that_does_not_keep_what_is_written_is_said_and_keeps_the_old_block(void)
+TEST(test_a_unit_that_does_not_keep_what_is_written_is_said_and_keeps_the_old_block)
 {
     const char *const expected = "the flash does not keep what is written";
 
@@ -192,7 +188,7 @@ static void test_a_unit_that_does_not_keep_what_is_written_is_said_and_keeps_the
     TEST_ASSERT_EQUAL_UINT32(3U, start());
 }
 
-static void test_any_byte_that_comes_out_wrong_is_said(void)
+TEST(test_any_byte_that_comes_out_wrong_is_said)
 {
     for (uint32_t byte = 0U; byte < HAL_STORE_UNIT_BYTES; byte++) {
         flash.flips = (uint64_t)1U << (8U * byte);
@@ -201,7 +197,7 @@ static void test_any_byte_that_comes_out_wrong_is_said(void)
     }
 }
 
-static void test_a_stamp_goes_to_the_next_unit_where_one_does_not_keep_it(void)
+TEST(test_a_stamp_goes_to_the_next_unit_where_one_does_not_keep_it)
 {
     TEST_ASSERT_NULL(write(1U));
     flash.dead = STORE_BLOCK_UNITS;
@@ -210,7 +206,7 @@ static void test_a_stamp_goes_to_the_next_unit_where_one_does_not_keep_it(void)
     TEST_ASSERT_EQUAL_UINT32(2U, start());
 }
 
-static void test_the_last_unit_of_a_slot_takes_a_stamp_too(void)
+TEST(test_the_last_unit_of_a_slot_takes_a_stamp_too)
 {
     flash.dead = STORE_BLOCK_UNITS;
     flash.dead_last = HAL_STORE_UNITS - 2U;
@@ -218,7 +214,7 @@ static void test_the_last_unit_of_a_slot_takes_a_stamp_too(void)
     TEST_ASSERT_EQUAL_UINT32(1U, start());
 }
 
-static void test_a_block_that_gets_no_stamp_is_said_and_keeps_the_old_block(void)
+TEST(test_a_block_that_gets_no_stamp_is_said_and_keeps_the_old_block)
 {
     TEST_ASSERT_NULL(write(1U));
     flash.dead = STORE_BLOCK_UNITS;
@@ -227,7 +223,7 @@ static void test_a_block_that_gets_no_stamp_is_said_and_keeps_the_old_block(void
     TEST_ASSERT_EQUAL_UINT32(1U, start());
 }
 
-static void test_a_kept_block_that_cannot_be_read_any_more_does_not_end_the_store(void)
+TEST(test_a_kept_block_that_cannot_be_read_any_more_does_not_end_the_store)
 {
     TEST_ASSERT_NULL(write(1U));
     flash.units[0][3].half_done = true;
@@ -236,7 +232,7 @@ static void test_a_kept_block_that_cannot_be_read_any_more_does_not_end_the_stor
     TEST_ASSERT_EQUAL_UINT32(2U, start());
 }
 
-static void test_a_single_block_is_found_whatever_its_number(void)
+TEST(test_a_single_block_is_found_whatever_its_number)
 {
     store.sequence = 0xFFFFFFF0U;
     TEST_ASSERT_NULL(write(1U));
@@ -249,7 +245,7 @@ static void change(uint32_t slot, uint32_t unit)
     flash.units[slot][unit].after ^= 1U;
 }
 
-static void test_a_block_with_any_unit_changed_is_not_found(void)
+TEST(test_a_block_with_any_unit_changed_is_not_found)
 {
     TEST_ASSERT_NULL(write(1U));
     TEST_ASSERT_NULL(write(2U));
@@ -261,7 +257,7 @@ static void test_a_block_with_any_unit_changed_is_not_found(void)
     TEST_ASSERT_EQUAL_UINT32(2U, start());
 }
 
-static void test_a_block_with_an_unreadable_unit_is_not_found(void)
+TEST(test_a_block_with_an_unreadable_unit_is_not_found)
 {
     TEST_ASSERT_NULL(write(1U));
     TEST_ASSERT_NULL(write(2U));
@@ -275,7 +271,7 @@ static void test_a_block_with_an_unreadable_unit_is_not_found(void)
     }
 }
 
-static void test_a_block_whose_stamp_is_changed_or_unreadable_is_not_found(void)
+TEST(test_a_block_whose_stamp_is_changed_or_unreadable_is_not_found)
 {
     TEST_ASSERT_NULL(write(1U));
     change(0U, STORE_BLOCK_UNITS);
@@ -325,14 +321,14 @@ static void assert_found_with_length(uint32_t words, bool expected)
     TEST_ASSERT_EQUAL(expected, store.found);
 }
 
-static void test_a_block_of_any_length_that_fits_is_found(void)
+TEST(test_a_block_of_any_length_that_fits_is_found)
 {
     assert_found_with_length(4U, true);
     assert_found_with_length(CONFIG_BLOCK_WORDS + 3U, true);
     assert_found_with_length(2U * STORE_BLOCK_UNITS, true);
 }
 
-static void test_a_length_that_does_not_fit_is_no_block(void)
+TEST(test_a_length_that_does_not_fit_is_no_block)
 {
     assert_found_with_length(2U, false);
     assert_found_with_length(0U, false);
@@ -344,7 +340,7 @@ static void test_a_length_that_does_not_fit_is_no_block(void)
     TEST_ASSERT_FALSE(store.found);
 }
 
-static void test_another_magic_is_no_block(void)
+TEST(test_another_magic_is_no_block)
 {
     TEST_ASSERT_NULL(write(1U));
     flash.units[0][0].after ^= 0x100U;
@@ -369,7 +365,7 @@ static uint32_t cut_once(uint32_t store_number, uint32_t step, uint32_t chance)
     return 1U;
 }
 
-static void test_a_start_behind_a_cut_in_any_step_finds_the_old_block_or_the_new(void)
+TEST(test_a_start_behind_a_cut_in_any_step_finds_the_old_block_or_the_new)
 {
     uint32_t cuts = 0U;
 
@@ -411,7 +407,7 @@ static uint32_t cut_twice(uint32_t first, uint32_t second, uint32_t chance)
     return 2U;
 }
 
-static void test_a_store_that_is_cut_behind_one_that_was_cut_keeps_what_the_start_has_found(void)
+TEST(test_a_store_that_is_cut_behind_one_that_was_cut_keeps_what_the_start_has_found)
 {
     uint32_t cuts = 0U;
 
@@ -445,7 +441,7 @@ static uint32_t cut_by_chance(uint32_t number, uint32_t allowed)
 }
 
 /* What was cut may read otherwise at each look. */
-static void test_units_that_read_otherwise_at_each_look_cost_no_block(void)
+TEST(test_units_that_read_otherwise_at_each_look_cost_no_block)
 {
     uint32_t cuts = 0U;
 
@@ -464,7 +460,7 @@ static void test_units_that_read_otherwise_at_each_look_cost_no_block(void)
     (void)printf("%u cuts of units that read otherwise at each look\n", (unsigned)cuts);
 }
 
-static void test_stores_go_on_when_the_stamps_have_run_out(void)
+TEST(test_stores_go_on_when_the_stamps_have_run_out)
 {
     TEST_ASSERT_NULL(write(0U));
     TEST_ASSERT_NULL(write(1U));
@@ -474,35 +470,4 @@ static void test_stores_go_on_when_the_stamps_have_run_out(void)
     }
     TEST_ASSERT_NULL(write(3U));
     TEST_ASSERT_EQUAL_UINT32(3U, start());
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_an_empty_store_has_no_block);
-    RUN_TEST(test_what_was_written_is_found_by_the_next_start);
-    RUN_TEST(test_what_was_written_can_be_read_without_another_start);
-    RUN_TEST(test_the_slots_take_turns);
-    RUN_TEST(test_a_write_takes_a_step_for_each_unit);
-    RUN_TEST(test_numbers_of_stamps_are_even_for_a_block_and_odd_for_one_more);
-    RUN_TEST(test_the_higher_number_is_the_newer_one_also_behind_a_wrap);
-    RUN_TEST(test_an_erase_that_fails_is_said_and_keeps_the_old_block);
-    RUN_TEST(test_a_unit_that_does_not_keep_what_is_written_is_said_and_keeps_the_old_block);
-    RUN_TEST(test_any_byte_that_comes_out_wrong_is_said);
-    RUN_TEST(test_a_stamp_goes_to_the_next_unit_where_one_does_not_keep_it);
-    RUN_TEST(test_the_last_unit_of_a_slot_takes_a_stamp_too);
-    RUN_TEST(test_a_block_that_gets_no_stamp_is_said_and_keeps_the_old_block);
-    RUN_TEST(test_a_kept_block_that_cannot_be_read_any_more_does_not_end_the_store);
-    RUN_TEST(test_a_single_block_is_found_whatever_its_number);
-    RUN_TEST(test_a_block_with_any_unit_changed_is_not_found);
-    RUN_TEST(test_a_block_with_an_unreadable_unit_is_not_found);
-    RUN_TEST(test_a_block_whose_stamp_is_changed_or_unreadable_is_not_found);
-    RUN_TEST(test_a_block_of_any_length_that_fits_is_found);
-    RUN_TEST(test_a_length_that_does_not_fit_is_no_block);
-    RUN_TEST(test_another_magic_is_no_block);
-    RUN_TEST(test_a_start_behind_a_cut_in_any_step_finds_the_old_block_or_the_new);
-    RUN_TEST(test_a_store_that_is_cut_behind_one_that_was_cut_keeps_what_the_start_has_found);
-    RUN_TEST(test_units_that_read_otherwise_at_each_look_cost_no_block);
-    RUN_TEST(test_stores_go_on_when_the_stamps_have_run_out);
-    return UNITY_END();
 }

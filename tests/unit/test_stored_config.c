@@ -4,7 +4,7 @@
 #include "example_app.h"
 #include "flash_model.h"
 #include "stored_config.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <string.h>
 
@@ -44,10 +44,6 @@ void setUp(void)
     load();
 }
 
-void tearDown(void)
-{
-}
-
 /* Whatever block, as another image would store it. */
 static void store_unchecked(void)
 {
@@ -76,12 +72,12 @@ static void assert_image_is_taken(const char *told)
     assert_tells(told);
 }
 
-static void test_without_a_stored_block_the_image_has_the_configuration(void)
+TEST(test_without_a_stored_block_the_image_has_the_configuration)
 {
     assert_image_is_taken("configuration: that of the image, none is stored");
 }
 
-static void test_a_good_block_is_taken_with_its_name_and_the_facts_of_its_motor(void)
+TEST(test_a_good_block_is_taken_with_its_name_and_the_facts_of_its_motor)
 {
     store_unchecked();
     TEST_ASSERT_TRUE(stored.is_stored);
@@ -92,7 +88,7 @@ static void test_a_good_block_is_taken_with_its_name_and_the_facts_of_its_motor(
     assert_tells("configuration: the stored one");
 }
 
-static void test_facts_of_the_board_stay_those_of_the_image(void)
+TEST(test_facts_of_the_board_stay_those_of_the_image)
 {
     store_unchecked();
     TEST_ASSERT_EQUAL_UINT32(ABOUT.rotation.tick_ps, about.rotation.tick_ps);
@@ -118,7 +114,7 @@ static void seal(void)
     }
 }
 
-static void test_a_block_of_another_schema_is_not_taken(void)
+TEST(test_a_block_of_another_schema_is_not_taken)
 {
     block.identity.schema = 5U;
     seal();
@@ -127,7 +123,7 @@ static void test_a_block_of_another_schema_is_not_taken(void)
         "configuration: that of the image, not the stored one: the block was made for another firmware");
 }
 
-static void test_a_block_of_another_layout_is_not_taken(void)
+TEST(test_a_block_of_another_layout_is_not_taken)
 {
     block.version++;
     seal();
@@ -136,7 +132,7 @@ static void test_a_block_of_another_layout_is_not_taken(void)
         "configuration: that of the image, not the stored one: the block was made for another firmware");
 }
 
-static void test_a_block_of_another_length_is_not_taken(void)
+TEST(test_a_block_of_another_length_is_not_taken)
 {
     block.words--;
     seal();
@@ -145,7 +141,7 @@ static void test_a_block_of_another_length_is_not_taken(void)
         "configuration: that of the image, not the stored one: the block was made for another firmware");
 }
 
-static void test_a_block_of_another_board_is_not_taken(void)
+TEST(test_a_block_of_another_board_is_not_taken)
 {
     block.identity.board = 5U;
     seal();
@@ -154,7 +150,7 @@ static void test_a_block_of_another_board_is_not_taken(void)
         "configuration: that of the image, not the stored one: the block was made for another board");
 }
 
-static void test_a_block_with_a_bad_setting_is_not_taken_and_the_setting_is_named(void)
+TEST(test_a_block_with_a_bad_setting_is_not_taken_and_the_setting_is_named)
 {
     block.cfg.slow_ticks = 5U;
     block.cfg.crc = config_guard_crc(&block.cfg);
@@ -165,7 +161,7 @@ static void test_a_block_with_a_bad_setting_is_not_taken_and_the_setting_is_name
         "does not take: slow_ticks");
 }
 
-static void test_a_block_that_cannot_be_read_any_more_is_not_taken(void)
+TEST(test_a_block_that_cannot_be_read_any_more_is_not_taken)
 {
     store_unchecked();
     flash.units[0][3].half_done = true;
@@ -185,7 +181,7 @@ static void assert_save(const char *expected)
     }
 }
 
-static void test_a_good_block_is_stored_while_the_drive_is_ready_and_the_next_start_takes_it(void)
+TEST(test_a_good_block_is_stored_while_the_drive_is_ready_and_the_next_start_takes_it)
 {
     assert_save(NULL);
     TEST_ASSERT_FALSE(stored.is_stored);
@@ -195,7 +191,7 @@ static void test_a_good_block_is_stored_while_the_drive_is_ready_and_the_next_st
     TEST_ASSERT_EQUAL_MEMORY(&block, &stored.block, sizeof block);
 }
 
-static void test_a_block_is_stored_behind_a_fault(void)
+TEST(test_a_block_is_stored_behind_a_fault)
 {
     fail();
     assert_save(NULL);
@@ -203,7 +199,7 @@ static void test_a_block_is_stored_behind_a_fault(void)
 
 #define RUNS "the drive does not rest with open gates; stop it first"
 
-static void test_no_block_is_stored_while_a_run_is_asked_for(void)
+TEST(test_no_block_is_stored_while_a_run_is_asked_for)
 {
     drive_command_t command = command_mailbox_take(&app.mailbox);
 
@@ -215,7 +211,7 @@ static void test_no_block_is_stored_while_a_run_is_asked_for(void)
     TEST_ASSERT_EQUAL_UINT32(0U, flash.steps);
 }
 
-static void test_no_block_is_stored_in_any_state_but_ready_and_fault(void)
+TEST(test_no_block_is_stored_in_any_state_but_ready_and_fault)
 {
     for (uint32_t state = 0U; state <= (uint32_t)DRIVE_STATE_FAULT; state++) {
         const bool rests = (state == DRIVE_STATE_READY) || (state == DRIVE_STATE_FAULT);
@@ -225,13 +221,13 @@ static void test_no_block_is_stored_in_any_state_but_ready_and_fault(void)
     }
 }
 
-static void test_no_block_is_stored_while_the_gates_are_on(void)
+TEST(test_no_block_is_stored_while_the_gates_are_on)
 {
     app.out.gate_enable = true;
     assert_save(RUNS);
 }
 
-static void test_no_block_is_stored_that_this_image_would_not_take(void)
+TEST(test_no_block_is_stored_that_this_image_would_not_take)
 {
     block.identity.board++;
     seal();
@@ -245,30 +241,8 @@ static void test_no_block_is_stored_that_this_image_would_not_take(void)
     TEST_ASSERT_EQUAL_UINT32(0U, flash.steps);
 }
 
-static void test_a_flash_that_does_not_work_is_told(void)
+TEST(test_a_flash_that_does_not_work_is_told)
 {
     flash.refuses_erase = true;
     assert_save("the flash cannot be erased");
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_without_a_stored_block_the_image_has_the_configuration);
-    RUN_TEST(test_a_good_block_is_taken_with_its_name_and_the_facts_of_its_motor);
-    RUN_TEST(test_facts_of_the_board_stay_those_of_the_image);
-    RUN_TEST(test_a_block_of_another_schema_is_not_taken);
-    RUN_TEST(test_a_block_of_another_layout_is_not_taken);
-    RUN_TEST(test_a_block_of_another_length_is_not_taken);
-    RUN_TEST(test_a_block_of_another_board_is_not_taken);
-    RUN_TEST(test_a_block_with_a_bad_setting_is_not_taken_and_the_setting_is_named);
-    RUN_TEST(test_a_block_that_cannot_be_read_any_more_is_not_taken);
-    RUN_TEST(test_a_good_block_is_stored_while_the_drive_is_ready_and_the_next_start_takes_it);
-    RUN_TEST(test_a_block_is_stored_behind_a_fault);
-    RUN_TEST(test_no_block_is_stored_while_a_run_is_asked_for);
-    RUN_TEST(test_no_block_is_stored_in_any_state_but_ready_and_fault);
-    RUN_TEST(test_no_block_is_stored_while_the_gates_are_on);
-    RUN_TEST(test_no_block_is_stored_that_this_image_would_not_take);
-    RUN_TEST(test_a_flash_that_does_not_work_is_told);
-    return UNITY_END();
 }

@@ -6,7 +6,7 @@
 #include "drive.h"
 #include "example_cfg.h"
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -37,10 +37,6 @@ static seeded_t seed;
 void setUp(void)
 {
     seed = (seeded_t){0x57A16U};
-}
-
-void tearDown(void)
-{
 }
 
 static uint64_t any_word(void)
@@ -154,7 +150,7 @@ static drive_cfg_t cfg_without_startup(void)
     return plain;
 }
 
-static void test_any_frame_in_any_state_does_the_same_on_both_ways(void)
+TEST(test_any_frame_in_any_state_does_the_same_on_both_ways)
 {
     for (int32_t with = 0; with < 2; with++) {
         cfg = (with == 0) ? cfg_without_startup() : example_drive_cfg_with_startup();
@@ -168,7 +164,7 @@ static void test_any_frame_in_any_state_does_the_same_on_both_ways(void)
 }
 
 /* With and without start-up, compensation of the inverter, voltage drive, saliency, sensor. */
-static void test_an_ordinary_tick_of_any_state_does_the_same_on_both_ways(void)
+TEST(test_an_ordinary_tick_of_any_state_does_the_same_on_both_ways)
 {
     int32_t stayed = 0;
 
@@ -196,12 +192,4 @@ static void test_an_ordinary_tick_of_any_state_does_the_same_on_both_ways(void)
         stayed += step_both_ways(&from, &in) ? 1 : 0;
     }
     TEST_ASSERT_GREATER_THAN_INT32(STATES / 2, stayed);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_any_frame_in_any_state_does_the_same_on_both_ways);
-    RUN_TEST(test_an_ordinary_tick_of_any_state_does_the_same_on_both_ways);
-    return UNITY_END();
 }

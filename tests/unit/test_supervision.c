@@ -3,7 +3,7 @@
 #include "example_cfg.h"
 #include "seeded.h"
 #include "supervision.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -21,10 +21,6 @@ void setUp(void)
     cfg = example_supervision_cfg();
     supervision_reset(&state);
     fault = (fault_t){.id = FAULT_NONE};
-}
-
-void tearDown(void)
-{
 }
 
 static void assert_fault(fault_id_t id, int32_t value, int32_t limit)
@@ -96,7 +92,7 @@ static void assert_no_fault(const phases_t *p)
     TEST_ASSERT_EQUAL_INT(FAULT_NONE, fault.id);
 }
 
-static void test_healthy_phases_are_no_fault_with_noise_and_gain_error_at_any_speed(void)
+TEST(test_healthy_phases_are_no_fault_with_noise_and_gain_error_at_any_speed)
 {
     /* Up to the advance from which on nothing is judged. */
     for (double advance = -0.4; advance <= 0.4; advance += 0.0123) {
@@ -112,7 +108,7 @@ static void test_healthy_phases_are_no_fault_with_noise_and_gain_error_at_any_sp
     }
 }
 
-static void test_each_lost_phase_is_found_in_three_half_turns(void)
+TEST(test_each_lost_phase_is_found_in_three_half_turns)
 {
     for (int32_t k = 0; k < 3; k++) {
         phases_t p = HEALTHY;
@@ -128,7 +124,7 @@ static void test_each_lost_phase_is_found_in_three_half_turns(void)
     }
 }
 
-static void test_a_stuck_channel_is_found_in_three_half_turns_and_told_from_a_lost_phase(void)
+TEST(test_a_stuck_channel_is_found_in_three_half_turns_and_told_from_a_lost_phase)
 {
     for (int32_t k = 0; k < 4; k++) {
         phases_t p = HEALTHY;
@@ -143,7 +139,7 @@ static void test_a_stuck_channel_is_found_in_three_half_turns_and_told_from_a_lo
 }
 
 /* It has no channel that could be stuck: what stands still there is what both others make of it. */
-static void test_a_third_phase_that_stands_still_is_lost_whatever_its_current(void)
+TEST(test_a_third_phase_that_stands_still_is_lost_whatever_its_current)
 {
     static const int32_t current[] = {0, 1500, -1500}; /* at most 275 is zero */
 
@@ -167,7 +163,7 @@ static void test_a_third_phase_that_stands_still_is_lost_whatever_its_current(vo
 }
 
 /* Sample by sample between 20 and −10, and ±4000: ranges of 30 and 8000, of which an eighth is 1000. */
-static void test_a_weak_phase_is_said_with_the_range_it_moved_in_and_what_it_should_have(void)
+TEST(test_a_weak_phase_is_said_with_the_range_it_moved_in_and_what_it_should_have)
 {
     for (int32_t k = 0; (k < 40) && (fault.id == FAULT_NONE); k++) {
         const bool even = (k % 2) == 0;
@@ -181,7 +177,7 @@ static void test_a_weak_phase_is_said_with_the_range_it_moved_in_and_what_it_sho
     assert_fault(FAULT_LOST_PHASE, 30, 1000);
 }
 
-static void test_a_phase_that_moves_an_eighth_of_the_strongest_is_weak_enough_to_live(void)
+TEST(test_a_phase_that_moves_an_eighth_of_the_strongest_is_weak_enough_to_live)
 {
     phases_t p = HEALTHY;
 
@@ -195,7 +191,7 @@ static void test_a_phase_that_moves_an_eighth_of_the_strongest_is_weak_enough_to
     TEST_ASSERT_TRUE(fault.id != FAULT_NONE);
 }
 
-static void test_phases_are_not_compared_below_the_least_current(void)
+TEST(test_phases_are_not_compared_below_the_least_current)
 {
     phases_t p = HEALTHY;
 
@@ -209,7 +205,7 @@ static void test_phases_are_not_compared_below_the_least_current(void)
     TEST_ASSERT_EQUAL_INT(FAULT_LOST_PHASE, fault.id);
 }
 
-static void test_constant_currents_at_standstill_are_never_a_stuck_channel(void)
+TEST(test_constant_currents_at_standstill_are_never_a_stuck_channel)
 {
     seeded_t seed = {0x57A4DU};
 
@@ -225,7 +221,7 @@ static void test_constant_currents_at_standstill_are_never_a_stuck_channel(void)
     }
 }
 
-static void test_load_steps_within_a_turn_are_no_fault(void)
+TEST(test_load_steps_within_a_turn_are_no_fault)
 {
     seeded_t seed = {0x10ADU};
     double turns = 0.0;
@@ -243,7 +239,7 @@ static void test_load_steps_within_a_turn_are_no_fault(void)
     TEST_ASSERT_EQUAL_INT(FAULT_NONE, fault.id);
 }
 
-static void test_too_fast_a_turn_is_not_judged(void)
+TEST(test_too_fast_a_turn_is_not_judged)
 {
     phases_t p = HEALTHY;
     seeded_t seed = {1U};
@@ -257,7 +253,7 @@ static void test_too_fast_a_turn_is_not_judged(void)
     }
 }
 
-static void test_turns_are_counted_across_the_end_of_their_word(void)
+TEST(test_turns_are_counted_across_the_end_of_their_word)
 {
     phases_t p = HEALTHY;
     seeded_t seed = {1U};
@@ -305,7 +301,7 @@ static uint32_t imposed_to_fault(const supervision_imposed_t *in, uint32_t most)
 
 #define WHILE (1000U)
 
-static void test_an_imposed_current_that_flows_is_no_fault_at_any_angle(void)
+TEST(test_an_imposed_current_that_flows_is_no_fault_at_any_angle)
 {
     for (int32_t k = 0; k < 64; k++) {
         const supervision_imposed_t in = imposed(6554.0, k / 64.0);
@@ -316,7 +312,7 @@ static void test_an_imposed_current_that_flows_is_no_fault_at_any_angle(void)
 }
 
 /* The periods of the limit, one in which it is not yet the same phase, and the one beyond. */
-static void test_each_phase_without_its_imposed_current_is_lost_after_its_time(void)
+TEST(test_each_phase_without_its_imposed_current_is_lost_after_its_time)
 {
     for (int32_t k = 0; k < 3; k++) {
         supervision_imposed_t in = imposed(6554.0, k / 3.0); /* phase k has all of it */
@@ -329,7 +325,7 @@ static void test_each_phase_without_its_imposed_current_is_lost_after_its_time(v
     }
 }
 
-static void test_a_phase_is_absent_from_the_least_current_on_and_up_to_the_largest_zero(void)
+TEST(test_a_phase_is_absent_from_the_least_current_on_and_up_to_the_largest_zero)
 {
     supervision_imposed_t in = imposed(cfg.phase_range_min, 0.0);
 
@@ -344,7 +340,7 @@ static void test_a_phase_is_absent_from_the_least_current_on_and_up_to_the_large
     TEST_ASSERT_EQUAL_UINT32(WHILE, imposed_to_fault(&in, WHILE));
 }
 
-static void test_a_swing_that_passes_through_zero_is_no_lost_phase(void)
+TEST(test_a_swing_that_passes_through_zero_is_no_lost_phase)
 {
     const supervision_imposed_t whole = imposed(6554.0, 0.0);
     supervision_imposed_t none = whole;
@@ -359,7 +355,7 @@ static void test_a_swing_that_passes_through_zero_is_no_lost_phase(void)
     }
 }
 
-static void test_voltage_that_the_current_cannot_need_is_found_in_each_axis_and_direction(void)
+TEST(test_voltage_that_the_current_cannot_need_is_found_in_each_axis_and_direction)
 {
     for (int32_t k = 0; k < 4; k++) {
         supervision_imposed_t in = imposed(6554.0, 0.1);
@@ -375,7 +371,7 @@ static void test_voltage_that_the_current_cannot_need_is_found_in_each_axis_and_
     }
 }
 
-static void test_too_much_voltage_with_a_phase_at_zero_is_a_lost_phase(void)
+TEST(test_too_much_voltage_with_a_phase_at_zero_is_a_lost_phase)
 {
     supervision_imposed_t in = imposed(6554.0, 0.0);
 
@@ -397,7 +393,7 @@ static fault_id_t follow(int32_t error_d, int32_t error_q, bool excused)
     return supervision_check_current(&state, &cfg, &in, &fault);
 }
 
-static void test_a_current_that_does_not_follow_is_a_lost_phase_in_each_axis_and_direction(void)
+TEST(test_a_current_that_does_not_follow_is_a_lost_phase_in_each_axis_and_direction)
 {
     const int32_t max = cfg.follow_error_max;
     const int32_t errors[][2] = {{2, 0}, {-2, 0}, {0, 2}, {0, -2}};
@@ -418,7 +414,7 @@ static void test_a_current_that_does_not_follow_is_a_lost_phase_in_each_axis_and
     }
 }
 
-static void test_a_constant_current_error_at_the_limit_is_no_fault(void)
+TEST(test_a_constant_current_error_at_the_limit_is_no_fault)
 {
     for (int32_t k = 0; k < 10000; k++) {
         TEST_ASSERT_EQUAL_INT(FAULT_NONE,
@@ -426,7 +422,7 @@ static void test_a_constant_current_error_at_the_limit_is_no_fault(void)
     }
 }
 
-static void test_a_current_error_of_a_turning_rotor_is_excused(void)
+TEST(test_a_current_error_of_a_turning_rotor_is_excused)
 {
     for (int32_t k = 0; k < 10000; k++) {
         TEST_ASSERT_EQUAL_INT(FAULT_NONE, follow(16384, 16384, true));
@@ -436,7 +432,7 @@ static void test_a_current_error_of_a_turning_rotor_is_excused(void)
     TEST_ASSERT_EQUAL_INT32(0, state.off_current.q);
 }
 
-static void test_a_jittering_reference_is_no_lost_phase(void)
+TEST(test_a_jittering_reference_is_no_lost_phase)
 {
     for (int32_t k = 0; k < 10000; k++) {
         const int32_t error = ((k % 2) == 0) ? 10000 : -10000;
@@ -445,7 +441,7 @@ static void test_a_jittering_reference_is_no_lost_phase(void)
     }
 }
 
-static void test_a_reference_step_of_the_largest_current_is_no_lost_phase(void)
+TEST(test_a_reference_step_of_the_largest_current_is_no_lost_phase)
 {
     for (int32_t k = 0; k < 1000; k++) {
         /* A period behind its reference, four times a second; the current loop needs a tenth of one. */
@@ -462,7 +458,7 @@ static fault_id_t residual(int32_t d, int32_t q)
     return supervision_check_observer(&state, &cfg, (dq_t){d, q}, &fault);
 }
 
-static void test_a_large_model_error_in_either_axis_is_a_lost_observer(void)
+TEST(test_a_large_model_error_in_either_axis_is_a_lost_observer)
 {
     for (int32_t k = 0; k < 4; k++) {
         const int32_t error = ((k % 2) == 0) ? 8191 : -8191;
@@ -481,7 +477,7 @@ static void test_a_large_model_error_in_either_axis_is_a_lost_observer(void)
     }
 }
 
-static void test_a_model_error_at_the_limit_or_a_short_one_is_no_fault(void)
+TEST(test_a_model_error_at_the_limit_or_a_short_one_is_no_fault)
 {
     for (int32_t k = 0; k < 10000; k++) {
         TEST_ASSERT_EQUAL_INT(FAULT_NONE, residual(cfg.residual_max, -cfg.residual_max));
@@ -518,7 +514,7 @@ static uint32_t periods_to_fault(const supervision_speed_t *in, uint32_t most)
 
 #define LONG (2000U)
 
-static void test_a_speed_off_its_reference_with_torque_to_spare_is_implausible(void)
+TEST(test_a_speed_off_its_reference_with_torque_to_spare_is_implausible)
 {
     supervision_speed_t in = calm();
 
@@ -533,7 +529,7 @@ static void test_a_speed_off_its_reference_with_torque_to_spare_is_implausible(v
     TEST_ASSERT_EQUAL_UINT32(LONG, periods_to_fault(&in, LONG));
 }
 
-static void test_an_estimate_at_the_observers_limit_is_implausible(void)
+TEST(test_an_estimate_at_the_observers_limit_is_implausible)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         supervision_speed_t in = calm();
@@ -546,7 +542,7 @@ static void test_an_estimate_at_the_observers_limit_is_implausible(void)
     }
 }
 
-static void test_overspeed_begins_one_above_its_limit_in_either_direction(void)
+TEST(test_overspeed_begins_one_above_its_limit_in_either_direction)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         supervision_speed_t in = calm();
@@ -571,7 +567,7 @@ static supervision_speed_t stalled(void)
     return in;
 }
 
-static void test_full_torque_without_motion_is_a_stall_after_its_time(void)
+TEST(test_full_torque_without_motion_is_a_stall_after_its_time)
 {
     const supervision_speed_t in = stalled();
 
@@ -579,7 +575,7 @@ static void test_full_torque_without_motion_is_a_stall_after_its_time(void)
     assert_fault(FAULT_STALL, cfg.stall_speed - 1, cfg.stall_speed);
 }
 
-static void test_what_is_just_no_stall_is_none(void)
+TEST(test_what_is_just_no_stall_is_none)
 {
     supervision_speed_t in = stalled();
 
@@ -594,7 +590,7 @@ static void test_what_is_just_no_stall_is_none(void)
     TEST_ASSERT_EQUAL_UINT32(LONG, periods_to_fault(&in, LONG));
 }
 
-static void test_a_rotor_that_turns_against_full_torque_is_stalled_in_either_direction(void)
+TEST(test_a_rotor_that_turns_against_full_torque_is_stalled_in_either_direction)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         supervision_speed_t in = stalled();
@@ -608,7 +604,7 @@ static void test_a_rotor_that_turns_against_full_torque_is_stalled_in_either_dir
 }
 
 /* The torque turns over while the rotor stands: what turns from then on against it is braked from there. */
-static void test_a_rotor_that_a_new_torque_brakes_is_not_stalled(void)
+TEST(test_a_rotor_that_a_new_torque_brakes_is_not_stalled)
 {
     supervision_speed_t in = stalled();
 
@@ -624,7 +620,7 @@ static void test_a_rotor_that_a_new_torque_brakes_is_not_stalled(void)
 }
 
 /* Slower by the stall speed each time just before it would be one; at rest it is one. */
-static void test_a_rotor_that_full_torque_brakes_is_not_stalled_until_it_stands(void)
+TEST(test_a_rotor_that_full_torque_brakes_is_not_stalled_until_it_stands)
 {
     supervision_speed_t in = stalled();
 
@@ -637,7 +633,7 @@ static void test_a_rotor_that_full_torque_brakes_is_not_stalled_until_it_stands(
 }
 
 /* One step of progress at most, as it is the best that counts. */
-static void test_a_ripple_of_the_speed_brakes_nothing(void)
+TEST(test_a_ripple_of_the_speed_brakes_nothing)
 {
     supervision_speed_t in = stalled();
     uint32_t periods = 0U;
@@ -652,7 +648,7 @@ static void test_a_ripple_of_the_speed_brakes_nothing(void)
     TEST_ASSERT_TRUE(periods <= (cfg.stall_periods + 3U));
 }
 
-static void test_trouble_that_comes_and_goes_is_forgotten_as_it_came(void)
+TEST(test_trouble_that_comes_and_goes_is_forgotten_as_it_came)
 {
     supervision_speed_t in = calm();
 
@@ -665,7 +661,7 @@ static void test_trouble_that_comes_and_goes_is_forgotten_as_it_came(void)
 
 /* ---- late ticks ---- */
 
-static void test_more_late_ticks_than_allowed_in_a_window_are_a_fault(void)
+TEST(test_more_late_ticks_than_allowed_in_a_window_are_a_fault)
 {
     for (uint32_t k = 0U; k < cfg.late_max; k++) {
         TEST_ASSERT_EQUAL_INT(FAULT_NONE, supervision_count_late(&state, &cfg, &fault));
@@ -674,7 +670,7 @@ static void test_more_late_ticks_than_allowed_in_a_window_are_a_fault(void)
     assert_fault(FAULT_LATE, (int32_t)cfg.late_max + 1, (int32_t)cfg.late_max);
 }
 
-static void test_late_ticks_are_forgotten_at_the_end_of_the_window(void)
+TEST(test_late_ticks_are_forgotten_at_the_end_of_the_window)
 {
     for (uint32_t k = 0U; k < (10U * cfg.late_window); k++) {
         if ((k % cfg.late_window) == 0U) {
@@ -685,7 +681,7 @@ static void test_late_ticks_are_forgotten_at_the_end_of_the_window(void)
     }
 }
 
-static void test_reset_forgets_everything(void)
+TEST(test_reset_forgets_everything)
 {
     static const supervision_t fresh = {.absent = SUPERVISION_PHASES};
     supervision_speed_t in = stalled();
@@ -703,47 +699,4 @@ static void test_reset_forgets_everything(void)
     state.step = 3U;
     supervision_reset(&state);
     TEST_ASSERT_EQUAL_MEMORY(&fresh, &state, sizeof state);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_healthy_phases_are_no_fault_with_noise_and_gain_error_at_any_speed);
-    RUN_TEST(test_each_lost_phase_is_found_in_three_half_turns);
-    RUN_TEST(test_a_stuck_channel_is_found_in_three_half_turns_and_told_from_a_lost_phase);
-    RUN_TEST(test_a_third_phase_that_stands_still_is_lost_whatever_its_current);
-    RUN_TEST(test_a_weak_phase_is_said_with_the_range_it_moved_in_and_what_it_should_have);
-    RUN_TEST(test_a_phase_that_moves_an_eighth_of_the_strongest_is_weak_enough_to_live);
-    RUN_TEST(test_phases_are_not_compared_below_the_least_current);
-    RUN_TEST(test_constant_currents_at_standstill_are_never_a_stuck_channel);
-    RUN_TEST(test_load_steps_within_a_turn_are_no_fault);
-    RUN_TEST(test_too_fast_a_turn_is_not_judged);
-    RUN_TEST(test_turns_are_counted_across_the_end_of_their_word);
-    RUN_TEST(test_an_imposed_current_that_flows_is_no_fault_at_any_angle);
-    RUN_TEST(test_each_phase_without_its_imposed_current_is_lost_after_its_time);
-    RUN_TEST(test_a_phase_is_absent_from_the_least_current_on_and_up_to_the_largest_zero);
-    RUN_TEST(test_a_swing_that_passes_through_zero_is_no_lost_phase);
-    RUN_TEST(test_voltage_that_the_current_cannot_need_is_found_in_each_axis_and_direction);
-    RUN_TEST(test_too_much_voltage_with_a_phase_at_zero_is_a_lost_phase);
-    RUN_TEST(test_a_current_that_does_not_follow_is_a_lost_phase_in_each_axis_and_direction);
-    RUN_TEST(test_a_constant_current_error_at_the_limit_is_no_fault);
-    RUN_TEST(test_a_current_error_of_a_turning_rotor_is_excused);
-    RUN_TEST(test_a_jittering_reference_is_no_lost_phase);
-    RUN_TEST(test_a_reference_step_of_the_largest_current_is_no_lost_phase);
-    RUN_TEST(test_a_large_model_error_in_either_axis_is_a_lost_observer);
-    RUN_TEST(test_a_model_error_at_the_limit_or_a_short_one_is_no_fault);
-    RUN_TEST(test_a_speed_off_its_reference_with_torque_to_spare_is_implausible);
-    RUN_TEST(test_an_estimate_at_the_observers_limit_is_implausible);
-    RUN_TEST(test_overspeed_begins_one_above_its_limit_in_either_direction);
-    RUN_TEST(test_full_torque_without_motion_is_a_stall_after_its_time);
-    RUN_TEST(test_what_is_just_no_stall_is_none);
-    RUN_TEST(test_a_rotor_that_turns_against_full_torque_is_stalled_in_either_direction);
-    RUN_TEST(test_a_rotor_that_full_torque_brakes_is_not_stalled_until_it_stands);
-    RUN_TEST(test_a_rotor_that_a_new_torque_brakes_is_not_stalled);
-    RUN_TEST(test_a_ripple_of_the_speed_brakes_nothing);
-    RUN_TEST(test_trouble_that_comes_and_goes_is_forgotten_as_it_came);
-    RUN_TEST(test_more_late_ticks_than_allowed_in_a_window_are_a_fault);
-    RUN_TEST(test_late_ticks_are_forgotten_at_the_end_of_the_window);
-    RUN_TEST(test_reset_forgets_everything);
-    return UNITY_END();
 }

@@ -2,19 +2,11 @@
 /* °C of the converter's counts, along a line of points. */
 #include "temperature.h"
 
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 
 #define COUNTS 4096U
-
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
 
 static const temperature_line_t BENT = {
     .points = 4U,
@@ -26,7 +18,7 @@ static void check(const temperature_line_t *line, uint16_t count, int32_t celsiu
     TEST_ASSERT_EQUAL_INT32(celsius, temperature_celsius(line, count));
 }
 
-static void test_each_point_and_half_way_between_two(void)
+TEST(test_each_point_and_half_way_between_two)
 {
     check(&BENT, 1000U, -20);
     check(&BENT, 1250U, -10);
@@ -37,7 +29,7 @@ static void test_each_point_and_half_way_between_two(void)
     check(&BENT, 3100U, 100);
 }
 
-static void test_beyond_its_ends_it_is_that_of_the_end(void)
+TEST(test_beyond_its_ends_it_is_that_of_the_end)
 {
     check(&BENT, 0U, -20);
     check(&BENT, 999U, -20);
@@ -45,7 +37,7 @@ static void test_beyond_its_ends_it_is_that_of_the_end(void)
     check(&BENT, 4095U, 100);
 }
 
-static void test_a_sensor_that_falls_with_the_temperature(void)
+TEST(test_a_sensor_that_falls_with_the_temperature)
 {
     static const temperature_line_t falls = {
         .points = 3U,
@@ -61,7 +53,7 @@ static void test_a_sensor_that_falls_with_the_temperature(void)
     check(&falls, 0U, 120);
 }
 
-static void test_halves_are_rounded_away_from_zero(void)
+TEST(test_halves_are_rounded_away_from_zero)
 {
     static const temperature_line_t line = {.points = 2U, .at = {{0, -2000}, {4000, 2000}}};
 
@@ -73,7 +65,7 @@ static void test_halves_are_rounded_away_from_zero(void)
 }
 
 /* The widest that a board file allows: no product overflows. Truncation and rounding are half a degree and 1 m°C. */
-static void test_the_whole_range_of_a_line(void)
+TEST(test_the_whole_range_of_a_line)
 {
     static const temperature_line_t line = {.points = 2U, .at = {{0, -250000}, {4096, 250000}}};
 
@@ -84,7 +76,7 @@ static void test_the_whole_range_of_a_line(void)
 }
 
 /* A board file may state points whose counts round to one: at either end, or between. The rest of the line is as ever. */
-static void test_two_points_of_one_count_leave_the_rest_of_a_rising_line_as_it_is(void)
+TEST(test_two_points_of_one_count_leave_the_rest_of_a_rising_line_as_it_is)
 {
     static const temperature_line_t first = {.points = 3U,
                                              .at = {{0, -40000}, {0, -20000}, {4000, 100000}}};
@@ -106,7 +98,7 @@ static void test_two_points_of_one_count_leave_the_rest_of_a_rising_line_as_it_i
     check(&last, 4095U, 120);
 }
 
-static void test_two_points_of_one_count_leave_the_rest_of_a_falling_line_as_it_is(void)
+TEST(test_two_points_of_one_count_leave_the_rest_of_a_falling_line_as_it_is)
 {
     static const temperature_line_t first = {.points = 3U,
                                              .at = {{4096, -40000}, {4096, -20000}, {96, 100000}}};
@@ -123,7 +115,7 @@ static void test_two_points_of_one_count_leave_the_rest_of_a_falling_line_as_it_
 }
 
 /* All that a board file says of its sensor lies below one count: nothing is divided by zero. */
-static void test_a_line_of_one_count_is_within_its_points(void)
+TEST(test_a_line_of_one_count_is_within_its_points)
 {
     static const temperature_line_t line = {.points = 2U, .at = {{10, 0}, {10, 2000}}};
 
@@ -131,18 +123,4 @@ static void test_a_line_of_one_count_is_within_its_points(void)
         const int32_t celsius = temperature_celsius(&line, count);
         TEST_ASSERT_TRUE(celsius >= 0 && celsius <= 2);
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_each_point_and_half_way_between_two);
-    RUN_TEST(test_beyond_its_ends_it_is_that_of_the_end);
-    RUN_TEST(test_a_sensor_that_falls_with_the_temperature);
-    RUN_TEST(test_halves_are_rounded_away_from_zero);
-    RUN_TEST(test_the_whole_range_of_a_line);
-    RUN_TEST(test_two_points_of_one_count_leave_the_rest_of_a_rising_line_as_it_is);
-    RUN_TEST(test_two_points_of_one_count_leave_the_rest_of_a_falling_line_as_it_is);
-    RUN_TEST(test_a_line_of_one_count_is_within_its_points);
-    return UNITY_END();
 }

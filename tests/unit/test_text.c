@@ -2,18 +2,10 @@
 /* Numbers of the console, in and out. */
 #include "text.h"
 
-#include "unity.h"
+#include "testing.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
 
 static void check_number(int32_t value, uint32_t decimals, const char *expected)
 {
@@ -24,7 +16,7 @@ static void check_number(int32_t value, uint32_t decimals, const char *expected)
     TEST_ASSERT_EQUAL_STRING_LEN(expected, text.characters, text.length);
 }
 
-static void test_numbers_are_written_with_their_sign_and_decimals(void)
+TEST(test_numbers_are_written_with_their_sign_and_decimals)
 {
     check_number(0, 0U, "0");
     check_number(7, 0U, "7");
@@ -49,7 +41,7 @@ static void check_read(const char *string, bool good, int32_t expected)
     TEST_ASSERT_EQUAL_INT32(good ? expected : 77, value);
 }
 
-static void test_numbers_are_read_whole_or_not_at_all(void)
+TEST(test_numbers_are_read_whole_or_not_at_all)
 {
     check_read("0", true, 0);
     check_read("9", true, 9);
@@ -73,7 +65,7 @@ static void test_numbers_are_read_whole_or_not_at_all(void)
     check_read(":", false, 0);
 }
 
-static void test_what_is_written_is_read_again(void)
+TEST(test_what_is_written_is_read_again)
 {
     for (int32_t value = -999999999; value <= 999999999 - 1234567; value += 1234567) {
         text_t text = {0};
@@ -87,7 +79,7 @@ static void test_what_is_written_is_read_again(void)
     }
 }
 
-static void test_what_does_not_fit_is_cut_off_and_its_line_still_ends(void)
+TEST(test_what_does_not_fit_is_cut_off_and_its_line_still_ends)
 {
     text_t text = {0};
 
@@ -106,7 +98,7 @@ static void test_what_does_not_fit_is_cut_off_and_its_line_still_ends(void)
     TEST_ASSERT_EQUAL_UINT32(TEXT_MAX, text.length);
 }
 
-static void test_what_follows_a_start(void)
+TEST(test_what_follows_a_start)
 {
     TEST_ASSERT_EQUAL_STRING("100", text_after("speed 100", "speed "));
     TEST_ASSERT_EQUAL_STRING("", text_after("run", "run"));
@@ -122,7 +114,7 @@ static void assert_millionths(bool good, int32_t expected, const char *string)
     TEST_ASSERT_EQUAL_INT32_MESSAGE(good ? expected : 77, value, string);
 }
 
-static void test_a_decimal_number_is_read_in_millionths(void)
+TEST(test_a_decimal_number_is_read_in_millionths)
 {
     assert_millionths(true, 0, "0");
     assert_millionths(true, 2500000, "2.5");
@@ -132,7 +124,7 @@ static void test_a_decimal_number_is_read_in_millionths(void)
     assert_millionths(true, 12000000, "12");
 }
 
-static void test_what_is_no_decimal_number_is_none(void)
+TEST(test_what_is_no_decimal_number_is_none)
 {
     static const char *const wrong[] = {"",    "-",  ".",    ".5",        "1.",  "1.2.3",
                                         "1,5", "1 ", "1000", "0.0000001", "1e3", "--1",
@@ -141,17 +133,4 @@ static void test_what_is_no_decimal_number_is_none(void)
     for (uint32_t k = 0U; k < (sizeof wrong / sizeof wrong[0]); k++) {
         assert_millionths(false, 0, wrong[k]);
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_numbers_are_written_with_their_sign_and_decimals);
-    RUN_TEST(test_numbers_are_read_whole_or_not_at_all);
-    RUN_TEST(test_what_is_written_is_read_again);
-    RUN_TEST(test_what_does_not_fit_is_cut_off_and_its_line_still_ends);
-    RUN_TEST(test_what_follows_a_start);
-    RUN_TEST(test_a_decimal_number_is_read_in_millionths);
-    RUN_TEST(test_what_is_no_decimal_number_is_none);
-    return UNITY_END();
 }

@@ -3,7 +3,7 @@
 #include "torque_filter.h"
 
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -21,10 +21,6 @@ static torque_filter_t filter;
 void setUp(void)
 {
     torque_filter_start(&filter, 0);
-}
-
-void tearDown(void)
-{
 }
 
 /* Centre and width as shares of the sample rate. */
@@ -69,7 +65,7 @@ static int32_t step(const torque_filter_cfg_t *cfg, int32_t current)
     return torque_filter_step(&filter, cfg, current);
 }
 
-static void test_without_a_frequency_it_does_not_act_and_passes_all(void)
+TEST(test_without_a_frequency_it_does_not_act_and_passes_all)
 {
     const torque_filter_cfg_t none = {.notch_turn = {.sin = 3, .cos = 4}};
     const torque_filter_cfg_t low_pass = {.smooth_rate_q15 = 1};
@@ -83,7 +79,7 @@ static void test_without_a_frequency_it_does_not_act_and_passes_all(void)
     }
 }
 
-static void test_the_current_that_it_starts_with_passes_from_the_first_sample_on(void)
+TEST(test_the_current_that_it_starts_with_passes_from_the_first_sample_on)
 {
     static const int32_t currents[] = {-CURRENT_MAX, -1, 0, 1, 3000, CURRENT_MAX};
 
@@ -117,7 +113,7 @@ static double gain_at_rest(const torque_filter_cfg_t *cfg)
 }
 
 /* The slowest example forgets by 1/800 in a sample, so e^-25 of the step is left after 20000. */
-static void test_a_step_passes_whole_in_the_end(void)
+TEST(test_a_step_passes_whole_in_the_end)
 {
     for (uint32_t number = 0U; number < EXAMPLES; number++) {
         const torque_filter_cfg_t cfg = example(number);
@@ -155,7 +151,7 @@ static double amplitude_at(const torque_filter_cfg_t *cfg, double frequency, uin
 }
 
 /* cos, sin and μ are rounded to 2^-16 of a unit: that moves the centre and the edges of a band of 0.05 by 1/1000 of it. */
-static void test_the_notch_takes_its_frequency_away_and_half_of_the_power_at_its_edges(void)
+TEST(test_the_notch_takes_its_frequency_away_and_half_of_the_power_at_its_edges)
 {
     const double width = 0.05;
     static const double centres[] = {0.1, 0.2, 0.35};
@@ -178,7 +174,7 @@ static void test_the_notch_takes_its_frequency_away_and_half_of_the_power_at_its
 }
 
 /* Of 8000 each sample leaves 3/4; the states are rounded down by a LSB of Q26 and the result to nearest. */
-static void test_the_low_pass_follows_a_step_by_its_share(void)
+TEST(test_the_low_pass_follows_a_step_by_its_share)
 {
     const torque_filter_cfg_t cfg = {.smooth_rate_q15 = 8192};
     double left = 8000.0;
@@ -190,7 +186,7 @@ static void test_the_low_pass_follows_a_step_by_its_share(void)
 }
 
 /* Whatever swing is left from another configuration. */
-static void test_the_smallest_share_makes_a_notch_and_none_makes_none(void)
+TEST(test_the_smallest_share_makes_a_notch_and_none_makes_none)
 {
     const torque_filter_cfg_t none = {.notch_turn = {.sin = 0, .cos = 32767}};
     const torque_filter_cfg_t smallest = {.notch_share_q15 = 1,
@@ -203,7 +199,7 @@ static void test_the_smallest_share_makes_a_notch_and_none_makes_none(void)
 }
 
 /* 1025 LSB of Q26 less 2, and less none: just below a half, and a half. */
-static void test_the_result_is_rounded_to_nearest(void)
+TEST(test_the_result_is_rounded_to_nearest)
 {
     const torque_filter_cfg_t slow = {.smooth_rate_q15 = 1};
 
@@ -214,7 +210,7 @@ static void test_the_result_is_rounded_to_nearest(void)
 }
 
 /* Its gain is 1 at half of the sample rate too. */
-static void test_the_notch_leaves_what_alternates_from_sample_to_sample(void)
+TEST(test_the_notch_leaves_what_alternates_from_sample_to_sample)
 {
     const torque_filter_cfg_t cfg = notch_of(0.1, 0.05);
 
@@ -228,7 +224,7 @@ static void test_the_notch_leaves_what_alternates_from_sample_to_sample(void)
     }
 }
 
-static void test_low_pass_and_notch_act_one_behind_the_other(void)
+TEST(test_low_pass_and_notch_act_one_behind_the_other)
 {
     const torque_filter_cfg_t notch = notch_of(0.1, 0.05);
     const torque_filter_cfg_t low_pass = {.smooth_rate_q15 = 12946};
@@ -250,7 +246,7 @@ static void test_low_pass_and_notch_act_one_behind_the_other(void)
 }
 
 /* Roundings do not keep a swing up: after a swing as large as can be, nothing moves any more. */
-static void test_no_swing_stays_after_a_swing(void)
+TEST(test_no_swing_stays_after_a_swing)
 {
     for (uint32_t number = 0U; number < EXAMPLES; number++) {
         const torque_filter_cfg_t cfg = example(number);
@@ -279,7 +275,7 @@ static int32_t any_sign(seeded_t *seeded, int32_t most)
     return seeded_in(seeded, -most, most);
 }
 
-static void test_any_state_and_configuration_stays_within_what_is_stated(void)
+TEST(test_any_state_and_configuration_stays_within_what_is_stated)
 {
     seeded_t seeded = {7U};
 
@@ -301,7 +297,7 @@ static void test_any_state_and_configuration_stays_within_what_is_stated(void)
 }
 
 /* Turned by an eighth, a vector along the diagonal has all of its length, √2, in one part. */
-static void test_the_swing_saturates_at_both_ends_in_both_parts(void)
+TEST(test_the_swing_saturates_at_both_ends_in_both_parts)
 {
     const torque_filter_cfg_t forwards = {.notch_share_q15 = 1,
                                           .notch_turn = {.sin = 23170, .cos = 23170}};
@@ -320,22 +316,4 @@ static void test_the_swing_saturates_at_both_ends_in_both_parts(void)
     filter.swing_q26 = (dq_t){-SWING_MAX, -SWING_MAX};
     (void)step(&forwards, 0);
     TEST_ASSERT_EQUAL_INT32(-SWING_MAX, filter.swing_q26.q);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_without_a_frequency_it_does_not_act_and_passes_all);
-    RUN_TEST(test_the_current_that_it_starts_with_passes_from_the_first_sample_on);
-    RUN_TEST(test_a_step_passes_whole_in_the_end);
-    RUN_TEST(test_the_notch_takes_its_frequency_away_and_half_of_the_power_at_its_edges);
-    RUN_TEST(test_the_low_pass_follows_a_step_by_its_share);
-    RUN_TEST(test_the_notch_leaves_what_alternates_from_sample_to_sample);
-    RUN_TEST(test_the_smallest_share_makes_a_notch_and_none_makes_none);
-    RUN_TEST(test_the_result_is_rounded_to_nearest);
-    RUN_TEST(test_low_pass_and_notch_act_one_behind_the_other);
-    RUN_TEST(test_no_swing_stays_after_a_swing);
-    RUN_TEST(test_any_state_and_configuration_stays_within_what_is_stated);
-    RUN_TEST(test_the_swing_saturates_at_both_ends_in_both_parts);
-    return UNITY_END();
 }

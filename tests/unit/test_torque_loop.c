@@ -4,7 +4,7 @@
 
 #include "example_cfg.h"
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -39,13 +39,9 @@ void setUp(void)
     speed_loop_init(&speed_loop);
 }
 
-void tearDown(void)
-{
-}
-
 /* ---- the torque reference ---- */
 
-static void test_the_torque_begins_with_the_one_that_acts(void)
+TEST(test_the_torque_begins_with_the_one_that_acts)
 {
     torque_loop_start(&loop, FLUX, -1234);
     in.target_q28 = -1234 * FLUX;
@@ -54,7 +50,7 @@ static void test_the_torque_begins_with_the_one_that_acts(void)
     TEST_ASSERT_FALSE(loop.bound);
 }
 
-static void test_the_torque_follows_on_its_slope_in_the_fewest_periods(void)
+TEST(test_the_torque_follows_on_its_slope_in_the_fewest_periods)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         torque_loop_start(&loop, FLUX, 0);
@@ -69,7 +65,7 @@ static void test_the_torque_follows_on_its_slope_in_the_fewest_periods(void)
 }
 
 /* Else the way back from a torque that no motor has would take its time. */
-static void test_a_torque_beyond_the_range_of_the_current_counts_as_its_end(void)
+TEST(test_a_torque_beyond_the_range_of_the_current_counts_as_its_end)
 {
     cfg.slope = 0x20000000;
     in.target_q28 = INT32_MAX;
@@ -81,7 +77,7 @@ static void test_a_torque_beyond_the_range_of_the_current_counts_as_its_end(void
     TEST_ASSERT_EQUAL_INT32(-RANGE_MAX, loop.current);
 }
 
-static void test_each_end_of_the_range_counts_for_its_sign(void)
+TEST(test_each_end_of_the_range_counts_for_its_sign)
 {
     cfg.slope = 0x20000000;
     in.range = (torque_range_t){.lower = -300, .upper = 700};
@@ -94,7 +90,7 @@ static void test_each_end_of_the_range_counts_for_its_sign(void)
 }
 
 /* Derating and a weakened field take the reference along: away from them there is nothing to wait for, and behind them no jump. */
-static void test_a_range_that_narrows_takes_the_reference_along(void)
+TEST(test_a_range_that_narrows_takes_the_reference_along)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         torque_loop_start(&loop, FLUX, sign * 2000);
@@ -113,7 +109,7 @@ static void test_a_range_that_narrows_takes_the_reference_along(void)
 }
 
 /* The torque is what was asked for: with another flux the current is another one. */
-static void test_with_another_flux_the_torque_stays(void)
+TEST(test_with_another_flux_the_torque_stays)
 {
     torque_loop_start(&loop, FLUX, 1000);
     in.target_q28 = 1000 * FLUX;
@@ -135,7 +131,7 @@ static void plan_at_an_end(int32_t sign, int32_t waiting)
 }
 
 /* What waits beyond an end of the window is not in the way of a torque that leads away from it. */
-static void test_away_from_an_end_the_torque_begins_with_the_one_that_acts(void)
+TEST(test_away_from_an_end_the_torque_begins_with_the_one_that_acts)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         plan_at_an_end(sign, 3000);
@@ -146,7 +142,7 @@ static void test_away_from_an_end_the_torque_begins_with_the_one_that_acts(void)
     }
 }
 
-static void test_a_start_has_its_current_at_once_and_no_bridge(void)
+TEST(test_a_start_has_its_current_at_once_and_no_bridge)
 {
     torque_loop_bridge(&loop);
     loop.bound = true;
@@ -158,7 +154,7 @@ static void test_a_start_has_its_current_at_once_and_no_bridge(void)
 }
 
 /* A free torque is nothing that a bridge has to lead to. */
-static void test_a_free_torque_is_not_bridged(void)
+TEST(test_a_free_torque_is_not_bridged)
 {
     in.target_q28 = 500 * FLUX;
     (void)torque_loop_plan(&loop, &cfg, &in);
@@ -167,7 +163,7 @@ static void test_a_free_torque_is_not_bridged(void)
 }
 
 /* An end of which the reference has less than it allows is in nobody's way: from 1000 on with the slope of 100. */
-static void test_what_waits_short_of_an_end_goes_on_with_its_slope(void)
+TEST(test_what_waits_short_of_an_end_goes_on_with_its_slope)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         plan_at_an_end(sign, 1000);
@@ -178,7 +174,7 @@ static void test_what_waits_short_of_an_end_goes_on_with_its_slope(void)
 
 /* ---- the bridge ---- */
 
-static void test_a_bridge_goes_by_the_slope_until_its_loop_is_within(void)
+TEST(test_a_bridge_goes_by_the_slope_until_its_loop_is_within)
 {
     torque_range_t range;
 
@@ -195,7 +191,7 @@ static void test_a_bridge_goes_by_the_slope_until_its_loop_is_within(void)
 }
 
 /* It keeps to the limits of the current, and it moves however small the slope is. */
-static void test_a_bridge_stays_within_the_range_and_always_moves(void)
+TEST(test_a_bridge_stays_within_the_range_and_always_moves)
 {
     torque_range_t range = torque_loop_bridged(&cfg, FLUX, RANGE_MAX + 500, whole);
 
@@ -207,7 +203,7 @@ static void test_a_bridge_stays_within_the_range_and_always_moves(void)
     TEST_ASSERT_EQUAL_INT32(-4, range.upper);
 }
 
-static void test_a_bridge_from_below_the_range_begins_at_its_lower_end(void)
+TEST(test_a_bridge_from_below_the_range_begins_at_its_lower_end)
 {
     const torque_range_t range = torque_loop_bridged(&cfg, FLUX, -RANGE_MAX - 500, whole);
 
@@ -217,14 +213,14 @@ static void test_a_bridge_from_below_the_range_begins_at_its_lower_end(void)
 
 /* ---- low speed ---- */
 
-static void test_a_torque_aims_at_the_end_of_the_window_on_its_side(void)
+TEST(test_a_torque_aims_at_the_end_of_the_window_on_its_side)
 {
     TEST_ASSERT_EQUAL_INT32(FORWARD, torque_loop_aim(&cfg, 1));
     TEST_ASSERT_EQUAL_INT32(-BACKWARD, torque_loop_aim(&cfg, -1));
     TEST_ASSERT_EQUAL_INT32(0, torque_loop_aim(&cfg, 0));
 }
 
-static void test_the_window_ends_at_the_lowest_speed_on_the_side_of_the_motion(void)
+TEST(test_the_window_ends_at_the_lowest_speed_on_the_side_of_the_motion)
 {
     speed_window_t window = torque_loop_window(&cfg, 1000000, LOWEST);
 
@@ -246,7 +242,7 @@ static void test_the_window_ends_at_the_lowest_speed_on_the_side_of_the_motion(v
 }
 
 /* Caught at the lowest speed: what brakes goes on with the slope of the imposed vector, to the other side. */
-static void test_a_torque_against_the_motion_goes_down_the_slope_from_the_lowest_speed_on(void)
+TEST(test_a_torque_against_the_motion_goes_down_the_slope_from_the_lowest_speed_on)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         step_t reference = 0;
@@ -279,7 +275,7 @@ static void test_a_torque_against_the_motion_goes_down_the_slope_from_the_lowest
     }
 }
 
-static void test_without_a_torque_the_slope_ends_at_standstill(void)
+TEST(test_without_a_torque_the_slope_ends_at_standstill)
 {
     loop.end = (uint8_t)SPEED_END_LOWER;
     in.speed = LOWEST;
@@ -293,7 +289,7 @@ static void test_without_a_torque_the_slope_ends_at_standstill(void)
 }
 
 /* The load is larger than the torque: it goes no further down, and the torque stays free. */
-static void test_a_torque_with_the_motion_stays_at_the_lowest_speed(void)
+TEST(test_a_torque_with_the_motion_stays_at_the_lowest_speed)
 {
     loop.end = (uint8_t)SPEED_END_LOWER;
     in.speed = LOWEST + 10;
@@ -305,7 +301,7 @@ static void test_a_torque_with_the_motion_stays_at_the_lowest_speed(void)
 }
 
 /* Nothing has caught the rotor in time: the speed loop goes on from the torque that acts, on a slope. */
-static void test_a_rotor_that_is_suddenly_too_slow_is_bridged(void)
+TEST(test_a_rotor_that_is_suddenly_too_slow_is_bridged)
 {
     in.speed = LOWEST / 2;
     in.target_q28 = 500 * FLUX;
@@ -321,7 +317,7 @@ static void test_a_rotor_that_is_suddenly_too_slow_is_bridged(void)
 }
 
 /* With a sensor, or where nothing is imposed. */
-static void test_without_a_lowest_speed_the_torque_is_free_at_any_speed(void)
+TEST(test_without_a_lowest_speed_the_torque_is_free_at_any_speed)
 {
     static const step_t speeds[] = {-BACKWARD, -1, 0, 1, FORWARD};
 
@@ -340,7 +336,7 @@ static void test_without_a_lowest_speed_the_torque_is_free_at_any_speed(void)
 }
 
 /* A window that ends below the lowest speed of RUN is a speed for the imposed vector. */
-static void test_a_window_below_the_lowest_speed_binds(void)
+TEST(test_a_window_below_the_lowest_speed_binds)
 {
     cfg.speed_forward = LOWEST / 2;
     in.speed = LOWEST;
@@ -351,7 +347,7 @@ static void test_a_window_below_the_lowest_speed_binds(void)
 }
 
 /* A reference of 0 counts as forwards, one of −1 as backwards. */
-static void test_a_rotor_on_the_side_of_its_reference_is_free_from_the_lowest_speed_on(void)
+TEST(test_a_rotor_on_the_side_of_its_reference_is_free_from_the_lowest_speed_on)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         torque_loop_start(&loop, FLUX, 0);
@@ -364,7 +360,7 @@ static void test_a_rotor_on_the_side_of_its_reference_is_free_from_the_lowest_sp
 }
 
 /* What decided i_q* before says nothing about the speed loop's own torque. */
-static void test_where_the_speed_loop_has_the_torque_no_end_of_the_window_has_it(void)
+TEST(test_where_the_speed_loop_has_the_torque_no_end_of_the_window_has_it)
 {
     loop.end = (uint8_t)SPEED_END_LOWER;
     in.speed = LOWEST;
@@ -375,7 +371,7 @@ static void test_where_the_speed_loop_has_the_torque_no_end_of_the_window_has_it
     TEST_ASSERT_EQUAL_UINT8(SPEED_END_NONE, loop.end);
 }
 
-static void test_whatever_comes_stays_within_what_is_stated(void)
+TEST(test_whatever_comes_stays_within_what_is_stated)
 {
     seeded_t seed = {0x70E9EU};
 
@@ -414,7 +410,7 @@ static int32_t within(step_t speed, int32_t wanted, speed_end_t *end)
     return speed_loop_within(&speed_loop, &speed_cfg, &window, speed, speed, wanted, whole, end);
 }
 
-static void test_between_the_ends_the_current_is_what_was_wanted(void)
+TEST(test_between_the_ends_the_current_is_what_was_wanted)
 {
     speed_end_t end;
 
@@ -461,7 +457,7 @@ static void land(int32_t wanted, int32_t load, step_t end_of_window, speed_end_t
     TEST_ASSERT_TRUE((20 * abs(furthest)) <= (21 * abs(end_of_window)));
 }
 
-static void test_an_end_of_the_window_takes_the_torque_over_without_a_jump(void)
+TEST(test_an_end_of_the_window_takes_the_torque_over_without_a_jump)
 {
     land(3000, 0, FORWARD, SPEED_END_UPPER);
     land(3000, 2000, FORWARD, SPEED_END_UPPER);
@@ -472,7 +468,7 @@ static void test_an_end_of_the_window_takes_the_torque_over_without_a_jump(void)
 }
 
 /* Whatever torque is wanted, and it does not wind up meanwhile: what lowers the torque again acts at once. */
-static void test_back_from_an_end_the_torque_acts_at_once(void)
+TEST(test_back_from_an_end_the_torque_acts_at_once)
 {
     speed_end_t end;
 
@@ -482,7 +478,7 @@ static void test_back_from_an_end_the_torque_acts_at_once(void)
 }
 
 /* The integral is the load, whatever the torque: so a change to speed control begins with it. */
-static void test_between_the_ends_the_integral_finds_the_load(void)
+TEST(test_between_the_ends_the_integral_finds_the_load)
 {
     const double acceleration = 30.0;
     double speed = -500000.0;
@@ -502,7 +498,7 @@ static void test_between_the_ends_the_integral_finds_the_load(void)
 }
 
 /* A window of no width is a speed. */
-static void test_in_a_window_of_no_width_the_speed_loop_has_the_torque(void)
+TEST(test_in_a_window_of_no_width_the_speed_loop_has_the_torque)
 {
     speed_end_t end;
 
@@ -514,7 +510,7 @@ static void test_in_a_window_of_no_width_the_speed_loop_has_the_torque(void)
     TEST_ASSERT_EQUAL_INT(SPEED_END_UPPER, end);
 }
 
-static void test_the_window_is_no_wider_than_the_speed_loop(void)
+TEST(test_the_window_is_no_wider_than_the_speed_loop)
 {
     speed_end_t end;
 
@@ -526,40 +522,4 @@ static void test_the_window_is_no_wider_than_the_speed_loop(void)
     speed_loop_reset(&speed_loop, 0);
     TEST_ASSERT_TRUE(within(-speed_cfg.speed_max - 1000000, -3000, &end) > -3000);
     TEST_ASSERT_EQUAL_INT(SPEED_END_LOWER, end);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_the_torque_begins_with_the_one_that_acts);
-    RUN_TEST(test_the_torque_follows_on_its_slope_in_the_fewest_periods);
-    RUN_TEST(test_a_torque_beyond_the_range_of_the_current_counts_as_its_end);
-    RUN_TEST(test_each_end_of_the_range_counts_for_its_sign);
-    RUN_TEST(test_a_range_that_narrows_takes_the_reference_along);
-    RUN_TEST(test_with_another_flux_the_torque_stays);
-    RUN_TEST(test_away_from_an_end_the_torque_begins_with_the_one_that_acts);
-    RUN_TEST(test_a_bridge_goes_by_the_slope_until_its_loop_is_within);
-    RUN_TEST(test_a_bridge_stays_within_the_range_and_always_moves);
-    RUN_TEST(test_a_torque_aims_at_the_end_of_the_window_on_its_side);
-    RUN_TEST(test_the_window_ends_at_the_lowest_speed_on_the_side_of_the_motion);
-    RUN_TEST(test_a_torque_against_the_motion_goes_down_the_slope_from_the_lowest_speed_on);
-    RUN_TEST(test_without_a_torque_the_slope_ends_at_standstill);
-    RUN_TEST(test_a_torque_with_the_motion_stays_at_the_lowest_speed);
-    RUN_TEST(test_a_rotor_that_is_suddenly_too_slow_is_bridged);
-    RUN_TEST(test_without_a_lowest_speed_the_torque_is_free_at_any_speed);
-    RUN_TEST(test_a_window_below_the_lowest_speed_binds);
-    RUN_TEST(test_whatever_comes_stays_within_what_is_stated);
-    RUN_TEST(test_between_the_ends_the_current_is_what_was_wanted);
-    RUN_TEST(test_an_end_of_the_window_takes_the_torque_over_without_a_jump);
-    RUN_TEST(test_back_from_an_end_the_torque_acts_at_once);
-    RUN_TEST(test_between_the_ends_the_integral_finds_the_load);
-    RUN_TEST(test_in_a_window_of_no_width_the_speed_loop_has_the_torque);
-    RUN_TEST(test_the_window_is_no_wider_than_the_speed_loop);
-    RUN_TEST(test_a_start_has_its_current_at_once_and_no_bridge);
-    RUN_TEST(test_a_free_torque_is_not_bridged);
-    RUN_TEST(test_what_waits_short_of_an_end_goes_on_with_its_slope);
-    RUN_TEST(test_a_bridge_from_below_the_range_begins_at_its_lower_end);
-    RUN_TEST(test_a_rotor_on_the_side_of_its_reference_is_free_from_the_lowest_speed_on);
-    RUN_TEST(test_where_the_speed_loop_has_the_torque_no_end_of_the_window_has_it);
-    return UNITY_END();
 }

@@ -2,8 +2,8 @@
 /* Clarke and Park transforms against their exact values, and their saturation. */
 #include "figure.h"
 #include "seeded.h"
+#include "testing.h"
 #include "transforms.h"
-#include "unity.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -36,15 +36,7 @@
 #define ROUND_TRIP_BOUND_LSB (6.5)
 #define ROUND_TRIP_SHARE (0.3)
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
-static void test_clarke_passes_phase_a_unchanged(void)
+TEST(test_clarke_passes_phase_a_unchanged)
 {
     TEST_ASSERT_EQUAL_INT32(-32767, transforms_clarke(-32767, 0).alpha);
     TEST_ASSERT_EQUAL_INT32(32767, transforms_clarke(32767, -32767).alpha);
@@ -67,7 +59,7 @@ static double worst_clarke_error(int32_t limit)
     return worst;
 }
 
-static void test_clarke_beta_of_every_possible_sum_stays_within_the_bound(void)
+TEST(test_clarke_beta_of_every_possible_sum_stays_within_the_bound)
 {
     figure_check("Clarke beta, all inputs, LSB", worst_clarke_error(32767), CLARKE_BOUND_LSB,
                  LEAST_SHARE);
@@ -75,21 +67,21 @@ static void test_clarke_beta_of_every_possible_sum_stays_within_the_bound(void)
                  CLARKE_DRIVE_BOUND_LSB, LEAST_SHARE);
 }
 
-static void test_clarke_beta_holds_the_largest_sums_without_saturation(void)
+TEST(test_clarke_beta_holds_the_largest_sums_without_saturation)
 {
     /* √3·32767 = 56754.1; the constant's error adds 1.16. */
     TEST_ASSERT_INT32_WITHIN(2, 56754, transforms_clarke(32767, 32767).beta);
     TEST_ASSERT_INT32_WITHIN(2, -56754, transforms_clarke(-32767, -32767).beta);
 }
 
-static void test_clarke_beta_rounds_ties_up(void)
+TEST(test_clarke_beta_rounds_ties_up)
 {
     /* (a + 2b)·18919 is an odd multiple of 2^14 at a + 2b = ±2^14: 9459.5. */
     TEST_ASSERT_EQUAL_INT32(9460, transforms_clarke(0, 8192).beta);
     TEST_ASSERT_EQUAL_INT32(-9459, transforms_clarke(0, -8192).beta);
 }
 
-static void test_clarke_of_a_balanced_rotating_system_is_that_vector(void)
+TEST(test_clarke_of_a_balanced_rotating_system_is_that_vector)
 {
     /* Phase rounding 0.5 LSB each: (0.5 + 2·0.5)/√3 = 0.87 on top of the transform's own error. */
     const double bound = CLARKE_BOUND_LSB + 0.87;
@@ -105,7 +97,7 @@ static void test_clarke_of_a_balanced_rotating_system_is_that_vector(void)
     figure_check("Clarke of a rotating vector, LSB", worst, bound, LEAST_SHARE);
 }
 
-static void test_park_rounds_the_exact_rotation_to_nearest(void)
+TEST(test_park_rounds_the_exact_rotation_to_nearest)
 {
     seeded_t seed = {0x12345679U};
     double worst = 0.0;
@@ -122,7 +114,7 @@ static void test_park_rounds_the_exact_rotation_to_nearest(void)
     figure_check("Park, LSB", worst, ROTATION_BOUND_LSB, LEAST_SHARE);
 }
 
-static void test_inverse_park_rounds_the_exact_rotation_to_nearest(void)
+TEST(test_inverse_park_rounds_the_exact_rotation_to_nearest)
 {
     seeded_t seed = {0x87654321U};
     double worst = 0.0;
@@ -139,7 +131,7 @@ static void test_inverse_park_rounds_the_exact_rotation_to_nearest(void)
     figure_check("inverse Park, LSB", worst, ROTATION_BOUND_LSB, LEAST_SHARE);
 }
 
-static void test_park_puts_a_vector_along_the_rotor_flux_on_the_d_axis(void)
+TEST(test_park_puts_a_vector_along_the_rotor_flux_on_the_d_axis)
 {
     const sincos_t quarter = {.sin = 32767, .cos = 0};
     const dq_t r = transforms_park((ab_t){.alpha = 0, .beta = 20000}, quarter);
@@ -148,7 +140,7 @@ static void test_park_puts_a_vector_along_the_rotor_flux_on_the_d_axis(void)
     TEST_ASSERT_EQUAL_INT32(0, r.q);
 }
 
-static void test_park_puts_a_vector_a_quarter_turn_ahead_on_the_positive_q_axis(void)
+TEST(test_park_puts_a_vector_a_quarter_turn_ahead_on_the_positive_q_axis)
 {
     const sincos_t zero = {.sin = 0, .cos = 32767};
     const dq_t r = transforms_park((ab_t){.alpha = 0, .beta = 20000}, zero);
@@ -157,7 +149,7 @@ static void test_park_puts_a_vector_a_quarter_turn_ahead_on_the_positive_q_axis(
     TEST_ASSERT_EQUAL_INT32(19999, r.q);
 }
 
-static void test_park_rounds_ties_up(void)
+TEST(test_park_rounds_ties_up)
 {
     const sincos_t half = {.sin = 0, .cos = 16384};
 
@@ -165,7 +157,7 @@ static void test_park_rounds_ties_up(void)
     TEST_ASSERT_EQUAL_INT32(-1, transforms_park((ab_t){.alpha = -3, .beta = 0}, half).d);
 }
 
-static void test_rotations_hold_the_largest_vectors_without_overflow(void)
+TEST(test_rotations_hold_the_largest_vectors_without_overflow)
 {
     /* |α| + |β| = 65534 along the diagonal of the frame: √2·32767 = 46339.5, sincos 23170/32768 each. */
     static const int32_t signs[][2] = {{1, 1}, {1, -1}, {-1, 1}, {-1, -1}};
@@ -189,7 +181,7 @@ static void test_rotations_hold_the_largest_vectors_without_overflow(void)
     TEST_ASSERT_EQUAL_INT32(-65532, transforms_park((ab_t){-65534, 0}, trig_sincos(0U)).d);
 }
 
-static void test_park_and_back_returns_the_vector_within_the_bound(void)
+TEST(test_park_and_back_returns_the_vector_within_the_bound)
 {
     seeded_t seed = {0xDEADBEEFU};
     double worst = 0.0;
@@ -205,29 +197,10 @@ static void test_park_and_back_returns_the_vector_within_the_bound(void)
     figure_check("Park and back, LSB", worst, ROUND_TRIP_BOUND_LSB, ROUND_TRIP_SHARE);
 }
 
-static void test_square_of_a_length_is_exact_to_the_largest_vectors(void)
+TEST(test_square_of_a_length_is_exact_to_the_largest_vectors)
 {
     TEST_ASSERT_EQUAL_HEX32(0U, transforms_square((dq_t){0, 0}));
     TEST_ASSERT_EQUAL_HEX32(25U, transforms_square((dq_t){3, -4}));
     TEST_ASSERT_EQUAL_HEX32(0x7FFE0002U, transforms_square((dq_t){32767, -32767}));
     TEST_ASSERT_EQUAL_HEX32(0x80000000U, transforms_square((dq_t){-32768, -32768}));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_clarke_passes_phase_a_unchanged);
-    RUN_TEST(test_clarke_beta_of_every_possible_sum_stays_within_the_bound);
-    RUN_TEST(test_clarke_beta_holds_the_largest_sums_without_saturation);
-    RUN_TEST(test_clarke_beta_rounds_ties_up);
-    RUN_TEST(test_clarke_of_a_balanced_rotating_system_is_that_vector);
-    RUN_TEST(test_park_rounds_the_exact_rotation_to_nearest);
-    RUN_TEST(test_inverse_park_rounds_the_exact_rotation_to_nearest);
-    RUN_TEST(test_park_puts_a_vector_along_the_rotor_flux_on_the_d_axis);
-    RUN_TEST(test_park_puts_a_vector_a_quarter_turn_ahead_on_the_positive_q_axis);
-    RUN_TEST(test_park_rounds_ties_up);
-    RUN_TEST(test_rotations_hold_the_largest_vectors_without_overflow);
-    RUN_TEST(test_park_and_back_returns_the_vector_within_the_bound);
-    RUN_TEST(test_square_of_a_length_is_exact_to_the_largest_vectors);
-    return UNITY_END();
 }

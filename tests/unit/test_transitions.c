@@ -1,16 +1,8 @@
 /* SPDX-License-Identifier: MIT */
+#include "testing.h"
 #include "transitions.h"
-#include "unity.h"
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
-
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
 
 /* All that may follow; whatever is not here changes nothing. */
 static const struct {
@@ -62,7 +54,7 @@ static drive_state_t expected(drive_state_t from, drive_event_t event)
     return to;
 }
 
-static void test_each_pair_of_state_and_event_leads_where_the_state_machine_says(void)
+TEST(test_each_pair_of_state_and_event_leads_where_the_state_machine_says)
 {
     for (int state = (int)DRIVE_STATE_INIT; state <= (int)DRIVE_STATE_FAULT; state++) {
         for (int event = (int)DRIVE_EVENT_NONE; event < (int)DRIVE_EVENTS; event++) {
@@ -70,11 +62,4 @@ static void test_each_pair_of_state_and_event_leads_where_the_state_machine_says
                               transitions_next((drive_state_t)state, (drive_event_t)event));
         }
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_each_pair_of_state_and_event_leads_where_the_state_machine_says);
-    return UNITY_END();
 }

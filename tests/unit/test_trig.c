@@ -2,8 +2,8 @@
 /* Sine, cosine, arctangent and square root against libm, over whole ranges where that is possible. */
 #include "figure.h"
 #include "seeded.h"
+#include "testing.h"
 #include "trig.h"
-#include "unity.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -43,14 +43,6 @@
 #define SMALL_VECTOR (300)
 #define CELL_STRIDE (1U) /* 1: a proof over all inputs */
 
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
-
 static double larger(double a, double b)
 {
     return (a > b) ? a : b;
@@ -68,7 +60,7 @@ static double cosine_error(angle_t angle)
                 (AMPLITUDE * cos(TWO_PI * ((double)angle / TURN))));
 }
 
-static void test_sine_and_cosine_of_all_65536_directions_stay_within_the_bound(void)
+TEST(test_sine_and_cosine_of_all_65536_directions_stay_within_the_bound)
 {
     double worst = 0.0;
 
@@ -78,7 +70,7 @@ static void test_sine_and_cosine_of_all_65536_directions_stay_within_the_bound(v
     figure_check("sine and cosine, 65536 directions, LSB", worst, SIN_BOUND_LSB, LEAST_SHARE);
 }
 
-static void test_sine_and_cosine_of_seeded_angles_stay_within_the_bound(void)
+TEST(test_sine_and_cosine_of_seeded_angles_stay_within_the_bound)
 {
     seeded_t seed = {0xA5A5F00DU};
     double worst = 0.0;
@@ -92,7 +84,7 @@ static void test_sine_and_cosine_of_seeded_angles_stay_within_the_bound(void)
 }
 
 /* The result depends on the upper 23 bits only; the lower 9 move the true angle within the cell. */
-static void test_sine_of_every_distinct_input_stays_within_the_bound(void)
+TEST(test_sine_of_every_distinct_input_stays_within_the_bound)
 {
     double worst = 0.0;
 
@@ -103,7 +95,7 @@ static void test_sine_of_every_distinct_input_stays_within_the_bound(void)
     figure_check("sine, all table cells, LSB", worst, SIN_BOUND_LSB, LEAST_SHARE);
 }
 
-static void test_cosine_is_the_sine_a_quarter_turn_on(void)
+TEST(test_cosine_is_the_sine_a_quarter_turn_on)
 {
     seeded_t seed = {0x0BADF00DU};
 
@@ -114,7 +106,7 @@ static void test_cosine_is_the_sine_a_quarter_turn_on(void)
     }
 }
 
-static void test_sine_is_exact_on_the_axes(void)
+TEST(test_sine_is_exact_on_the_axes)
 {
     TEST_ASSERT_EQUAL_INT16(0, trig_sincos(0U).sin);
     TEST_ASSERT_EQUAL_INT16(32767, trig_sincos(0U).cos);
@@ -130,7 +122,7 @@ static void test_sine_is_exact_on_the_axes(void)
  * At the points of the table nothing is interpolated: the error is the rounding of the result, ½, and of
  * the entry, 1/32. So the sine is odd and the cosine even to within twice that: as integers, 1.
  */
-static void test_sine_of_the_table_points_is_rounded_and_symmetric(void)
+TEST(test_sine_of_the_table_points_is_rounded_and_symmetric)
 {
     double worst = 0.0;
 
@@ -144,7 +136,7 @@ static void test_sine_of_the_table_points_is_rounded_and_symmetric(void)
     figure_check("sine and cosine, table points, LSB", worst, 0.5 + (1.0 / 32.0), 0.9);
 }
 
-static void test_sine_never_leaves_its_amplitude(void)
+TEST(test_sine_never_leaves_its_amplitude)
 {
     for (uint32_t cell = 0U; cell < (1U << 23U); cell += CELL_STRIDE) {
         const sincos_t s = trig_sincos(cell << 9U);
@@ -163,7 +155,7 @@ static double atan2_error(int16_t y, int16_t x)
     return fabs(remainder(difference, TURN));
 }
 
-static void test_arctangent_of_all_65536_directions_stays_within_the_bound(void)
+TEST(test_arctangent_of_all_65536_directions_stays_within_the_bound)
 {
     double worst = 0.0;
 
@@ -178,7 +170,7 @@ static void test_arctangent_of_all_65536_directions_stays_within_the_bound(void)
     figure_check("arctangent, 65536 directions, 2^-32 turn", worst, ATAN_BOUND, LEAST_SHARE);
 }
 
-static void test_arctangent_of_every_small_vector_stays_within_the_bound(void)
+TEST(test_arctangent_of_every_small_vector_stays_within_the_bound)
 {
     double worst = 0.0;
 
@@ -192,7 +184,7 @@ static void test_arctangent_of_every_small_vector_stays_within_the_bound(void)
     figure_check("arctangent, small vectors, 2^-32 turn", worst, ATAN_BOUND, LEAST_SHARE);
 }
 
-static void test_arctangent_of_seeded_vectors_stays_within_the_bound(void)
+TEST(test_arctangent_of_seeded_vectors_stays_within_the_bound)
 {
     seeded_t seed = {0x51ED270BU};
     double worst = 0.0;
@@ -203,7 +195,7 @@ static void test_arctangent_of_seeded_vectors_stays_within_the_bound(void)
     figure_check("arctangent, seeded vectors, 2^-32 turn", worst, ATAN_BOUND, LEAST_SHARE);
 }
 
-static void test_arctangent_is_exact_on_axes_and_diagonals_of_any_length(void)
+TEST(test_arctangent_is_exact_on_axes_and_diagonals_of_any_length)
 {
     static const int16_t lengths[] = {1, 2, 3, 255, 256, 16384, 32766, 32767};
 
@@ -221,7 +213,7 @@ static void test_arctangent_is_exact_on_axes_and_diagonals_of_any_length(void)
     }
 }
 
-static void test_arctangent_takes_the_most_negative_components(void)
+TEST(test_arctangent_takes_the_most_negative_components)
 {
     TEST_ASSERT_EQUAL_HEX32(HALF_TURN, trig_atan2(0, INT16_MIN));
     TEST_ASSERT_EQUAL_HEX32(HALF_TURN + QUARTER_TURN, trig_atan2(INT16_MIN, 0));
@@ -231,12 +223,12 @@ static void test_arctangent_takes_the_most_negative_components(void)
     TEST_ASSERT_TRUE(atan2_error(INT16_MIN, INT16_MAX) <= ATAN_BOUND);
 }
 
-static void test_arctangent_of_the_null_vector_is_zero(void)
+TEST(test_arctangent_of_the_null_vector_is_zero)
 {
     TEST_ASSERT_EQUAL_HEX32(0U, trig_atan2(0, 0));
 }
 
-static void test_arctangent_rises_through_the_octant_without_a_step_back(void)
+TEST(test_arctangent_rises_through_the_octant_without_a_step_back)
 {
     angle_t before = 0U;
 
@@ -249,7 +241,7 @@ static void test_arctangent_rises_through_the_octant_without_a_step_back(void)
     TEST_ASSERT_EQUAL_HEX32(EIGHTH_TURN, before);
 }
 
-static void test_square_root_is_exact_around_every_perfect_square(void)
+TEST(test_square_root_is_exact_around_every_perfect_square)
 {
     for (uint32_t root = 1U; root <= 65535U; root++) {
         const uint32_t square = root * root;
@@ -260,7 +252,7 @@ static void test_square_root_is_exact_around_every_perfect_square(void)
     }
 }
 
-static void test_square_root_of_the_ends_of_the_range(void)
+TEST(test_square_root_of_the_ends_of_the_range)
 {
     TEST_ASSERT_EQUAL_UINT16(0U, trig_sqrt(0U));
     TEST_ASSERT_EQUAL_UINT16(1U, trig_sqrt(1U));
@@ -275,7 +267,7 @@ static void assert_floor_of_root(uint32_t x)
     TEST_ASSERT_TRUE(((root * root) <= x) && (((root + 1U) * (root + 1U)) > x));
 }
 
-static void test_square_root_is_the_floor_for_seeded_arguments(void)
+TEST(test_square_root_is_the_floor_for_seeded_arguments)
 {
     seeded_t seed = {0x7F4A7C15U};
 
@@ -285,7 +277,7 @@ static void test_square_root_is_the_floor_for_seeded_arguments(void)
 }
 
 /* Arguments are shifted left by pairs of bits until one of the upper two is set; the upper 8 choose the entry. */
-static void test_square_root_is_the_floor_at_the_edges_of_every_table_interval(void)
+TEST(test_square_root_is_the_floor_at_the_edges_of_every_table_interval)
 {
     for (uint32_t interval = 64U; interval < 256U; interval++) {
         for (uint32_t pairs = 0U; pairs < 16U; pairs++) {
@@ -298,29 +290,4 @@ static void test_square_root_is_the_floor_at_the_edges_of_every_table_interval(v
             assert_floor_of_root(last);
         }
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_sine_and_cosine_of_all_65536_directions_stay_within_the_bound);
-    RUN_TEST(test_sine_and_cosine_of_seeded_angles_stay_within_the_bound);
-    RUN_TEST(test_cosine_is_the_sine_a_quarter_turn_on);
-    RUN_TEST(test_sine_is_exact_on_the_axes);
-    RUN_TEST(test_sine_of_the_table_points_is_rounded_and_symmetric);
-    RUN_TEST(test_sine_never_leaves_its_amplitude);
-    RUN_TEST(test_arctangent_of_all_65536_directions_stays_within_the_bound);
-    RUN_TEST(test_arctangent_of_every_small_vector_stays_within_the_bound);
-    RUN_TEST(test_arctangent_of_seeded_vectors_stays_within_the_bound);
-    RUN_TEST(test_arctangent_is_exact_on_axes_and_diagonals_of_any_length);
-    RUN_TEST(test_arctangent_takes_the_most_negative_components);
-    RUN_TEST(test_arctangent_of_the_null_vector_is_zero);
-    RUN_TEST(test_arctangent_rises_through_the_octant_without_a_step_back);
-    RUN_TEST(test_square_root_is_exact_around_every_perfect_square);
-    RUN_TEST(test_square_root_of_the_ends_of_the_range);
-    RUN_TEST(test_square_root_is_the_floor_for_seeded_arguments);
-    RUN_TEST(test_square_root_is_the_floor_at_the_edges_of_every_table_interval);
-    /* Last what takes most of the time: of the mutants most are killed before. */
-    RUN_TEST(test_sine_of_every_distinct_input_stays_within_the_bound);
-    return UNITY_END();
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Units for a person, over all that the keys of motor and board file allow. */
+#include "testing.h"
 #include "units.h"
-#include "unity.h"
 
 #include <math.h>
 
@@ -15,14 +15,6 @@
 #define NEAREST (0.5)
 #define DOUBLES \
     (1e-6) /* of the expected values: 2^62 has 53 bits, and a quotient of some 10^6 is left */
-
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
 
 /* From the shortest tick to the longest. */
 static uint32_t tick_ps_of(uint32_t at)
@@ -61,7 +53,7 @@ static void check_rpm(const units_rotation_t *rotation)
     }
 }
 
-static void test_rpm_is_the_nearest_for_all_pole_pairs_and_ticks(void)
+TEST(test_rpm_is_the_nearest_for_all_pole_pairs_and_ticks)
 {
     each_rotation(check_rpm);
 }
@@ -82,7 +74,7 @@ static void check_step(const units_rotation_t *rotation)
     }
 }
 
-static void test_a_speed_comes_back_from_its_step_for_all_pole_pairs_and_ticks(void)
+TEST(test_a_speed_comes_back_from_its_step_for_all_pole_pairs_and_ticks)
 {
     each_rotation(check_step);
 }
@@ -95,13 +87,13 @@ static void check_saturation(const units_rotation_t *rotation)
     TEST_ASSERT_DOUBLE_WITHIN(one_rpm + 1.0, INT32_MIN, units_step(rotation, INT32_MIN));
 }
 
-static void test_a_speed_beyond_all_steps_saturates_for_all_pole_pairs_and_ticks(void)
+TEST(test_a_speed_beyond_all_steps_saturates_for_all_pole_pairs_and_ticks)
 {
     each_rotation(check_saturation);
 }
 
 /* The numbers that used to wrap: 16 pole pairs at 16 kHz are 250 rpm at this step. */
-static void test_sixteen_pole_pairs_at_16_khz(void)
+TEST(test_sixteen_pole_pairs_at_16_khz)
 {
     const units_rotation_t rotation = {.pole_pairs = 16U, .tick_ps = 62500000U};
 
@@ -109,7 +101,7 @@ static void test_sixteen_pole_pairs_at_16_khz(void)
     TEST_ASSERT_EQUAL_INT32(250, units_rpm(&rotation, 17895697));
 }
 
-static void test_thousandths_are_cut_towards_zero_for_all_bases(void)
+TEST(test_thousandths_are_cut_towards_zero_for_all_bases)
 {
     static const int32_t values[] = {-65535, -32768, -2048, -1, 0, 1, 1023, 32767, 46340};
 
@@ -125,14 +117,14 @@ static void test_thousandths_are_cut_towards_zero_for_all_bases(void)
     }
 }
 
-static void test_thousandths_saturate(void)
+TEST(test_thousandths_saturate)
 {
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, units_thousandths(INT32_MAX, 1, UINT32_MAX));
     TEST_ASSERT_EQUAL_INT32(-INT32_MAX, units_thousandths(INT32_MIN, 1, UINT32_MAX));
     TEST_ASSERT_EQUAL_INT32(-1000, units_thousandths(-16384, 16384, 1000000U));
 }
 
-static void test_a_frequency_is_that_of_half_as_many_waves_in_the_time(void)
+TEST(test_a_frequency_is_that_of_half_as_many_waves_in_the_time)
 {
     const units_rotation_t rotation = {.pole_pairs = 7U, .tick_ps = 62500000U};
 
@@ -142,7 +134,7 @@ static void test_a_frequency_is_that_of_half_as_many_waves_in_the_time(void)
     TEST_ASSERT_EQUAL_INT32(80000000, units_decihertz(&rotation, 1000U, 1U));
 }
 
-static void test_a_frequency_is_nothing_in_no_time_and_ends_at_both_ends_of_time(void)
+TEST(test_a_frequency_is_nothing_in_no_time_and_ends_at_both_ends_of_time)
 {
     const units_rotation_t fastest = {.pole_pairs = 1U, .tick_ps = 1U};
     const units_rotation_t slowest = {.pole_pairs = 1U, .tick_ps = 500000000U};
@@ -152,7 +144,7 @@ static void test_a_frequency_is_nothing_in_no_time_and_ends_at_both_ends_of_time
     TEST_ASSERT_EQUAL_INT32(0, units_decihertz(&slowest, 1U, UINT32_MAX));
 }
 
-static void test_ticks_of_a_time_are_whole_ones_and_at_least_one(void)
+TEST(test_ticks_of_a_time_are_whole_ones_and_at_least_one)
 {
     const units_rotation_t ten_khz = {.pole_pairs = 1U, .tick_ps = 100000000U};
     const units_rotation_t two_khz = {.pole_pairs = 1U, .tick_ps = 500000000U};
@@ -164,7 +156,7 @@ static void test_ticks_of_a_time_are_whole_ones_and_at_least_one(void)
 }
 
 /* Of 2 pole pairs a turn is 131072: a hundredth is 1310.72, and half of one rounds away from zero. */
-static void test_a_position_is_in_hundredths_of_a_turn_over_its_whole_range(void)
+TEST(test_a_position_is_in_hundredths_of_a_turn_over_its_whole_range)
 {
     static const units_rotation_t two = {.pole_pairs = 2U, .tick_ps = 100000000U};
     static const units_rotation_t one = {.pole_pairs = 1U, .tick_ps = 100000000U};
@@ -188,7 +180,7 @@ static double exact_torque_base(const units_rotation_t *rotation, double ua, dou
     return 1.5 * rotation->pole_pairs * (uv * 1e-6) * (2.0 * ua * 1e-6) / omega * 1e6;
 }
 
-static void test_the_base_of_a_torque_is_right_for_all_scales_of_a_watt_and_more(void)
+TEST(test_the_base_of_a_torque_is_right_for_all_scales_of_a_watt_and_more)
 {
     static const uint32_t amperes_ua[] = {100000U, 4000000U, 20000000U, 2000000000U};
     static const uint32_t volts_uv[] = {10000000U, 24000000U, 450000000U, 2000000000U};
@@ -209,7 +201,7 @@ static void test_the_base_of_a_torque_is_right_for_all_scales_of_a_watt_and_more
     }
 }
 
-static void test_a_torque_comes_back_from_its_number_and_saturates(void)
+TEST(test_a_torque_comes_back_from_its_number_and_saturates)
 {
     static const int64_t bases[] = {1000, 50000, 48892000, 4000000000LL, 70368744177664LL};
 
@@ -231,22 +223,4 @@ static void test_a_torque_comes_back_from_its_number_and_saturates(void)
     TEST_ASSERT_EQUAL_INT32(0, units_torque_q28(0, 1000));
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, units_torque(70368744177664LL, 0x20000000));
     TEST_ASSERT_EQUAL_INT32(-INT32_MAX, units_torque(70368744177664LL, -0x20000000));
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_rpm_is_the_nearest_for_all_pole_pairs_and_ticks);
-    RUN_TEST(test_a_speed_comes_back_from_its_step_for_all_pole_pairs_and_ticks);
-    RUN_TEST(test_a_speed_beyond_all_steps_saturates_for_all_pole_pairs_and_ticks);
-    RUN_TEST(test_sixteen_pole_pairs_at_16_khz);
-    RUN_TEST(test_thousandths_are_cut_towards_zero_for_all_bases);
-    RUN_TEST(test_thousandths_saturate);
-    RUN_TEST(test_a_frequency_is_that_of_half_as_many_waves_in_the_time);
-    RUN_TEST(test_a_frequency_is_nothing_in_no_time_and_ends_at_both_ends_of_time);
-    RUN_TEST(test_ticks_of_a_time_are_whole_ones_and_at_least_one);
-    RUN_TEST(test_a_position_is_in_hundredths_of_a_turn_over_its_whole_range);
-    RUN_TEST(test_the_base_of_a_torque_is_right_for_all_scales_of_a_watt_and_more);
-    RUN_TEST(test_a_torque_comes_back_from_its_number_and_saturates);
-    return UNITY_END();
 }

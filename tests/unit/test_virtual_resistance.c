@@ -3,7 +3,7 @@
 #include "virtual_resistance.h"
 
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <stdlib.h>
 
@@ -22,17 +22,13 @@ void setUp(void)
     virtual_resistance_start(&res, (dq_t){0, 0});
 }
 
-void tearDown(void)
-{
-}
-
 static void expect(int32_t d, int32_t q, dq_t actual)
 {
     TEST_ASSERT_EQUAL_INT32(d, actual.d);
     TEST_ASSERT_EQUAL_INT32(q, actual.q);
 }
 
-static void test_the_current_that_it_starts_with_has_no_voltage(void)
+TEST(test_the_current_that_it_starts_with_has_no_voltage)
 {
     static const int32_t currents[] = {-HALF_BASE, -1, 0, 1, 3000, HALF_BASE - 1};
 
@@ -48,7 +44,7 @@ static void test_the_current_that_it_starts_with_has_no_voltage(void)
     }
 }
 
-static void test_a_step_has_the_whole_voltage_at_once_in_its_own_axis(void)
+TEST(test_a_step_has_the_whole_voltage_at_once_in_its_own_axis)
 {
     expect(-400 * 8192, 0, virtual_resistance_step(&res, &CFG, (dq_t){400, 0}));
     setUp();
@@ -56,7 +52,7 @@ static void test_a_step_has_the_whole_voltage_at_once_in_its_own_axis(void)
 }
 
 /* Of 8000 each sample leaves 63/64. The mean is rounded down, and what it lacks it makes up for: within an LSB of current. */
-static void test_the_voltage_of_a_step_fades_as_the_mean_follows(void)
+TEST(test_the_voltage_of_a_step_fades_as_the_mean_follows)
 {
     double left = 8000.0;
 
@@ -70,7 +66,7 @@ static void test_the_voltage_of_a_step_fades_as_the_mean_follows(void)
 }
 
 /* A mean that is kept to the LSB of a current would stop 63 of them short. */
-static void test_nothing_is_left_of_a_constant_current(void)
+TEST(test_nothing_is_left_of_a_constant_current)
 {
     static const int32_t rates[] = {1, 7, 512, HALF_BASE};
 
@@ -87,7 +83,7 @@ static void test_nothing_is_left_of_a_constant_current(void)
     }
 }
 
-static void test_without_resistance_the_mean_follows_all_the_same(void)
+TEST(test_without_resistance_the_mean_follows_all_the_same)
 {
     const virtual_resistance_cfg_t cfg = {0, HALF_BASE};
 
@@ -95,7 +91,7 @@ static void test_without_resistance_the_mean_follows_all_the_same(void)
     expect(500, -300, virtual_resistance_mean(&res));
 }
 
-static void test_the_mean_ends_at_half_of_the_base(void)
+TEST(test_the_mean_ends_at_half_of_the_base)
 {
     const virtual_resistance_cfg_t cfg = {1, HALF_BASE};
 
@@ -105,7 +101,7 @@ static void test_the_mean_ends_at_half_of_the_base(void)
     expect(HALF_BASE - 1, -HALF_BASE, virtual_resistance_mean(&res));
 }
 
-static void test_any_current_and_configuration_stays_within_what_is_stated(void)
+TEST(test_any_current_and_configuration_stays_within_what_is_stated)
 {
     seeded_t seeded = {5U};
 
@@ -121,17 +117,4 @@ static void test_any_current_and_configuration_stays_within_what_is_stated(void)
         TEST_ASSERT_TRUE((abs(v.d) <= VOLTAGE_MAX) && (abs(v.q) <= VOLTAGE_MAX));
         TEST_ASSERT_TRUE((abs(res.mean_q30.d) <= MEAN_MAX) && (abs(res.mean_q30.q) <= MEAN_MAX));
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_the_current_that_it_starts_with_has_no_voltage);
-    RUN_TEST(test_a_step_has_the_whole_voltage_at_once_in_its_own_axis);
-    RUN_TEST(test_the_voltage_of_a_step_fades_as_the_mean_follows);
-    RUN_TEST(test_nothing_is_left_of_a_constant_current);
-    RUN_TEST(test_without_resistance_the_mean_follows_all_the_same);
-    RUN_TEST(test_the_mean_ends_at_half_of_the_base);
-    RUN_TEST(test_any_current_and_configuration_stays_within_what_is_stated);
-    return UNITY_END();
 }

@@ -5,7 +5,7 @@
 #include "example_motor.h"
 #include "fault_frames.h"
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -90,10 +90,6 @@ void setUp(void)
     begin_with_sensor(0.0, 0.0);
 }
 
-void tearDown(void)
-{
-}
-
 static void run_at(double rpm)
 {
     in.command.request = DRIVE_REQUEST_RUN;
@@ -116,7 +112,7 @@ static double angle_error(void)
 
 /* ---- with a sensor ---- */
 
-static void test_a_sensor_is_followed_in_every_state_from_any_angle(void)
+TEST(test_a_sensor_is_followed_in_every_state_from_any_angle)
 {
     for (int32_t degrees = -180; degrees < 180; degrees += 20) {
         begin_with_sensor(degrees * EXAMPLE_PI / 180.0, 600.0);
@@ -127,7 +123,7 @@ static void test_a_sensor_is_followed_in_every_state_from_any_angle(void)
     }
 }
 
-static void test_run_begins_at_once_and_with_current_control(void)
+TEST(test_run_begins_at_once_and_with_current_control)
 {
     run_at(600.0);
     tick();
@@ -138,7 +134,7 @@ static void test_run_begins_at_once_and_with_current_control(void)
     TEST_ASSERT_TRUE(out.gate_enable);
 }
 
-static void test_both_directions_reach_their_speed_without_i_d(void)
+TEST(test_both_directions_reach_their_speed_without_i_d)
 {
     static const double rpm[] = {600.0, -600.0};
 
@@ -154,7 +150,7 @@ static void test_both_directions_reach_their_speed_without_i_d(void)
 }
 
 /* One PWM period without voltage lets the EMF drive e·T/L: 0.42 A at 600 rpm, then the EMF is fed forward. */
-static void test_a_turning_rotor_is_taken_as_it_is(void)
+TEST(test_a_turning_rotor_is_taken_as_it_is)
 {
     begin_with_sensor(2.0, 600.0);
     run_at(600.0);
@@ -165,7 +161,7 @@ static void test_a_turning_rotor_is_taken_as_it_is(void)
     TEST_ASSERT_DOUBLE_WITHIN(12.0, 600.0, true_rpm());
 }
 
-static void test_a_second_run_starts_afresh_where_the_rotor_is(void)
+TEST(test_a_second_run_starts_afresh_where_the_rotor_is)
 {
     run_at(600.0);
     ticks(8000U);
@@ -212,7 +208,7 @@ static int32_t jump_at_change(bool driven)
 /* A current loop of 3.24 volts per ampere, per unit, makes 26 LSB of a count of the converter; both axes' noise, twice. */
 #define JUMP_LSB (110)
 
-static void test_without_sensor_the_start_is_as_ever_and_then_the_voltage_goes_on(void)
+TEST(test_without_sensor_the_start_is_as_ever_and_then_the_voltage_goes_on)
 {
     begin_without_sensor();
     run_at(600.0);
@@ -227,7 +223,7 @@ static void test_without_sensor_the_start_is_as_ever_and_then_the_voltage_goes_o
     TEST_ASSERT_TRUE(drive.voltage_drive.active);
 }
 
-static void test_a_slow_reference_gives_back_to_current_control_which_holds(void)
+TEST(test_a_slow_reference_gives_back_to_current_control_which_holds)
 {
     begin_without_sensor();
     run_at(600.0);
@@ -241,7 +237,7 @@ static void test_a_slow_reference_gives_back_to_current_control_which_holds(void
     TEST_ASSERT_FALSE(drive.voltage_drive.active);
 }
 
-static void test_a_position_is_for_current_control_and_a_speed_again_for_the_voltage(void)
+TEST(test_a_position_is_for_current_control_and_a_speed_again_for_the_voltage)
 {
     run_at(600.0);
     ticks(10000U);
@@ -255,7 +251,7 @@ static void test_a_position_is_for_current_control_and_a_speed_again_for_the_vol
     TEST_ASSERT_TRUE(jump_at_change(true) < JUMP_LSB);
 }
 
-static void test_no_change_before_the_speed_is_reached(void)
+TEST(test_no_change_before_the_speed_is_reached)
 {
     run_at(600.0);
     while (!drive.voltage_drive.active) {
@@ -266,7 +262,7 @@ static void test_no_change_before_the_speed_is_reached(void)
     TEST_ASSERT_TRUE(true_rpm() > (600.0 * 31.0 / 32.0));
 }
 
-static void test_below_its_lowest_speed_current_control_stays(void)
+TEST(test_below_its_lowest_speed_current_control_stays)
 {
     run_at(230.0); /* of 240 */
     for (uint32_t k = 0U; k < PATIENCE_TICKS; k++) {
@@ -276,7 +272,7 @@ static void test_below_its_lowest_speed_current_control_stays(void)
 }
 
 /* With 1° of lag and hardly any braking current within it. */
-static void test_a_load_that_drives_is_held_by_current_control(void)
+TEST(test_a_load_that_drives_is_held_by_current_control)
 {
     cfg.voltage_drive.compensator.brake_max = 11930465;
     cfg.crc = config_guard_crc(&cfg);
@@ -301,7 +297,7 @@ static void run_above_the_current_floor(void)
     TEST_ASSERT_TRUE(drive.voltage_drive.active);
 }
 
-static void test_a_current_that_falls_below_its_floor_is_given_back_and_then_kept(void)
+TEST(test_a_current_that_falls_below_its_floor_is_given_back_and_then_kept)
 {
     run_above_the_current_floor();
     ticks(PATIENCE_TICKS); /* 0.05 A of friction */
@@ -311,7 +307,7 @@ static void test_a_current_that_falls_below_its_floor_is_given_back_and_then_kep
 }
 
 /* It takes 4° under 3 N·m. */
-static void test_a_lead_beyond_its_end_is_left_to_current_control(void)
+TEST(test_a_lead_beyond_its_end_is_left_to_current_control)
 {
     cfg.voltage_drive.compensator.lead_max = 11930465; /* 1° */
     cfg.crc = config_guard_crc(&cfg);
@@ -324,7 +320,7 @@ static void test_a_lead_beyond_its_end_is_left_to_current_control(void)
 }
 
 /* Closer than the converter resolves. */
-static void test_no_change_while_currents_are_not_where_they_are_asked_for(void)
+TEST(test_no_change_while_currents_are_not_where_they_are_asked_for)
 {
     cfg.voltage_drive.compensator.current_min = 1;
     cfg.crc = config_guard_crc(&cfg);
@@ -335,7 +331,7 @@ static void test_no_change_while_currents_are_not_where_they_are_asked_for(void)
     }
 }
 
-static void test_more_than_the_torque_range_gives_back_at_once(void)
+TEST(test_more_than_the_torque_range_gives_back_at_once)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         begin_with_sensor(0.0, 0.0);
@@ -350,7 +346,7 @@ static void test_more_than_the_torque_range_gives_back_at_once(void)
     }
 }
 
-static void test_a_drive_that_is_not_asked_to_never_changes_over(void)
+TEST(test_a_drive_that_is_not_asked_to_never_changes_over)
 {
     begin_with_sensor(0.0, 0.0);
     cfg.voltage_drive.enabled = 0U;
@@ -406,7 +402,7 @@ static void run_loaded_until_settled(void)
     TEST_ASSERT_TRUE(drive.voltage_drive.active);
 }
 
-static void test_a_change_of_the_current_meets_the_virtual_resistance(void)
+TEST(test_a_change_of_the_current_meets_the_virtual_resistance)
 {
     bumped_t after;
     dq_t change;
@@ -425,7 +421,7 @@ static void test_a_change_of_the_current_meets_the_virtual_resistance(void)
 }
 
 /* What the network is given as the voltage that acts is this ratio, two ticks later. */
-static void test_the_observer_is_told_of_the_virtual_resistances_part(void)
+TEST(test_the_observer_is_told_of_the_virtual_resistances_part)
 {
     const double bus = 310.0 / 450.0;
     drive_t with;
@@ -445,7 +441,7 @@ static void test_the_observer_is_told_of_the_virtual_resistances_part(void)
 }
 
 /* At the end of the voltage it is U that gives way: a vector that is cut off would not damp. */
-static void test_the_magnitude_leaves_room_for_the_virtual_resistance(void)
+TEST(test_the_magnitude_leaves_room_for_the_virtual_resistance)
 {
     bumped_t after;
     int32_t limit;
@@ -469,7 +465,7 @@ static void test_the_magnitude_leaves_room_for_the_virtual_resistance(void)
 }
 
 /* A mean would follow the currents' own mode late, and feed it. */
-static void test_the_dead_time_is_compensated_by_the_current_of_the_tick(void)
+TEST(test_the_dead_time_is_compensated_by_the_current_of_the_tick)
 {
     drive_t other;
     drive_out_t expected;
@@ -494,7 +490,7 @@ static void test_the_dead_time_is_compensated_by_the_current_of_the_tick(void)
 
 /* ---- protection ---- */
 
-static void test_protection_stays_in_force(void)
+TEST(test_protection_stays_in_force)
 {
     static void (*const make[])(drive_in_t *frame) = {make_break, make_overcurrent,
                                                       make_overvoltage, make_undervoltage};
@@ -515,7 +511,7 @@ static void test_protection_stays_in_force(void)
     }
 }
 
-static void test_the_voltage_stays_within_the_circle_whatever_the_frame(void)
+TEST(test_the_voltage_stays_within_the_circle_whatever_the_frame)
 {
     seeded_t seeded = {3U};
 
@@ -541,32 +537,4 @@ static void test_the_voltage_stays_within_the_circle_whatever_the_frame(void)
             }
         }
     }
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_a_sensor_is_followed_in_every_state_from_any_angle);
-    RUN_TEST(test_run_begins_at_once_and_with_current_control);
-    RUN_TEST(test_both_directions_reach_their_speed_without_i_d);
-    RUN_TEST(test_a_turning_rotor_is_taken_as_it_is);
-    RUN_TEST(test_a_second_run_starts_afresh_where_the_rotor_is);
-    RUN_TEST(test_without_sensor_the_start_is_as_ever_and_then_the_voltage_goes_on);
-    RUN_TEST(test_a_slow_reference_gives_back_to_current_control_which_holds);
-    RUN_TEST(test_a_position_is_for_current_control_and_a_speed_again_for_the_voltage);
-    RUN_TEST(test_no_change_before_the_speed_is_reached);
-    RUN_TEST(test_below_its_lowest_speed_current_control_stays);
-    RUN_TEST(test_a_load_that_drives_is_held_by_current_control);
-    RUN_TEST(test_a_current_that_falls_below_its_floor_is_given_back_and_then_kept);
-    RUN_TEST(test_a_lead_beyond_its_end_is_left_to_current_control);
-    RUN_TEST(test_no_change_while_currents_are_not_where_they_are_asked_for);
-    RUN_TEST(test_more_than_the_torque_range_gives_back_at_once);
-    RUN_TEST(test_a_drive_that_is_not_asked_to_never_changes_over);
-    RUN_TEST(test_a_change_of_the_current_meets_the_virtual_resistance);
-    RUN_TEST(test_the_observer_is_told_of_the_virtual_resistances_part);
-    RUN_TEST(test_the_magnitude_leaves_room_for_the_virtual_resistance);
-    RUN_TEST(test_the_dead_time_is_compensated_by_the_current_of_the_tick);
-    RUN_TEST(test_protection_stays_in_force);
-    RUN_TEST(test_the_voltage_stays_within_the_circle_whatever_the_frame);
-    return UNITY_END();
 }

@@ -3,7 +3,7 @@
 #include "weakening.h"
 
 #include "seeded.h"
-#include "unity.h"
+#include "testing.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -53,10 +53,6 @@ void setUp(void)
                           .current_max = 10000,
                           .deepest = 10000};
     see_bus(12800);
-}
-
-void tearDown(void)
-{
 }
 
 /* The ellipse that the module has: no resistance, and the reserve taken off. */
@@ -123,7 +119,7 @@ static double torque_depth(const ellipse_t *e, double most)
 /* ---- the ellipse ---- */
 
 /* In plain numbers: E = 12800 − 150, ω·φ = 16384, X = 1; √(12650² − 5000²) = 11620. */
-static void test_i_d_is_what_the_ellipse_leaves_above_i_q(void)
+TEST(test_i_d_is_what_the_ellipse_leaves_above_i_q)
 {
     TEST_ASSERT_INT32_WITHIN(4, 12650 - 16384, limits().upper);
     in.reference = (dq_t){0, -5000};
@@ -152,7 +148,7 @@ static bool is_plain(const ellipse_t *e)
     return (e->emf < 1.9) && (e->across < 1.9) && (e->along > (20.0 * VOLT_LSB));
 }
 
-static void test_upper_lies_on_the_ellipse_of_any_motor(void)
+TEST(test_upper_lies_on_the_ellipse_of_any_motor)
 {
     seeded_t seed = {0xE111U};
     uint32_t judged = 0U;
@@ -178,7 +174,7 @@ static void test_upper_lies_on_the_ellipse_of_any_motor(void)
 
 /* ---- the deepest useful i_d ---- */
 
-static void test_it_ends_where_the_circle_meets_the_ellipse_or_at_the_most_torque_per_volt(void)
+TEST(test_it_ends_where_the_circle_meets_the_ellipse_or_at_the_most_torque_per_volt)
 {
     seeded_t seed = {0xC1C1U};
     uint32_t circles = 0U;
@@ -208,7 +204,7 @@ static void test_it_ends_where_the_circle_meets_the_ellipse_or_at_the_most_torqu
     TEST_ASSERT_GREATER_THAN_UINT32(20U, torques);
 }
 
-static void test_the_magnets_end_it_and_i_q_stays_on_the_ellipse_there(void)
+TEST(test_the_magnets_end_it_and_i_q_stays_on_the_ellipse_there)
 {
     in.deepest = 5000;
     /* √(12650² − (16384 − 5000)²) */
@@ -216,7 +212,7 @@ static void test_the_magnets_end_it_and_i_q_stays_on_the_ellipse_there(void)
     TEST_ASSERT_INT32_WITHIN(8, 5516, limits().reach);
 }
 
-static void test_a_speed_that_no_current_reaches_leaves_no_torque(void)
+TEST(test_a_speed_that_no_current_reaches_leaves_no_torque)
 {
     in.speed_q15 = 32767;
     see_bus(6000);
@@ -227,14 +223,14 @@ static void test_a_speed_that_no_current_reaches_leaves_no_torque(void)
 }
 
 /* Of U_b: E = 296.5, ω·φ = 400, X·I = 244; (400² + 244² − 296.5²) / (2·244·400) = 0.674. A voltage is rounded to 1 of 122. */
-static void test_a_small_part_of_the_bases_is_enough(void)
+TEST(test_a_small_part_of_the_bases_is_enough)
 {
     see_bus(300);
     in.speed_q15 = 400;
     TEST_ASSERT_INT32_WITHIN(150, -6740, limits().lower);
 }
 
-static void test_a_speed_within_the_circle_asks_for_nothing(void)
+TEST(test_a_speed_within_the_circle_asks_for_nothing)
 {
     in.speed_q15 = 8000;
     TEST_ASSERT_EQUAL_INT32(0, limits().lower);
@@ -242,7 +238,7 @@ static void test_a_speed_within_the_circle_asks_for_nothing(void)
     TEST_ASSERT_GREATER_THAN_INT32(0, limits().upper);
 }
 
-static void test_without_weakening_i_q_ends_on_the_ellipse(void)
+TEST(test_without_weakening_i_q_ends_on_the_ellipse)
 {
     in.deepest = 0;
     in.speed_q15 = 12000;
@@ -252,7 +248,7 @@ static void test_without_weakening_i_q_ends_on_the_ellipse(void)
 }
 
 /* R·(i·v)/|v|: what drives takes of the voltage, what brakes gives. i* decides, not what follows it with the current control's lag. */
-static void test_the_resistance_takes_what_it_takes_along_the_voltage(void)
+TEST(test_the_resistance_takes_what_it_takes_along_the_voltage)
 {
     const int32_t without = limits().upper;
 
@@ -269,7 +265,7 @@ static void test_the_resistance_takes_what_it_takes_along_the_voltage(void)
 }
 
 /* Circle and ellipse meet at (16384² + 10000² − E²) / (2 · 16384), with E = 12650 and 400 less or more. */
-static void test_the_deepest_i_d_takes_the_resistance_of_the_current_that_flows(void)
+TEST(test_the_deepest_i_d_takes_the_resistance_of_the_current_that_flows)
 {
     model.resistance_q13 = 819;
     TEST_ASSERT_INT32_WITHIN(8, -6360, limits().lower);
@@ -280,7 +276,7 @@ static void test_the_deepest_i_d_takes_the_resistance_of_the_current_that_flows(
 }
 
 /* An i_q* that the voltage does not allow: its R·i would leave nothing of the ellipse, and all of it in the next period. */
-static void test_an_i_q_that_is_only_asked_for_leaves_i_q_its_place_on_the_ellipse(void)
+TEST(test_an_i_q_that_is_only_asked_for_leaves_i_q_its_place_on_the_ellipse)
 {
     in.deepest = 5000;
     model.resistance_q13 = 8191; /* 1 of U_b/I_b: more than E at this i_q* */
@@ -319,7 +315,7 @@ static void set_saturated(int32_t flux)
     in.speed_q15 = 32767;
 }
 
-static void test_the_emf_saturates_at_32000(void)
+TEST(test_the_emf_saturates_at_32000)
 {
     set_saturated(16000); /* (16000 − 32000) / 32000 · 16384 */
     TEST_ASSERT_EQUAL_INT32(-8192, limits().upper);
@@ -327,7 +323,7 @@ static void test_the_emf_saturates_at_32000(void)
     TEST_ASSERT_EQUAL_INT32(-8191, limits().upper);
 }
 
-static void test_the_voltage_of_a_reactance_saturates_at_32000(void)
+TEST(test_the_voltage_of_a_reactance_saturates_at_32000)
 {
     set_saturated(16000);
     model.emf_q13 = 0; /* 16000 / 32000 · 16384 */
@@ -341,7 +337,7 @@ static void test_the_voltage_of_a_reactance_saturates_at_32000(void)
     TEST_ASSERT_EQUAL_INT32(51, limits().reach);
 }
 
-static void test_a_voltage_that_is_left_over_without_a_reactance_is_all_of_the_current(void)
+TEST(test_a_voltage_that_is_left_over_without_a_reactance_is_all_of_the_current)
 {
     set_volts(12650, 12650, 0, 0);
     TEST_ASSERT_EQUAL_INT32(0, weakening_step(&weakening, &in, 1).upper);
@@ -355,7 +351,7 @@ static void test_a_voltage_that_is_left_over_without_a_reactance_is_all_of_the_c
 }
 
 /* R = 1. */
-static void test_the_resistance_takes_of_both_axes(void)
+TEST(test_the_resistance_takes_of_both_axes)
 {
     set_volts(16000, 10000, 16000, 0);
     model.resistance_q13 = 8192;
@@ -366,7 +362,7 @@ static void test_the_resistance_takes_of_both_axes(void)
     TEST_ASSERT_EQUAL_INT32(-8499, limits().upper);
 }
 
-static void test_the_resistance_counts_with_the_least_of_voltages(void)
+TEST(test_the_resistance_counts_with_the_least_of_voltages)
 {
     set_volts(16000, 10000, 16000, 0);
     model.resistance_q13 = 8192;
@@ -380,7 +376,7 @@ static void test_the_resistance_counts_with_the_least_of_voltages(void)
 }
 
 /* √2 is 1: so i·v/|v| is 32768 here and not more, times R = 1/2. */
-static void test_the_resistance_takes_at_most_its_voltage_at_a_whole_current(void)
+TEST(test_the_resistance_takes_at_most_its_voltage_at_a_whole_current)
 {
     set_volts(0, 16000, 16384 / 2, 0);
     model.resistance_q13 = 4096;
@@ -394,7 +390,7 @@ static void test_the_resistance_takes_at_most_its_voltage_at_a_whole_current(voi
     TEST_ASSERT_EQUAL_INT32(8388, limits().upper);
 }
 
-static void test_a_resistance_that_takes_more_than_there_is_leaves_nothing(void)
+TEST(test_a_resistance_that_takes_more_than_there_is_leaves_nothing)
 {
     set_volts(8000, 1000, 16000, 16000);
     model.resistance_q13 = 8192;
@@ -405,14 +401,14 @@ static void test_a_resistance_that_takes_more_than_there_is_leaves_nothing(void)
 }
 
 /* 8500 − 5000/2 = 6000 along leaves 8000 of 10000, over 16000. */
-static void test_i_q_at_the_magnets_end_has_the_reactance_of_its_axis(void)
+TEST(test_i_q_at_the_magnets_end_has_the_reactance_of_its_axis)
 {
     set_volts(8500, 10000, 8192, 16000);
     in.deepest = 5000;
     TEST_ASSERT_EQUAL_INT32(8192, limits().reach);
 }
 
-static void test_a_circle_that_just_fits_asks_for_nothing(void)
+TEST(test_a_circle_that_just_fits_asks_for_nothing)
 {
     set_volts(0, 4096, 0, 4096);
     in.current_max = 8192;
@@ -421,7 +417,7 @@ static void test_a_circle_that_just_fits_asks_for_nothing(void)
 }
 
 /* c / (b + √(b² + a·c)) · 16384 in whole numbers. */
-static void test_the_circle_meets_the_ellipse_also_with_a_few_digits(void)
+TEST(test_the_circle_meets_the_ellipse_also_with_a_few_digits)
 {
     set_volts(1, 1, 1, 1); /* 1 / (1 + 1) */
     TEST_ASSERT_EQUAL_INT32(-8192, limits().lower);
@@ -433,7 +429,7 @@ static void test_the_circle_meets_the_ellipse_also_with_a_few_digits(void)
     TEST_ASSERT_EQUAL_INT32(-11264, limits().lower);
 }
 
-static void test_the_circle_meets_the_ellipse_to_the_last_digit_of_15_bits(void)
+TEST(test_the_circle_meets_the_ellipse_to_the_last_digit_of_15_bits)
 {
     set_volts(2000, 3000, 1500, 3000); /* 4e6 / (3e6 + √36e12) = 4 / 9: 7281.8 */
     TEST_ASSERT_EQUAL_INT32(-7282, limits().lower);
@@ -445,7 +441,7 @@ static void test_the_circle_meets_the_ellipse_to_the_last_digit_of_15_bits(void)
     TEST_ASSERT_EQUAL_INT32(-CURRENT_END, limits().lower);
 }
 
-static void test_without_a_root_the_circle_ends_it(void)
+TEST(test_without_a_root_the_circle_ends_it)
 {
     set_volts(1, 0, 1, 0); /* 1 / (1 + √(1 − 1)) */
     TEST_ASSERT_EQUAL_INT32(-CURRENT_END, limits().lower);
@@ -454,14 +450,14 @@ static void test_without_a_root_the_circle_ends_it(void)
     TEST_ASSERT_EQUAL_INT32(-5461, limits().lower);
 }
 
-static void test_a_motor_without_magnets_and_saliency_has_no_use_for_i_d(void)
+TEST(test_a_motor_without_magnets_and_saliency_has_no_use_for_i_d)
 {
     set_volts(0, 100, 200, 200);
     TEST_ASSERT_EQUAL_INT32(0, limits().lower);
 }
 
 /* ω·φ / X_d = 5 / 20. */
-static void test_without_saliency_the_most_torque_per_volt_is_above_the_short_circuit_current(void)
+TEST(test_without_saliency_the_most_torque_per_volt_is_above_the_short_circuit_current)
 {
     set_volts(5, 18, 20, 20);
     TEST_ASSERT_EQUAL_INT32(-4096, limits().lower);
@@ -469,7 +465,7 @@ static void test_without_saliency_the_most_torque_per_volt_is_above_the_short_ci
     TEST_ASSERT_EQUAL_INT32(-4096, limits().lower);
 }
 
-static void test_without_voltage_and_reactance_the_current_ends_it(void)
+TEST(test_without_voltage_and_reactance_the_current_ends_it)
 {
     set_volts(0, 0, 0, 100);
     in.reference = (dq_t){0, 16384};
@@ -477,7 +473,7 @@ static void test_without_voltage_and_reactance_the_current_ends_it(void)
 }
 
 /* ω·φ = 16000, E = 10000, X·I = 16000: −6000 / 16000 · 16384. */
-static void test_it_decides_below_what_is_wanted_and_not_at_it(void)
+TEST(test_it_decides_below_what_is_wanted_and_not_at_it)
 {
     weakening_limits_t now;
 
@@ -496,7 +492,7 @@ static void test_it_decides_below_what_is_wanted_and_not_at_it(void)
 }
 
 /* ω·φ = 16000, E = 10000, X·I = 16000: at i_d of −8192 / 16384 the EMF is 8000, √(10000² − 8000²) / 16000 = 6144 / 16384. */
-static void test_what_is_wanted_deeper_than_weakening_may_ask_for_stays_and_has_its_i_q(void)
+TEST(test_what_is_wanted_deeper_than_weakening_may_ask_for_stays_and_has_its_i_q)
 {
     weakening_limits_t now;
 
@@ -515,7 +511,7 @@ static bool is_near(int32_t d, int32_t q, int32_t radius)
     return weakening_is_near(&weakening, (dq_t){d, q}, radius);
 }
 
-static void test_it_is_near_above_fifteen_sixteenths_of_the_circle(void)
+TEST(test_it_is_near_above_fifteen_sixteenths_of_the_circle)
 {
     see_bus(12000);
     TEST_ASSERT_FALSE(is_near(0, 11250, 12000));
@@ -525,7 +521,7 @@ static void test_it_is_near_above_fifteen_sixteenths_of_the_circle(void)
 }
 
 /* Also where the demand falls, until i_d* is back at what all else wants. */
-static void test_it_is_near_as_long_as_it_acts(void)
+TEST(test_it_is_near_as_long_as_it_acts)
 {
     (void)weakening_step(&weakening, &in, 0);
     TEST_ASSERT_TRUE(is_near(0, 0, 12800));
@@ -538,7 +534,7 @@ static void test_it_is_near_as_long_as_it_acts(void)
     TEST_ASSERT_FALSE(is_near(0, 0, 12800));
 }
 
-static void test_a_lack_of_voltage_lowers_i_d_and_a_rest_raises_it(void)
+TEST(test_a_lack_of_voltage_lowers_i_d_and_a_rest_raises_it)
 {
     in.voltage = (dq_t){0, 12800}; /* 150 above E */
     weakening_step(&weakening, &in, 0);
@@ -548,7 +544,7 @@ static void test_a_lack_of_voltage_lowers_i_d_and_a_rest_raises_it(void)
     TEST_ASSERT_EQUAL_INT32(-19 + 6, weakening.voltage);
 }
 
-static void test_the_integral_ends_at_a_quarter_of_the_circle(void)
+TEST(test_the_integral_ends_at_a_quarter_of_the_circle)
 {
     in.voltage = (dq_t){0, 9700};
     for (int k = 0; k < 100; k++) {
@@ -557,7 +553,7 @@ static void test_the_integral_ends_at_a_quarter_of_the_circle(void)
     TEST_ASSERT_EQUAL_INT32(3200, weakening.voltage);
 }
 
-static void test_at_the_deepest_i_d_a_lack_is_not_learned(void)
+TEST(test_at_the_deepest_i_d_a_lack_is_not_learned)
 {
     in.voltage = (dq_t){0, 12800};
     in.deepest = 3000;
@@ -565,7 +561,7 @@ static void test_at_the_deepest_i_d_a_lack_is_not_learned(void)
     TEST_ASSERT_EQUAL_INT32(0, weakening.voltage);
 }
 
-static void test_what_was_learned_is_forgotten_where_the_voltage_does_not_decide(void)
+TEST(test_what_was_learned_is_forgotten_where_the_voltage_does_not_decide)
 {
     weakening.voltage = -8192;
     for (int k = 0; k < 102; k++) {
@@ -580,7 +576,7 @@ static void test_what_was_learned_is_forgotten_where_the_voltage_does_not_decide
 }
 
 /* The valley counts at once, and fades with a sixty-fourth a slow period. */
-static void test_the_lowest_bus_of_late_counts(void)
+TEST(test_the_lowest_bus_of_late_counts)
 {
     const int32_t before = limits().upper;
 
@@ -596,7 +592,7 @@ static void test_the_lowest_bus_of_late_counts(void)
     TEST_ASSERT_INT32_WITHIN(65, before, limits().upper); /* what rounding leaves, 63 of Q15 */
 }
 
-static void test_at_the_deepest_i_d_a_rest_is_learned_from_its_first_step_on(void)
+TEST(test_at_the_deepest_i_d_a_rest_is_learned_from_its_first_step_on)
 {
     in.deepest = 3000;
     in.voltage = (dq_t){0, 12650 - 8};
@@ -607,7 +603,7 @@ static void test_at_the_deepest_i_d_a_rest_is_learned_from_its_first_step_on(voi
     TEST_ASSERT_EQUAL_INT32(3, weakening.voltage);
 }
 
-static void test_the_integral_of_a_lack_ends_at_a_quarter_of_the_circle(void)
+TEST(test_the_integral_of_a_lack_ends_at_a_quarter_of_the_circle)
 {
     in.voltage = (dq_t){0, 20000};
     for (int k = 0; k < 100; k++) {
@@ -616,7 +612,7 @@ static void test_the_integral_of_a_lack_ends_at_a_quarter_of_the_circle(void)
     TEST_ASSERT_EQUAL_INT32(-3200, weakening.voltage);
 }
 
-static void test_the_last_digit_of_what_was_learned_is_forgotten(void)
+TEST(test_the_last_digit_of_what_was_learned_is_forgotten)
 {
     weakening.voltage = 1;
     (void)is_near(0, 0, 12800);
@@ -626,55 +622,10 @@ static void test_the_last_digit_of_what_was_learned_is_forgotten(void)
     TEST_ASSERT_EQUAL_INT32(0, weakening.voltage);
 }
 
-static void test_the_first_bus_counts_as_it_is(void)
+TEST(test_the_first_bus_counts_as_it_is)
 {
     weakening_reset(&weakening);
     TEST_ASSERT_EQUAL_INT32(32767, weakening.valley);
     (void)is_near(0, 0, 32767);
     TEST_ASSERT_EQUAL_INT32(32767, weakening.valley);
-}
-
-int main(void)
-{
-    UNITY_BEGIN();
-    RUN_TEST(test_i_d_is_what_the_ellipse_leaves_above_i_q);
-    RUN_TEST(test_upper_lies_on_the_ellipse_of_any_motor);
-    RUN_TEST(test_it_ends_where_the_circle_meets_the_ellipse_or_at_the_most_torque_per_volt);
-    RUN_TEST(test_the_magnets_end_it_and_i_q_stays_on_the_ellipse_there);
-    RUN_TEST(test_a_speed_that_no_current_reaches_leaves_no_torque);
-    RUN_TEST(test_a_small_part_of_the_bases_is_enough);
-    RUN_TEST(test_a_speed_within_the_circle_asks_for_nothing);
-    RUN_TEST(test_without_weakening_i_q_ends_on_the_ellipse);
-    RUN_TEST(test_the_resistance_takes_what_it_takes_along_the_voltage);
-    RUN_TEST(test_the_deepest_i_d_takes_the_resistance_of_the_current_that_flows);
-    RUN_TEST(test_an_i_q_that_is_only_asked_for_leaves_i_q_its_place_on_the_ellipse);
-    RUN_TEST(test_it_is_near_above_fifteen_sixteenths_of_the_circle);
-    RUN_TEST(test_it_is_near_as_long_as_it_acts);
-    RUN_TEST(test_a_lack_of_voltage_lowers_i_d_and_a_rest_raises_it);
-    RUN_TEST(test_the_integral_ends_at_a_quarter_of_the_circle);
-    RUN_TEST(test_at_the_deepest_i_d_a_lack_is_not_learned);
-    RUN_TEST(test_what_was_learned_is_forgotten_where_the_voltage_does_not_decide);
-    RUN_TEST(test_the_lowest_bus_of_late_counts);
-    RUN_TEST(test_the_emf_saturates_at_32000);
-    RUN_TEST(test_the_voltage_of_a_reactance_saturates_at_32000);
-    RUN_TEST(test_a_voltage_that_is_left_over_without_a_reactance_is_all_of_the_current);
-    RUN_TEST(test_the_resistance_takes_of_both_axes);
-    RUN_TEST(test_the_resistance_counts_with_the_least_of_voltages);
-    RUN_TEST(test_the_resistance_takes_at_most_its_voltage_at_a_whole_current);
-    RUN_TEST(test_a_resistance_that_takes_more_than_there_is_leaves_nothing);
-    RUN_TEST(test_i_q_at_the_magnets_end_has_the_reactance_of_its_axis);
-    RUN_TEST(test_a_circle_that_just_fits_asks_for_nothing);
-    RUN_TEST(test_the_circle_meets_the_ellipse_also_with_a_few_digits);
-    RUN_TEST(test_the_circle_meets_the_ellipse_to_the_last_digit_of_15_bits);
-    RUN_TEST(test_without_a_root_the_circle_ends_it);
-    RUN_TEST(test_a_motor_without_magnets_and_saliency_has_no_use_for_i_d);
-    RUN_TEST(test_without_saliency_the_most_torque_per_volt_is_above_the_short_circuit_current);
-    RUN_TEST(test_without_voltage_and_reactance_the_current_ends_it);
-    RUN_TEST(test_it_decides_below_what_is_wanted_and_not_at_it);
-    RUN_TEST(test_what_is_wanted_deeper_than_weakening_may_ask_for_stays_and_has_its_i_q);
-    RUN_TEST(test_at_the_deepest_i_d_a_rest_is_learned_from_its_first_step_on);
-    RUN_TEST(test_the_integral_of_a_lack_ends_at_a_quarter_of_the_circle);
-    RUN_TEST(test_the_last_digit_of_what_was_learned_is_forgotten);
-    RUN_TEST(test_the_first_bus_counts_as_it_is);
-    return UNITY_END();
 }

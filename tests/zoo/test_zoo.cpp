@@ -15,9 +15,9 @@
 #include <string>
 #include <vector>
 
+#include "testing.h"
 #include <fmt/format.h>
 #include <unistd.h>
-#include <unity.h>
 
 namespace
 {
@@ -64,7 +64,7 @@ zoo::Reference parsed(const std::string &name)
 
 // ---- names ----------------------------------------------------------------------------------
 
-void a_name_is_a_number_with_class_and_seed_where_they_are_not_the_usual()
+TEST(a_name_is_a_number_with_class_and_seed_where_they_are_not_the_usual)
 {
     const std::map<std::string, std::string> full = {
         {"zoo:0", "zoo:gimbal:0@1"},
@@ -80,7 +80,7 @@ void a_name_is_a_number_with_class_and_seed_where_they_are_not_the_usual()
     }
 }
 
-void what_is_no_name_is_refused_with_what_is_one()
+TEST(what_is_no_name_is_refused_with_what_is_one)
 {
     for (const char *wrong :
          {"zoo:", "zoo:x", "zoo:-1", "zoo:1.5", "zoo:4294967296", "zoo:17@", "zoo:17@x",
@@ -96,7 +96,7 @@ void what_is_no_name_is_refused_with_what_is_one()
 }
 
 // A motor is one, exact or not; and there are no tunings.
-void only_a_scenario_is_of_a_user_and_nothing_is_a_tuning()
+TEST(only_a_scenario_is_of_a_user_and_nothing_is_a_tuning)
 {
     const auto parts = [](const char *motor, const char *tuning) {
         return refusal([&] { nf::load_parts(motor, "zoo:1", tuning); });
@@ -110,7 +110,7 @@ void only_a_scenario_is_of_a_user_and_nothing_is_a_tuning()
         parts("zoo:1", "zoo:1").c_str());
 }
 
-void a_refusal_names_the_line_of_the_drawn_file()
+TEST(a_refusal_names_the_line_of_the_drawn_file)
 {
     const std::string said =
         refusal([] { nf::load_scenario("zoo:17", {}, {"board.overcurrent_a=0.1"}); });
@@ -123,7 +123,7 @@ void a_refusal_names_the_line_of_the_drawn_file()
 // ---- draws ----------------------------------------------------------------------------------
 
 // Once and for all: results are compared over the years, and on other machines.
-void a_motor_is_the_same_everywhere()
+TEST(a_motor_is_the_same_everywhere)
 {
     const nf::MotorSettings motor = load("zoo:servo:17@3").motor;
     TEST_ASSERT_EQUAL_STRING("servo, 144 W, 160 V", motor.name.c_str());
@@ -133,7 +133,7 @@ void a_motor_is_the_same_everywhere()
             .c_str());
 }
 
-void number_class_and_seed_each_make_another_motor()
+TEST(number_class_and_seed_each_make_another_motor)
 {
     std::set<double> inertias;
     for (const char *name : {"zoo:servo:17", "zoo:servo:18", "zoo:hub:17", "zoo:servo:17@2"}) {
@@ -142,7 +142,7 @@ void number_class_and_seed_each_make_another_motor()
     TEST_ASSERT_EQUAL_size_t(4, inertias.size());
 }
 
-void a_number_that_is_drawn_does_not_depend_on_the_others()
+TEST(a_number_that_is_drawn_does_not_depend_on_the_others)
 {
     const zoo::Draw first("key");
     const zoo::Draw second("key");
@@ -154,7 +154,7 @@ void a_number_that_is_drawn_does_not_depend_on_the_others()
 }
 
 // Means of many draws, each within five standard deviations of the mean.
-void draws_fill_their_ranges_evenly()
+TEST(draws_fill_their_ranges_evenly)
 {
     constexpr int many = 4000;
     const double sure = 5 / std::sqrt(static_cast<double>(many));
@@ -237,7 +237,7 @@ void expect_a_board(const std::string &name, const nf::Config &config)
     expect_within(1, 10, b.trip_a / b.overcurrent_a, name + " trip");
 }
 
-void each_is_a_motor_and_a_board_of_its_class_that_the_firmware_takes()
+TEST(each_is_a_motor_and_a_board_of_its_class_that_the_firmware_takes)
 {
     std::set<std::string> seen;
     for (int k = 0; k < MOTORS; k++) {
@@ -275,7 +275,7 @@ void expect_errors(const std::string &name, const nf::Config &exact, const nf::C
 }
 
 // The file is the same, what is real is not.
-void a_users_motor_differs_from_its_file()
+TEST(a_users_motor_differs_from_its_file)
 {
     for (int k = 0; k < MOTORS; k++) {
         const std::string name = fmt::format("zoo:{}", k);
@@ -289,7 +289,7 @@ void a_users_motor_differs_from_its_file()
     }
 }
 
-void the_saliency_of_the_real_motor_is_the_files_times_its_error()
+TEST(the_saliency_of_the_real_motor_is_the_files_times_its_error)
 {
     const nf::Config user = load("zoo:4:user");
     const plant_cfg_t plant = nf::make_plant_cfg(user, nf::build(user));
@@ -302,7 +302,7 @@ void the_saliency_of_the_real_motor_is_the_files_times_its_error()
 
 // ---- where they go --------------------------------------------------------------------------
 
-void a_motor_brings_its_board_along_unless_another_is_chosen()
+TEST(a_motor_brings_its_board_along_unless_another_is_chosen)
 {
     const auto board = [](const std::vector<std::string> &set) {
         return nf::load_scenario("any", {}, set).board.name;
@@ -315,7 +315,7 @@ void a_motor_brings_its_board_along_unless_another_is_chosen()
     TEST_ASSERT_EQUAL_STRING(bench.c_str(), board({"motor=motor_b"}).c_str());
 }
 
-void its_errors_are_a_set_of_imperfections_for_any_scenario()
+TEST(its_errors_are_a_set_of_imperfections_for_any_scenario)
 {
     const nf::Config any = nf::load_scenario("any", {"zoo:17"}, {"motor=zoo:17"});
     const nf::Config user = load("zoo:17:user");
@@ -326,7 +326,7 @@ void its_errors_are_a_set_of_imperfections_for_any_scenario()
 }
 
 // As nfconfig writes them.
-void the_files_make_the_same_run()
+TEST(the_files_make_the_same_run)
 {
     std::string folder = (fs::temp_directory_path() / "zooXXXXXX").string();
     TEST_ASSERT_NOT_NULL(mkdtemp(folder.data()));
@@ -347,31 +347,3 @@ void the_files_make_the_same_run()
 }
 
 } // namespace
-
-void setUp()
-{
-}
-
-void tearDown()
-{
-}
-
-int main()
-{
-    UNITY_BEGIN();
-    RUN_TEST(a_name_is_a_number_with_class_and_seed_where_they_are_not_the_usual);
-    RUN_TEST(what_is_no_name_is_refused_with_what_is_one);
-    RUN_TEST(only_a_scenario_is_of_a_user_and_nothing_is_a_tuning);
-    RUN_TEST(a_refusal_names_the_line_of_the_drawn_file);
-    RUN_TEST(a_motor_is_the_same_everywhere);
-    RUN_TEST(number_class_and_seed_each_make_another_motor);
-    RUN_TEST(a_number_that_is_drawn_does_not_depend_on_the_others);
-    RUN_TEST(draws_fill_their_ranges_evenly);
-    RUN_TEST(each_is_a_motor_and_a_board_of_its_class_that_the_firmware_takes);
-    RUN_TEST(a_users_motor_differs_from_its_file);
-    RUN_TEST(the_saliency_of_the_real_motor_is_the_files_times_its_error);
-    RUN_TEST(a_motor_brings_its_board_along_unless_another_is_chosen);
-    RUN_TEST(its_errors_are_a_set_of_imperfections_for_any_scenario);
-    RUN_TEST(the_files_make_the_same_run);
-    return UNITY_END();
-}

@@ -73,10 +73,10 @@ def units(root, folders, about):
 
 
 def unity_tests(path):
-    """What RUN_TEST names in it."""
+    """What TEST names in it."""
     options = ALONE | Options.PARSE_DETAILED_PROCESSING_RECORD | Options.PARSE_SKIP_FUNCTION_BODIES
-    for cursor in Index.create().parse(path, ["-DRUN_TEST(test)=", "-undef"], options=options).cursor.get_children():
-        if cursor.kind == Kind.MACRO_INSTANTIATION and cursor.spelling == "RUN_TEST":
+    for cursor in Index.create().parse(path, ["-DTEST(test)=static void test(void)", "-undef"], options=options).cursor.get_children():
+        if cursor.kind == Kind.MACRO_INSTANTIATION and cursor.spelling == "TEST":
             yield list(cursor.get_tokens())[2].spelling
 
 

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A test of a Unity program, C or C++:
+ *
+ *     TEST(what_must_hold)
+ *     {
+ *         TEST_ASSERT_TRUE(...);
+ *     }
+ *
+ * A program of tests needs no main(), no setUp() and no tearDown().
+ */
+#ifndef TESTING_H
+#define TESTING_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <unity.h>
+
+#ifdef __cplusplus
+/* Unity's macros of these names would spoil the headers behind it; only unity.c needs them. */
+#undef isinf
+#undef isnan
+extern "C" {
+#endif
+
+typedef struct registered_test {
+    void (*run)(void);
+    const char *name;
+    const char *file;
+    int line;
+    struct registered_test *next;
+} registered_test_t;
+
+/* Puts a test behind those that are there. Called before main() by TEST() alone. */
+void testing_register(registered_test_t *test);
+
+/*
+ * Runs all tests in the order of their file, or those alone that the command line names. Returns the exit status: 0, the
+ * number of tests that failed, or 2 behind a line for a name that is none. main() of a program that has no other.
+ */
+int testing_main(int argc, char **argv);
+
+/*
+ * How many runs a test makes that is the surer the more it makes: `few` with `tools/dev test`, `many` in the evidence,
+ * which sets NF_MANY_RUNS=1.
+ */
+unsigned testing_runs(unsigned few, unsigned many);
+
+#ifdef __cplusplus
+}
+#endif
+
+#define TEST(name) \
+    static void name(void); \
+    __attribute__((constructor)) static void register_##name(void) \
+    { \
+        static registered_test_t registered = {name, #name, __FILE__, __LINE__, NULL}; \
+        testing_register(&registered); \
+    } \
+    static void name(void)
+
+#endif
