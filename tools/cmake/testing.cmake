@@ -30,6 +30,23 @@ function(nf_add_unit_test name)
     add_test(NAME ${name} COMMAND ${name})
 endfunction()
 
+# nf_is_evidence(<test>...)
+#
+# Run by `tools/dev evidence` alone, as a test of one of the parts in tools/evidence/parts.toml.
+function(nf_is_evidence)
+    set_property(TEST ${ARGV} APPEND PROPERTY LABELS evidence)
+endfunction()
+
+# nf_is_dear(<test> <reason>)
+#
+# It stays in `tools/dev test` though it takes more than a test may (tools/gates/run_tests.py).
+function(nf_is_dear test reason)
+    if(reason STREQUAL "")
+        message(FATAL_ERROR "${test}: a reason is missing")
+    endif()
+    set_property(TEST ${test} APPEND PROPERTY LABELS dear)
+endfunction()
+
 # Counts that another build has left are not those of this one.
 set(counts ${CMAKE_BINARY_DIR}/profiles)
 if(NF_COVERAGE)

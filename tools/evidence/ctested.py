@@ -24,6 +24,8 @@ class Test:
     environment: dict
     pass_expressions: tuple
     fail_expressions: tuple = ()
+    labels: frozenset = frozenset()
+    sets_up: frozenset = frozenset()  # fixtures
 
     def with_arguments(self, title, arguments):
         return replace(self, title=title, command=(*self.command, *arguments))
@@ -51,5 +53,7 @@ def listed(build, folder="", whole=True):
             environment = dict(pair.split("=", 1) for pair in properties.get("ENVIRONMENT", []))
             found[test["name"]] = Test(test["name"], tuple(test["command"]), Path(properties.get("WORKING_DIRECTORY", build)),
                                        environment, tuple(properties.get("PASS_REGULAR_EXPRESSION", [])),
-                                       tuple(properties.get("FAIL_REGULAR_EXPRESSION", [])))
+                                       tuple(properties.get("FAIL_REGULAR_EXPRESSION", [])),
+                                       frozenset(properties.get("LABELS", [])),
+                                       frozenset(properties.get("FIXTURES_SETUP", [])))
     return found

@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: MIT
+"""tools/dev evidence: which parts are due, what a stop leaves, and what its page and its cost say."""
+
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+from unittest import mock
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "tools/evidence"), str(ROOT / "tools/gates")]
+
+import ctest_run  # noqa: E402
+import ctested  # noqa: E402
+import page  # noqa: E402
+import part  # noqa: E402
+import run  # noqa: E402
+import run_tests  # noqa: E402
+
+SPINS = "import time; [None for _ in iter(lambda: time.process_time() < {}, False)]"
+
+
+def ended(name, passed=True):
+    return ctest_run.Ended(name, passed, 1.0, 2.0)
+
+
+class Evidence(unittest.TestCase):
+    """A project with one source, and one part of two tests."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = Path(folder.name)
+        self.source = self.root / "source.c"
+        self.source.write_text("one", encoding="utf-8")
+        subprocess.run(["git", "init", "-q", self.root], check=True)
+        for name, value in {"ROOT": self.root, "OUT": self.root}.items():
+            patch = mock.patch.object(run, name, value)
+            patch.start()
+            self.addCleanup(patch.stop)
+        self.part = run.Part("part", "says", ["part.*"], ["source.c"], 30, tests=["part.a", "part.b"])
+
+    def state(self):
+        return run.State(self.root / "state.json")
+
+    def note(self, *tests):
+        progress = run.Progress([self.part], self.state())
+        with mock.patch("builtins.print"):
+            for test in tests:
+                progress.note(test)
+        return progress
+
+    def pass_all(self):
+        return self.note(ended("part.a"), ended("part.b"))
+
+    def test_a_part_is_due_until_all_its_tests_have_passed(self):
+        self.assertTrue(self.state().is_due(self.part))
+        self.note(ended("part.a"))
+        self.assertTrue(self.state().is_due(self.part))
+        self.pass_all()
+        self.assertFalse(self.state().is_due(self.part))
+
+    def test_a_part_with_a_test_that_fails_stays_due_and_is_named(self):
+        progress = self.note(ended("part.a", passed=False), ended("part.b"))
+        self.assertEqual(progress.failed, {"part": ["part.a"]})
+        self.assertTrue(self.state().is_due(self.part))
+
+    def test_a_failure_of_what_a_part_needs_is_named(self):
+        self.assertEqual(self.note(ended("of.another", passed=False)).failed, {"what they need": ["of.another"]})
+
+    def test_a_part_is_due_again_by_the_content_of_its_inputs_and_not_by_their_time(self):
+        self.pass_all()
+        os.utime(self.source, (1, 1))
+        self.assertFalse(self.state().is_due(self.part))
+        self.source.write_text("two", encoding="utf-8")
+        self.assertTrue(self.state().is_due(self.part))
+        self.source.write_text("one", encoding="utf-8")
+        self.assertFalse(self.state().is_due(self.part))
+
+    def test_what_changes_while_a_part_is_made_makes_it_due_again(self):
+        progress = run.Progress([self.part], self.state())
+        self.source.write_text("two", encoding="utf-8")
+        with mock.patch("builtins.print"):
+            progress.note(ended("part.a"))
+            progress.note(ended("part.b"))
+        self.assertTrue(self.state().is_due(self.part))
+
+    def test_a_part_whose_figures_are_gone_is_due(self):
+        self.part.figures = True
+        self.pass_all()
+        self.assertTrue(self.state().is_due(self.part))
+        self.part.output().write_text("{}", encoding="utf-8")
+        self.assertFalse(self.state().is_due(self.part))
+
+    def test_a_state_that_was_cut_is_none(self):
+        self.pass_all()
+        (self.root / "state.json").write_text('{"passed"', encoding="utf-8")
+        self.assertTrue(self.state().is_due(self.part))
+
+    def test_what_a_part_takes_is_that_of_its_last_run(self):
+        self.assertEqual(self.state().core_minutes(self.part), 30)
+        self.pass_all()
+        self.assertAlmostEqual(self.state().core_minutes(self.part), 4 / 60)
+
+    def test_a_test_of_no_part_or_of_two_is_found(self):
+        tests = {name: mock.Mock(labels={"evidence"}) for name in ("part.a", "other")}
+        self.assertIn("other belongs to 0 parts", "\n".join(run.assign([self.part], tests)))
+        self.assertIn("part.a belongs to 2 parts", "\n".join(run.assign([self.part, self.part], tests)))
+
+    def test_the_page_names_a_part_that_was_not_made_and_escapes_its_texts(self):
+        part.end(self.root / "one.json", "one", "One", "What <is> shown.", [part.figure("share", "98 %", "≥ 95 %", False)], [])
+        text = page.page([page.read(self.root, name) for name in ("one", "two")])
+        self.assertIn("This part was not made.", text)
+        self.assertIn("What &lt;is&gt; shown.", text)
+        self.assertIn('<span class="verdict bad">not kept</span>', text)
+
+
+class ThisProject(unittest.TestCase):
+    def test_each_test_of_the_evidence_belongs_to_one_part_whose_inputs_exist(self):
+        parts = run.parts_of(run.PARTS.read_text(encoding="utf-8"))
+        tests = ctested.listed(ROOT / "build/host", whole=False)
+        self.assertEqual(list(run.assign(parts, tests)), [])
+        for one in parts:
+            for path in one.inputs:
+                self.assertTrue((ROOT / path).exists(), f"{one.name}: {path}")
+
+
+class Cost(unittest.TestCase):
+    """The processor time of tests that ctest runs."""
+
+    def measured(self, seconds):
+        with tempfile.TemporaryDirectory() as folder:
+            command = [os.path.normpath(sys.executable), "-c", SPINS.format(seconds)]
+            words = " ".join(f'"{word}"' for word in command)
+            (Path(folder) / "CTestTestfile.cmake").write_text(f"add_test(spins {words})\n", encoding="utf-8")
+            with mock.patch("builtins.print"):
+                return list(ctest_run.Run(folder, [], {"spins": command}))
+
+    def test_it_is_what_the_test_has_used(self):
+        (test,) = self.measured(2)
+        self.assertTrue(test.passed)
+        # Of the last look before its end, and of the start of the interpreter.
+        self.assertGreater(test.core_seconds, 2 - 2 * ctest_run.LOOK_S)
+        self.assertLess(test.core_seconds, 2 + 2 * ctest_run.LOOK_S)
+
+    def test_a_test_dearer_than_allowed_is_found_unless_it_has_a_reason(self):
+        dear = [ctest_run.Ended("a", True, 1.0, run_tests.MOST + 1)]
+        self.assertEqual(len(list(run_tests.too_dear(dear, {"a": mock.Mock(labels=set())}))), 1)
+        self.assertEqual(list(run_tests.too_dear(dear, {"a": mock.Mock(labels={"dear"})})), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
