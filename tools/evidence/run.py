@@ -26,7 +26,6 @@ ROOT = part.ROOT
 BUILD = ROOT / "build/host"
 OUT = BUILD / "evidence"
 STATE = OUT / "state.json"
-LOG = OUT / "last_run.log"
 PAGE = ROOT / "build/report/evidence.html"
 PARTS = Path(__file__).with_name("parts.toml")
 CORES = 2
@@ -195,7 +194,6 @@ def main():
     parser.add_argument("parts", nargs="*", metavar="PART", help="these alone")
     parser.add_argument("--list", action="store_true", help="say what is due and how many core-minutes it takes")
     parser.add_argument("--again", action="store_true", help="what has passed, too")
-    parser.add_argument("--due", action="store_true", help=argparse.SUPPRESS)  # of tools/dev: exit status 0 if any is
     args = parser.parse_args()
     parts, state = parts_of(PARTS.read_text(encoding="utf-8")), State()
     unknown = sorted(set(args.parts) - {one.name for one in parts})
@@ -205,14 +203,13 @@ def main():
         show(parts, state)
         return 0
     due = [one for one in parts if (not args.parts or one.name in args.parts) and (args.again or state.is_due(one))]
-    if args.due:
-        return 0 if due else 1
     return finish(parts, due, state)
 
 
 def finish(parts, due, state):
     progress = None
     if due:
+        subprocess.run([ROOT / "tools/dev", "build", "host"], check=True)
         tests = ctested.listed(BUILD, whole=False)
         wrong = list(assign(parts, tests))
         if wrong:
