@@ -266,8 +266,7 @@ class Refuses(SessionTest):
 
 
 class Terminal(SessionTest):
-    ANSWER_S = 20
-    UNDER_WAY_S = 0.3
+    ANSWER_S = 120
     PROLONGED = "scenario.duration_s=3600"   # half a minute to run
 
     def setUp(self):
@@ -282,7 +281,14 @@ class Terminal(SessionTest):
         self.addCleanup(self.process.wait)
         self.addCleanup(self.process.kill)
         self.shown_until(r"\(s1 0\)")
-        time.sleep(self.UNDER_WAY_S)   # the terminal is switched to keys behind the prompt
+        self.wait_for_keys(True)
+
+    def wait_for_keys(self, taken_one_by_one):
+        """At the prompt the terminal gives each key as it is typed; while a command is under way, whole lines."""
+        end = time.monotonic() + self.ANSWER_S
+        while taken_one_by_one == bool(termios.tcgetattr(self.screen)[3] & termios.ICANON):
+            self.assertLess(time.monotonic(), end)
+            time.sleep(0.01)
 
     def shown_until(self, pattern):
         text = ""
@@ -307,7 +313,7 @@ class Terminal(SessionTest):
 
     def test_ctrl_c_stops_a_run_at_a_whole_tick(self):
         self.types("run until speed_rpm > 1e9\n", "until speed_rpm")
-        time.sleep(self.UNDER_WAY_S)
+        self.wait_for_keys(False)
         stopped = self.types(CTRL_C, r"\(s1 \d+\) $")
         tick = int(re.search(r"stopped: interrupted\r?\ntick (\d+) ", stopped)[1])
         self.assertIn(f"(s1 {tick})", stopped)
@@ -320,7 +326,7 @@ class Terminal(SessionTest):
     def test_ctrl_c_stops_the_way_to_a_tick_there_and_back(self):
         for command in (f"goto {LAST}\n", f"step {LAST}\n"):
             self.types(command, command[:4])
-            time.sleep(self.UNDER_WAY_S)
+            self.wait_for_keys(False)
             stopped = self.types(CTRL_C, r"\(s1 \d+\) $")
             tick = int(re.search(r"stopped: interrupted\r?\ntick (\d+) ", stopped)[1])
             self.assertTrue(0 < tick < LAST, stopped)
