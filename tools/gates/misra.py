@@ -59,14 +59,19 @@ def check(files, port):
 
 
 def programs():
-    """(files, port): an image of each binding, and of each port that none of them has what is in reach of it alone."""
-    bindings = {binding_of(p) for p in every_file if p.suffix == ".c"} - {None}
+    """(files, port): the image of each chip as a whole; of a binding that is no product, and of each port that none of them
+    has, what is in reach of it alone."""
+    bindings = sorted({binding_of(p) for p in every_file if p.suffix == ".c"} - {None}) or [None]
+    whole_ones = set(PORT_OF) & set(bindings) or set(bindings)
     ports = {p.parent.name: p.parent for p in every_file if p.suffix == ".h" and p.parent.parent == PORTS}
     left = dict(ports)
-    for binding in sorted(bindings) or [None]:
+    for binding in bindings:
         name = PORT_OF.get(binding, PORT_OF_OTHERS)
         left.pop(name, None)
-        yield [p for p in every_file if binding_of(p) in (None, binding)], ports.get(name, Path("firmware"))
+        whole = [p for p in every_file if binding_of(p) in (None, binding)]
+        of_it = whole if binding in whole_ones else [
+            p for p in whole if binding_of(p) or p.suffix == ".h" or p.is_relative_to(MATH)]
+        yield of_it, ports.get(name, Path("firmware"))
     for port in left.values():
         yield [p for p in every_file if p.is_relative_to(MATH)], port
 
