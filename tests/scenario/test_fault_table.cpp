@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Every fault in every state of the drive: how soon the gates are open for good and what is latched, or why nothing
-// is and what the motor does meanwhile. The table is part of the design: docs/protection.md, "Fault injection".
+// is and what the motor does meanwhile. The tables are part of the design: docs/protection.md, "Fault injection".
 //
-//     test_fault_table            holds the table
-//     test_fault_table --measure  prints it as it is measured now
+//     test_fault_table            holds the tables
+//     test_fault_table --measure  prints them as they are measured now; tools/dev figures --write puts them there
 #include "measure.h"
 #include "plate.h"
 #include "scripted_run.h"
@@ -688,6 +688,7 @@ int main(int argc, char **argv)
         for (const std::string &line : table()) {
             fmt::print("{}\n", line);
         }
+        fmt::print("\n");
         for (const std::string &line : sensor_table()) {
             fmt::print("{}\n", line);
         }

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: MIT
 """All figures of a measurement, as plain values: the JSON file, and what tables and budget show."""
 
-from . import cycles, sizes, stack
+from collections import Counter
+
+from . import cycles, profile, sizes, stack
 from .replay import ENTRY
 
 # What a complete RUN tick may cost, instructions: mean and max.
@@ -11,7 +13,7 @@ STATE_LIMIT = 2 * 1024
 
 
 def collect(benches):
-    """The figures by core: ticks and stack by tuning, sizes of the first tuning's image."""
+    """The figures by core: ticks and stack by tuning; of the first tuning the sizes of the image and RUN by source file."""
     report = {}
     for bench in benches:
         of_core = report.setdefault(bench.core, {"ticks": {}, "stack": {}})
@@ -21,6 +23,7 @@ def collect(benches):
         of_core["stack"][bench.tuning] = stack_of(bench)
         if "sizes" not in of_core:
             of_core["sizes"] = sizes_of(bench.image)
+            of_core["run_by_file"] = by_file(bench)
     return report
 
 
@@ -68,6 +71,14 @@ def stack_of(bench):
     size, chain = stack.computed(bench.image, ENTRY)
     return {"measured": max(replay.stack_bytes for replay in bench.replays), "computed": size,
             "deepest": list(chain)}
+
+
+def by_file(bench):
+    """Mean instructions of a RUN tick by source file."""
+    found = Counter()
+    for share in profile.profile(bench, "RUN"):
+        found[share.file] += share.mean
+    return {file: round(mean, 1) for file, mean in found.most_common()}
 
 
 def sizes_of(image):
