@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""tools/dev with stand-ins for what it calls. demo: what it builds, and what it says of runs that do not hold. quick: what
-it builds and runs, and that a failure ends it."""
+"""tools/dev with stand-ins for what it calls. Each command: it gets to its end, and what it calls is in the project. demo:
+what it builds, and what it says of runs that do not hold. quick: what it builds and runs, and that a failure ends it."""
 
 import os
 import re
@@ -23,6 +23,15 @@ case "$*" in
 esac
 """
 RECORDER = '#!/bin/sh\necho "$@" >>"$LOG"\n'
+# Takes a file of the project for its word only if there is one.
+STRICT = f"""#!/bin/sh
+for word; do
+    case "$word" in
+        tools/web/node_modules/* | */all) ;;
+        tools/* | tests/*) [ -e "{ROOT}/$word" ] || {{ echo "there is no $word" >&2; exit 127; }} ;;
+    esac
+done
+"""
 
 
 class Dev(unittest.TestCase):
@@ -33,12 +42,15 @@ class Dev(unittest.TestCase):
         (self.root / "tools").mkdir()
         shutil.copy(ROOT / "tools/dev", self.root / "tools/dev")
         self.write("tools/requirements.txt", "")
-        for name in ("tools/setup/apt", "tools/setup/python", "tools/setup/unity", ".cache/venv/bin/python",
-                     "build/host/gaindesign"):
+        for name in ("tools/setup/apt", "tools/setup/python", "tools/setup/unity", ".cache/venv/bin/python"):
             self.script(name, "#!/bin/sh\n")
-        self.script("build/host/motorsim", MOTORSIM)
+        self.built()
         self.script("bin/cmake", RECORDER)
         self.script("bin/ctest", RECORDER + "exit $STATUS\n")
+
+    def built(self):
+        self.script("build/host/gaindesign", "#!/bin/sh\n")
+        self.script("build/host/motorsim", MOTORSIM)
 
     def write(self, name, text):
         path = self.root / name
@@ -59,6 +71,46 @@ class Dev(unittest.TestCase):
 
     def called(self):
         return (self.root / "cmake.log").read_text(encoding="utf-8")
+
+
+class Commands(Dev):
+    """What is not made by the set-up or a build has to be in the project."""
+
+    def setUp(self):
+        super().setUp()
+        self.script("tools/web/node_modules/.bin/tsc", STRICT)
+        self.write("tools/web/package-lock.json", "{}")
+        for path in (ROOT / "tools").rglob("*"):
+            name = path.relative_to(ROOT)
+            if path.is_file() and os.access(path, os.X_OK) and name.name != "dev" and "node_modules" not in name.parts:
+                self.script(name, STRICT)
+        for name in (".cache/venv/bin/python", "bin/cmake", "bin/ctest", "bin/node"):
+            self.script(name, STRICT)
+
+    def commands(self):
+        """Each command, and each with the option that the help names."""
+        text = (self.root / "tools/dev").read_text(encoding="utf-8")
+        cases = re.search(r'^case "\$command" in\n(.*?)^esac', text, re.M | re.S)[1]
+        commands = set(re.findall(r"^    ([a-z]\w*)\)", cases, re.M))
+        described = re.findall(r"^  ([a-z]\w*)(?: \[(.*?)\])? ", self.dev("--help").stdout, re.M)
+        self.assertEqual({command for command, _ in described}, commands)
+        return [[command] for command in sorted(commands)] + [[command, option] for command, option in described
+                                                              if option.startswith("--")]
+
+    def test_each_gets_to_its_end_with_what_is_in_the_project(self):
+        self.assertGreater(len(self.commands()), 10)
+        for words in self.commands():
+            self.built()  # anew, as one of them removes it
+            with self.subTest(words):
+                done = self.dev(words)
+                self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+    def test_a_script_that_is_not_there_is_found(self):
+        text = (self.root / "tools/dev").read_text(encoding="utf-8")
+        for script, other in (("tools/gates/format.py", "tools/gates/none.py"), ("tools/gates/preset", "tools/gates/none")):
+            self.write("tools/dev", text.replace(script, other))
+            self.assertEqual([words for words in (["format"], ["cost"], ["docs"]) if self.dev(words).returncode],
+                             [["format"] if script.endswith(".py") else ["cost"]])
 
 
 class Quick(Dev):
