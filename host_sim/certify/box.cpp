@@ -2,6 +2,7 @@
 #include "box.h"
 
 #include "bars.h"
+#include "si.h"
 #include "timetable.h"
 
 #include <algorithm>
@@ -12,7 +13,6 @@ namespace nf::certify
 namespace
 {
 
-constexpr double PER_CENT = 0.01;
 constexpr double MICRO = 1e-6;
 constexpr double MILLI = 1e-3;
 const char *const INERTIA = "motor.inertia_kg_m2";

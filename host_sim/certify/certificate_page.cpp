@@ -2,6 +2,7 @@
 #include "certificate_page.h"
 
 #include "sentences.h"
+#include "si.h"
 #include "worst_map.h"
 
 #include <algorithm>
@@ -13,8 +14,6 @@ namespace nf::certify
 {
 namespace
 {
-
-constexpr double PER_CENT = 100;
 
 constexpr const char *STYLE = R"(<style>
 :root { color-scheme: light dark; --page: #fcfcfb; --ink: #0b0b0b; --quiet: #52514e; --line: #e1e0d9; --card: #ffffff;
@@ -83,7 +82,7 @@ std::string tuning_row(const Summary &summary, bool is_best)
         "<tr{}><td>{}{}</td><td>{} of {}</td><td>{:.1f} %</td><td>{}</td><td>{}</td><td>{}</td>"
         "<td>{}</td><td>{:.2f}</td></tr>\n",
         is_best ? " class=\"best\"" : "", safe(summary.tuning), is_best ? " (take this one)" : "",
-        summary.locked, summary.runs, PER_CENT * summary.least_locked(), summary.slow,
+        summary.locked, summary.runs, IN_PER_CENT * summary.least_locked(), summary.slow,
         summary.stopped, summary.lost, summary.swings, summary.worst.low);
 }
 
@@ -103,7 +102,7 @@ std::string spread_row(const Campaign &campaign, const char *title, const char *
 {
     const std::string most =
         spread.most ? fmt::format("{}, {:.0f} %", safe(campaign.box[spread.most->axis].title),
-                                  PER_CENT * spread.most->share)
+                                  IN_PER_CENT * spread.most->share)
                     : "";
     return fmt::format(
         "<tr><td>{}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.2f}</td><td class=\"left\">{}</td>"
@@ -262,7 +261,7 @@ std::string influence_row(const Campaign &campaign, const Influence &influence)
     std::string text = fmt::format(
         "<tr><td>{}</td><td><svg class=\"small\" width=\"{}\" height=\"14\"><rect class=\"track\" y=\"6\" width=\"{}\" height=\"2\"/>"
         "<rect class=\"bar\" y=\"2\" width=\"{:.1f}\" height=\"10\" rx=\"2\"/></svg></td><td>{:.0f} %</td>",
-        safe(axis.title), width, width, width * influence.share, PER_CENT * influence.share);
+        safe(axis.title), width, width, width * influence.share, IN_PER_CENT * influence.share);
     for (std::size_t quarter = 0; quarter < influence.margin.size(); quarter++) {
         text += fmt::format("<td>{:.2f}{}</td>", influence.margin[quarter],
                             influence.failed[quarter] > 0
@@ -299,7 +298,7 @@ std::string influences_table(const Campaign &campaign, const Summary &best)
     return (outstanding.empty() ? "" : table) +
            fmt::format("<p>{} explains less than {:.0f} %, which may be chance.</p>\n",
                        outstanding.empty() ? "Each value" : "Any other value",
-                       PER_CENT * share_by_chance(best.runs)) +
+                       IN_PER_CENT * share_by_chance(best.runs)) +
            advice_list(campaign, outstanding);
 }
 

@@ -2,6 +2,7 @@
 #include "certificate_text.h"
 
 #include "sentences.h"
+#include "si.h"
 
 #include <fmt/format.h>
 
@@ -9,8 +10,6 @@ namespace nf::certify
 {
 namespace
 {
-
-constexpr double PER_CENT = 100;
 
 const Config &config_of(const Campaign &campaign)
 {
@@ -24,7 +23,7 @@ std::string tuning_line(const Summary &summary, bool is_best)
     }
     return fmt::format("{} {:<14}{:>6} of {:<5}{:>8.1f} %{:>7}{:>8}{:>6}{:>9}{:>9.2f}\n",
                        is_best ? '*' : ' ', summary.tuning, summary.locked, summary.runs,
-                       PER_CENT * summary.least_locked(), summary.slow, summary.stopped,
+                       IN_PER_CENT * summary.least_locked(), summary.slow, summary.stopped,
                        summary.lost, summary.swings, summary.worst.low);
 }
 
@@ -41,7 +40,7 @@ std::string spread_line(const Campaign &campaign, const char *title, const Sprea
 {
     const std::string most =
         spread.most ? fmt::format("  {}, {:.0f} %", campaign.box[spread.most->axis].title,
-                                  PER_CENT * spread.most->share)
+                                  IN_PER_CENT * spread.most->share)
                     : "";
     return fmt::format("  {:<44}{:>8.2f}{:>8.2f}{:>8.2f}{}\n", title, spread.least, spread.low,
                        spread.middle, most);
@@ -64,7 +63,8 @@ std::string margin_lines(const Campaign &campaign, const Summary &best)
 
 std::string influence_line(const Axis &axis, const Influence &influence)
 {
-    std::string text = fmt::format("  {:<32}{:>5.0f} %  ", axis.title, PER_CENT * influence.share);
+    std::string text =
+        fmt::format("  {:<32}{:>5.0f} %  ", axis.title, IN_PER_CENT * influence.share);
     for (std::size_t quarter = 0; quarter < influence.margin.size(); quarter++) {
         text += fmt::format("{:>8.2f} ({})", influence.margin[quarter], influence.failed[quarter]);
     }
@@ -79,7 +79,7 @@ std::string influence_lines(const Campaign &campaign, const Summary &best)
         text += influence_line(campaign.box[influence.axis], influence);
     }
     return text + fmt::format("  anything else: less than {:.0f} %, which may be chance\n",
-                              PER_CENT * share_by_chance(best.runs));
+                              IN_PER_CENT * share_by_chance(best.runs));
 }
 
 std::string box_lines(const Campaign &campaign)

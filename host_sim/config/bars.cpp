@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "bars.h"
 
+#include "si.h"
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -15,7 +17,6 @@ namespace
 using M = MotorSettings;
 using E = MeasuredSettings;
 
-constexpr double PER_CENT = 0.01;
 constexpr double SIGMAS = 2; // 95 % of a normal distribution
 
 // A value with its bars in % of it.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "data_sheet.h"
 
+#include "si.h"
+
 #include <cmath>
 
 #include <fmt/format.h>
@@ -10,10 +12,8 @@ namespace nf
 namespace
 {
 
-constexpr double PI = 3.14159265358979323846;
 constexpr double SQRT_2 = 1.41421356237309504880;
 constexpr double SQRT_3 = 1.73205080756887729353;
-constexpr double RAD_S_PER_RPM = 0.10471975511965977462;
 constexpr double STAR = 1 / 2.0;  // two phases in series between two terminals
 constexpr double DELTA = 1 / 3.0; // the star that does the same as a triangle
 // Of the peak voltage between two terminals at an electrical speed.

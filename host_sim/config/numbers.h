@@ -3,6 +3,7 @@
 #pragma once
 
 #include "per_unit.h"
+#include "si.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +12,6 @@
 namespace nf
 {
 
-constexpr double PI = 3.14159265358979323846;
-constexpr double TWO_PI = 2 * PI;
 constexpr double STEPS_PER_TURN = 4294967296.0; // step_t and angle_t: 2^32
 constexpr double Q12 = 4096.0;
 constexpr double Q13 = 8192.0;

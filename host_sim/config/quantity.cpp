@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "quantity.h"
 
+#include "si.h"
+
 #include <cmath>
 
 #include <fmt/format.h>
@@ -9,8 +11,6 @@ namespace nf
 {
 namespace
 {
-
-constexpr double PI = 3.14159265358979323846;
 
 // What a base may depend on.
 struct Context {

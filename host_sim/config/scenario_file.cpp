@@ -3,6 +3,7 @@
 
 #include "event_file.h"
 #include "files.h"
+#include "si.h"
 #include "suggest.h"
 #include "timed_list.h"
 
@@ -39,7 +40,6 @@ const std::map<std::string, bool> FLAGS = {{"locked", true}, {"limit_cycle", fal
 const std::string ANY = "any";
 const std::string IDEAL = "ideal";
 const std::string INHERIT_LIMITS = "scenario.inherit_limits";
-constexpr double PER_CENT = 0.01;
 
 std::string list_name(const std::string &list)
 {

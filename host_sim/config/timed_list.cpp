@@ -3,6 +3,7 @@
 
 #include "event_file.h"
 #include "schema.h"
+#include "si.h"
 
 #include <fmt/format.h>
 
@@ -10,8 +11,6 @@ namespace nf
 {
 namespace
 {
-
-constexpr double PER_CENT = 0.01;
 
 // The values that an entry of a list of timed values can hold: one of these, in SI or as a share.
 using Choices = std::vector<EntryValue>;

@@ -14,8 +14,6 @@ namespace nf::identify
 namespace
 {
 
-constexpr double PER_CENT = 100;
-constexpr double RAD_S_PER_RPM = PI / 30;
 constexpr double SCALE_OFF = 1e-3; // the files' scales and the records' are those of one board
 // The mean change of a sensor from sample to sample is 2/√π of its standard deviation.
 constexpr double CHANGE_TO_SIGMA = 0.88622692545275801365;
@@ -46,7 +44,7 @@ void check_scales(const Scales &scales, const Config &plate)
 
 double pct(double part, double whole)
 {
-    return whole != 0 ? PER_CENT * part / std::abs(whole) : 0;
+    return whole != 0 ? IN_PER_CENT * part / std::abs(whole) : 0;
 }
 
 // 1.5·P²·φ²/J: over L the square of the frequency with which the rotor swings against a current that it induces.
@@ -119,8 +117,8 @@ void fill_bars(MeasuredSettings &m, const Legs &legs, const Inductances &l, cons
         m.knee_a = legs.knee_a.value;
         m.knee_bar_a = bar_of(legs.knee_a);
     }
-    m.gain_mismatch_pct = PER_CENT * legs.mismatch.value;
-    m.gain_mismatch_bar_pct = PER_CENT * bar_of(legs.mismatch);
+    m.gain_mismatch_pct = IN_PER_CENT * legs.mismatch.value;
+    m.gain_mismatch_bar_pct = IN_PER_CENT * bar_of(legs.mismatch);
 }
 
 // How much of a converter's rounding is left in a mean. Noise smooths the staircase: its first harmonic falls with the rms of

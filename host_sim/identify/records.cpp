@@ -2,6 +2,7 @@
 #include "records.h"
 
 #include "config.h"
+#include "si.h"
 
 #include <algorithm>
 #include <charconv>
@@ -18,7 +19,6 @@ namespace nf::identify
 namespace
 {
 
-constexpr double PI = 3.14159265358979323846;
 constexpr double Q15 = 32768;
 constexpr double Q16 = 65536;
 constexpr double STEPS = 4294967296; // of a turn

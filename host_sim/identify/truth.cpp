@@ -12,8 +12,6 @@ namespace nf::identify
 namespace
 {
 
-constexpr double PER_CENT = 100;
-
 bool saturates(const plant_iron_cfg_t &iron)
 {
     return iron.fall_d > 0 || iron.fall_q > 0;
@@ -67,7 +65,8 @@ Truth truth_of(const Config &config)
                   motor.saturation_d,   motor.saturation_q,   motor.saturation_shared};
     truth.inductance_q_h = inductance_q_h(truth, truth.current_a);
     const auto &gain_pct = config.plant.adc_gain_error_pct;
-    truth.gain_mismatch_pct = PER_CENT * ((PER_CENT + gain_pct[0]) / (PER_CENT + gain_pct[1]) - 1);
+    truth.gain_mismatch_pct =
+        IN_PER_CENT * ((IN_PER_CENT + gain_pct[0]) / (IN_PER_CENT + gain_pct[1]) - 1);
     truth.current_noise_lsb = with_count(config.plant.adc_noise_lsb);
     truth.knee_a = plant.supply.commutation_knee_a;
     return truth;

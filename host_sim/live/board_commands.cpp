@@ -11,6 +11,7 @@
 #include "output_file.h"
 #include "reader.h"
 #include "run_recording.h"
+#include "si.h"
 #include "trimmed.h"
 
 #include <cmath>
@@ -31,7 +32,6 @@ namespace
 using debug::Answer;
 using debug::Outcome;
 
-constexpr double TWO_PI = 6.28318530717958647693;
 constexpr double Q16 = 65536.0;
 constexpr double Q28 = 268435456.0;
 constexpr int DUMP_TRIES = 5;

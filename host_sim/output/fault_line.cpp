@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "fault_line.h"
 
+#include "numbers.h"
+
 extern "C" {
 #include "fault_text.h"
 }
@@ -13,7 +15,6 @@ namespace
 {
 
 constexpr double Q14 = 16384.0;
-constexpr double Q15 = 32768.0;
 
 std::string quantity(fault_unit_t unit, int32_t value, const Bases &bases)
 {

@@ -2,6 +2,7 @@
 #include "signals.h"
 
 #include "names.h"
+#include "numbers.h"
 #include "suggest.h"
 
 extern "C" {
@@ -21,9 +22,7 @@ namespace nf
 namespace
 {
 
-constexpr double Q15 = 32768.0;
 constexpr double Q32 = 4294967296.0;
-constexpr double PI = 3.14159265358979323846;
 constexpr double RPM_PER_RAD_S = 30.0 / PI;
 constexpr double DEG_PER_RAD = 180.0 / PI;
 constexpr double DEG_PER_STEP = 360.0 / Q32;

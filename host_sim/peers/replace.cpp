@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "replace.h"
 
+#include "si.h"
+
 extern "C" {
 #include "estimate.h"
 }
@@ -13,7 +15,6 @@ namespace nf::peers
 namespace
 {
 
-constexpr double TWO_PI = 6.283185307179586476925;
 constexpr double STEPS_PER_RAD = 4294967296.0 / TWO_PI;
 constexpr double Q15 = 32768.0;
 constexpr double Q14 = 16384.0;

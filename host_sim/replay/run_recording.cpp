@@ -45,11 +45,11 @@ std::size_t end_of(const RecordedRun &run, const std::function<void()> &meanwhil
 
 std::size_t frames_max()
 {
-    constexpr std::size_t LINE_BYTES = RECORDER_LINE_CHARACTERS + 1; // with its end
-    constexpr std::size_t ENTRY_WORDS = sizeof(recorder_entry_t) / sizeof(uint32_t);
+    constexpr std::size_t BYTES_OF_LINE = RECORDER_LINE_CHARACTERS + 1; // with its end
+    constexpr std::size_t WORDS_OF_ENTRY = sizeof(recorder_entry_t) / sizeof(uint32_t);
     constexpr std::size_t OTHER_WORDS = 4096; // header, configurations, state
-    return (FILE_BYTES_MAX / LINE_BYTES * RECORDER_LINE_WORDS - OTHER_WORDS) /
-           (ENTRY_WORDS * ENTRIES_OF_A_FRAME);
+    return (FILE_BYTES_MAX / BYTES_OF_LINE * RECORDER_LINE_WORDS - OTHER_WORDS) /
+           (WORDS_OF_ENTRY * ENTRIES_OF_A_FRAME);
 }
 
 // The recorder's snapshot is the state behind its first tick.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "injection.h"
 
+#include "si.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +11,6 @@ namespace nf
 namespace
 {
 
-constexpr double RAD_PER_DEG = 3.14159265358979323846 / 180.0;
 constexpr double ANGLE_PER_DEG = 65536.0 / 360.0; // of the frame
 constexpr unsigned PHASE_A = 1;
 constexpr unsigned PHASE_B = 2;

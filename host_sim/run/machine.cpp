@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "machine.h"
 
+#include "si.h"
+
 #include <cmath>
 
 #include <fmt/format.h>
@@ -10,9 +12,6 @@ namespace nf
 namespace
 {
 
-constexpr double PI = 3.14159265358979323846;
-constexpr double RAD_S_PER_RPM = PI / 30.0;
-constexpr double RAD_PER_DEG = PI / 180.0;
 constexpr int COGGING_IN_TURN_EL = 6; // of a slot for each pole and phase
 
 // Two masses on a spring: w² = k·(1/J_M + 1/J_L), damping ratio D = d/(2·w)·(1/J_M + 1/J_L). Both are of the inertia in cfg.

@@ -2,6 +2,7 @@
 #include "sim.h"
 
 #include "machine.h"
+#include "numbers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +15,6 @@ namespace
 {
 
 constexpr double Q16 = 65536.0;
-constexpr double Q28 = 268435456.0;
 
 // A command of the user as the drive's integer; what it cannot hold is as far as it goes.
 int32_t to_target(double value)

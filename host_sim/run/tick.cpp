@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tick.h"
 
+#include "numbers.h"
+
 #include <limits>
 
 namespace nf
@@ -34,8 +36,6 @@ static DriveMode mode_of(const drive_command_t &command)
 static double command_si(const drive_command_t &command, const Bases &bases)
 {
     constexpr double Q16 = 65536.0;
-    constexpr double Q28 = 268435456.0;
-    constexpr double TWO_PI = 6.28318530717958647693;
     switch (mode_of(command)) {
     case DriveMode::position:
         return command.target / Q16 * TWO_PI / bases.pole_pairs;

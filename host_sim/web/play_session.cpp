@@ -10,6 +10,7 @@
 #include "event_file.h"
 #include "fault_line.h"
 #include "names.h"
+#include "si.h"
 #include "vocabulary.h"
 
 #include <algorithm>
@@ -30,7 +31,6 @@ namespace
 constexpr double KEPT_S = 10;
 constexpr double LONGEST_S = 86400; // a day at 48 kHz is less than the drive's tick can count
 constexpr double POSITION_MAX_DEG = 3600;
-constexpr double RAD_PER_DEG = 3.14159265358979323846 / 180.0;
 
 // The machine of a scenario, with nothing that happens in it. A person says when it runs.
 Config machine_of(const Choice &choice)

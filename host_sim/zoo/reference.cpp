@@ -24,7 +24,7 @@ bool is_class(const std::string &name)
 }
 
 // The whole of a text as a number.
-std::optional<uint32_t> number_of(const std::string &text)
+std::optional<uint32_t> whole_number(const std::string &text)
 {
     uint32_t number = 0;
     const char *const end = text.data() + text.size();
@@ -78,8 +78,8 @@ std::optional<Reference> parse(const std::string &text)
     const std::optional<std::string> seed = cut_behind(rest, '@');
     const std::size_t colon = rest.rfind(':');
     const bool has_class = colon != std::string::npos;
-    const std::optional<uint32_t> number = number_of(has_class ? rest.substr(colon + 1) : rest);
-    const std::optional<uint32_t> wanted = seed ? number_of(*seed) : found.seed;
+    const std::optional<uint32_t> number = whole_number(has_class ? rest.substr(colon + 1) : rest);
+    const std::optional<uint32_t> wanted = seed ? whole_number(*seed) : found.seed;
     if (!number || !wanted) {
         return std::nullopt;
     }

@@ -11,7 +11,6 @@ namespace nf::zoo
 namespace
 {
 
-constexpr double RAD_S_PER_RPM = 3.14159265358979323846 / 30;
 constexpr double PER_CENT = 0.01;
 
 // What all classes share.

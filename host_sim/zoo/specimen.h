@@ -14,6 +14,8 @@
 namespace nf::zoo
 {
 
+constexpr double RAD_S_PER_RPM = 3.14159265358979323846 / 30;
+
 // A bus up to here is that of a battery or a small supply.
 constexpr double LOW_VOLTAGE = 72;
 

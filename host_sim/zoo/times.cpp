@@ -9,8 +9,6 @@ namespace nf::zoo
 namespace
 {
 
-constexpr double RAD_S_PER_RPM = 3.14159265358979323846 / 30;
-
 // The times of a scenario. A drive accelerates with this share of its largest torque at least, and with this one of the rated
 // torque where it imposes the current, up to a tenth of rated speed; the hand-over takes a while.
 constexpr double RAMP_TORQUE = 0.15;

@@ -16,6 +16,17 @@ function(nf_precompile target)
     endif()
 endfunction()
 
+# nf_compile_together(<target>)
+#
+# The C++ sources of a library, a few in one translation unit: most of their time goes into the headers that they share. A
+# name in an unnamed namespace is then one of the whole library.
+function(nf_compile_together target)
+    get_target_property(sources ${target} SOURCES)
+    if(NOT sources MATCHES "[.]c(;|$)")
+        set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
+    endif()
+endfunction()
+
 # nf_quick_to_compile(<target>)
 #
 # A source that only reads the command line: it runs once, and the library that it uses takes long to optimise. Headers
@@ -37,6 +48,7 @@ function(nf_add_floor target)
     target_compile_features(${target} PUBLIC c_std_11)
     target_link_libraries(${target} PUBLIC ${arg_LINK} PRIVATE nf_warnings)
     nf_precompile(${target})
+    nf_compile_together(${target})
     if(target MATCHES "^nf_(math|control|protect|drive_config|drive|record|app)$")
         nf_count(${target})
     else()

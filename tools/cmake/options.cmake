@@ -48,7 +48,7 @@ option(NF_FUZZ "Link the programs of tests/fuzz with libFuzzer" OFF)
 option(NF_GATES "Register the quality gates as tests" ON)
 
 # Off by default: a precompiled header hides an #include that is missing.
-option(CMAKE_DISABLE_PRECOMPILE_HEADERS "Compile without precompiled headers" ON)
+option(CMAKE_DISABLE_PRECOMPILE_HEADERS "Compile without precompiled headers" OFF)
 option(NF_COVERAGE "Count what the tests run (clang)" OFF)
 
 set(UNITY_ROOT ${PROJECT_SOURCE_DIR}/.cache/unity-2.5.1 CACHE PATH "Folder of the Unity test framework")
