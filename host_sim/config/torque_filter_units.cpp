@@ -80,9 +80,8 @@ torque_filter_cfg_t make_torque_filter(const TuningSettings &tuning, const Bases
 
 std::complex<double> torque_filter_response(const TuningSettings &tuning, double rate_hz, double hz)
 {
-    using Complex = std::complex<double>;
-    const Complex later = std::polar(1.0, -TWO_PI * hz / rate_hz); // z⁻¹
-    Complex response = 1;
+    const std::complex<double> later = std::polar(1.0, -TWO_PI * hz / rate_hz); // z⁻¹
+    std::complex<double> response = 1;
     if (tuning.torque_filter_hz > 0) {
         const double r = smooth_rate(tuning, rate_hz);
         response *= r / (1.0 - (1 - r) * later);

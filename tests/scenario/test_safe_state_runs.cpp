@@ -100,7 +100,7 @@ Peak peak_of(plant_t plant, bool shorted, double time_s)
     return peak;
 }
 
-constexpr int POINTS = 400;
+const int POINTS = static_cast<int>(testing_runs(80, 400));
 constexpr double OPEN_TIME_S = 0.2;  // 40 electrical turns: the bus has settled
 constexpr double SHORT_TIME_S = 0.1; // 5 of L/R
 // The bound is for the worst angle of all, at which the EMF of two phases stands still. It does not, so some room is left,
@@ -500,9 +500,14 @@ std::vector<double> speeds_of(const nf::Config &config)
 void run_table(const Machine &machine)
 {
     const nf::Config config = configured(machine);
+    const unsigned step = testing_runs(3, 1); // no divisor of the speeds and loads: each strike, speed and load is there
+    unsigned at = 0;
     for (const Strike &strike : strikes_of(config.board)) {
         for (const double rpm : speeds_of(config)) {
             for (const double load_rpm : {rpm, machine.load_rpm}) {
+                if (at++ % step != 0) {
+                    continue;
+                }
                 Ride ride(machine);
                 ride.run_at(rpm);
                 ride.strike(strike);

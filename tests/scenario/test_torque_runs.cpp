@@ -262,7 +262,7 @@ Changes change_at_random(const Machine &machine, const Words &sets, unsigned see
 TEST(test_the_mode_may_change_at_any_time)
 {
     for (const Machine &machine : MACHINES) {
-        for (const unsigned seed : {1U, 2U, 3U}) {
+        for (unsigned seed = 1; seed <= testing_runs(1, 3); seed++) {
             const Changes found = change_at_random(machine, {}, seed, 20);
             fmt::print("{}, seed {}: {} changes in RUN, at most {:.2f} of the slope, {:.1f}° off\n",
                        machine.motor, seed, found.between_runs, found.worst, found.worst_deg);
@@ -291,7 +291,7 @@ TEST(test_the_mode_may_change_at_any_time_with_a_voltage_drive)
 
 TEST(test_the_mode_may_change_at_any_time_on_real_hardware)
 {
-    for (const unsigned seed : {11U, 12U, 13U}) {
+    for (unsigned seed = 11; seed < 11 + testing_runs(1, 3); seed++) {
         const Changes found = change_at_random(MOTOR_A, {"all"}, seed, 20);
         fmt::print(
             "motor_a, all, seed {}: {} changes in RUN, at most {:.2f} of the slope, {:.1f}° off\n",

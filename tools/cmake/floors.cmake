@@ -19,10 +19,10 @@ endfunction()
 # nf_compile_together(<target>)
 #
 # The C++ sources of a library, a few in one translation unit: most of their time goes into the headers that they share. A
-# name in an unnamed namespace is then one of the whole library.
+# name in an unnamed namespace is then one of the whole library; those of nf_web each have an `open`.
 function(nf_compile_together target)
     get_target_property(sources ${target} SOURCES)
-    if(NOT sources MATCHES "[.]c(;|$)")
+    if(NOT sources MATCHES "[.]c(;|$)" AND NOT target STREQUAL nf_web)
         set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
     endif()
 endfunction()
