@@ -83,19 +83,5 @@ class RegisterCanFail(RegisterTests, unittest.TestCase):
         return planted.registered(path)
 
 
-class SampleCanFail(unittest.TestCase):
-    FAULTS = [replace(FAULT, name=f"{kind} {number}", kind=kind)
-              for kind, count in (("drive", 12), ("config", 6), ("board", 2)) for number in range(count)]
-
-    def test_a_sample_has_its_share_of_each_class_and_is_the_same_each_time(self):
-        sample = planted.chosen(self.FAULTS, None, 10)
-        self.assertEqual([sum(fault.kind == kind for fault in sample) for kind in ("drive", "config", "board")], [6, 3, 1])
-        self.assertEqual(planted.chosen(self.FAULTS, None, 10), sample)
-
-    def test_only_those_of_a_class_or_with_a_word_in_their_name(self):
-        self.assertEqual(len(planted.chosen(self.FAULTS, ["config"], None)), 6)
-        self.assertEqual(len(planted.chosen(self.FAULTS, ["board 1"], None)), 1)
-
-
 if __name__ == "__main__":
     unittest.main()
