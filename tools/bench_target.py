@@ -32,7 +32,6 @@ import own_python
 
 ROOT = Path(__file__).resolve().parents[1]
 BUDGET = ROOT / "tools/bench/budget.toml"
-MARGIN_PERCENT = 3.0
 
 EPILOG = """Exit status: 0 done; 1 with --check, a figure is outside the budget, each in one line; 2 an
 image, a file or an argument is missing or wrong."""
@@ -100,7 +99,7 @@ def report_on(console, benches, args):
     for table in tables.all_tables(found):
         console.print(table)
     if args.write_budget:
-        write(args.budget, budget.as_toml(figures, args.margin))
+        write(args.budget, budget.as_toml(figures))
         print(args.budget)
     return 0
 
@@ -133,11 +132,9 @@ def add_budget(parser):
     either = group.add_mutually_exclusive_group()
     either.add_argument("--check", action="store_true", help="compare, instead of the tables")
     either.add_argument("--write-budget", action="store_true",
-                        help="write it, each figure with the margin to both sides")
+                        help="write it, each figure with its margins")
     group.add_argument("--budget", type=Path, default=BUDGET, metavar="FILE",
                        help="the budget (tools/bench/budget.toml)")
-    group.add_argument("--margin", type=float, default=MARGIN_PERCENT, metavar="PERCENT",
-                       help=f"of --write-budget ({MARGIN_PERCENT:g})")
 
 
 def arguments_of(words):
@@ -158,8 +155,6 @@ def arguments_of(words):
     args = parser.parse_args(words)
     if args.write_budget and (len(args.cores) < len(CPU) or len(args.tunings) < len(RECORDINGS)):
         parser.error("--write-budget: a budget of all cores and tunings is expected")
-    if not 0.0 <= args.margin < 100.0:
-        parser.error(f"--margin: {args.margin:g}; expected 0 to 100 %")
     return args
 
 

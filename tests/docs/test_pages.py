@@ -4,7 +4,6 @@
 import json
 import re
 import unittest
-from itertools import combinations
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -12,29 +11,7 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 GUIDES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 PAGES = [*GUIDES, *(ROOT / "docs/api").glob("*.md")]
 LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")
-ONE_PAGE = 140      # lines of the README
-RUN = 9             # words in a row: fewer may well be a turn of phrase
-CODE = re.compile(r"^```.*?^```$|^ {4}[^\n]*$", re.MULTILINE | re.DOTALL)  # commands and their output may stand twice
-
-
-def prose(text):
-    """Its paragraphs, items and rows, without code and without where links lead."""
-    text = re.sub(r"\]\([^)]*\)", "]", CODE.sub("", text))
-    return re.split(r"\n\s*\n|\n(?=[|*-]|\d+\. )", text)
-
-
-def runs(text):
-    """Each RUN words that follow one another, however the lines are wrapped."""
-    words = (re.findall(r"\w+", part.lower()) for part in prose(text))
-    return {" ".join(of_part[at:at + RUN]) for of_part in words for at in range(len(of_part) - RUN + 1)}
-
-
-def said_twice(pages):
-    """(name, name, words) of each run that two of the pages have; name → text."""
-    said = {name: runs(text) for name, text in pages.items()}
-    return [(one, other, words) for one, other in combinations(said, 2) for words in sorted(said[one] & said[other])]
-
-
+ONE_PAGE = 140  # lines of the README
 SOURCES = ("firmware", "hal", "host_sim", "tools", "tests")
 LANGUAGES = {".c", ".h", ".cpp", ".def", ".py", ".cmake"}
 FUNCTION = re.compile(r"""^\ {0,4}\w[^;{}()#=]*\b(\w+)\([^;{}]*\)[^;{}()]*\{    # of C and C++; `if (` has a space
@@ -96,9 +73,6 @@ class Pages(unittest.TestCase):
                 target = (page.parent / link).resolve()
                 self.assertTrue("://" in link or any(target.is_relative_to(path) for path in packed), f"{page.name}: {link}")
 
-    def test_no_sentence_stands_on_two_pages(self):
-        self.assertEqual(said_twice({page.name: page.read_text(encoding="utf-8") for page in GUIDES}), [])
-
 
 class TheTest(unittest.TestCase):
     def test_a_function_or_file_that_is_not_there_is_found(self):
@@ -106,18 +80,6 @@ class TheTest(unittest.TestCase):
         self.assertEqual(list(not_there("b.c:f, `c.c:g`, `g()`, `a/b.c`, `c.c`, `add_executable()`", defined)), [])
         self.assertEqual(list(not_there("b.c:g, `h()`, `b/c.c`, `d.h`, c.c:if", defined)),
                          ["b.c:g", "`h()`", "`b/c.c`", "`d.h`", "c.c:if"])
-
-    SENTENCE = "The core is one function: counts in, compare values out, without a clock."
-
-    def test_a_sentence_in_another_wrap_with_a_link_in_it_is_found(self):
-        again = "    a command\n\nSo it is. The core is\none [function](api.md): counts in, compare\nvalues out, without a clock."
-        found = said_twice({"one": self.SENTENCE, "other": again})
-        self.assertIn(("one", "other", "the core is one function counts in compare values"), found)
-
-    def test_code_and_the_end_of_one_item_with_the_next_are_not_a_sentence(self):
-        for apart in (f"    {self.SENTENCE}", f"```console\n{self.SENTENCE}\n```",
-                      "- The core is one function: counts in\n- compare values out, without a clock."):
-            self.assertEqual(said_twice({"one": self.SENTENCE, "other": apart}), [])
 
 
 if __name__ == "__main__":

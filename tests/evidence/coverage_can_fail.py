@@ -125,11 +125,6 @@ class CoverageCanFail(unittest.TestCase):
         self.justify("output > limit", "branch")
         self.assert_found("branch 'output > limit' needs no justification")
 
-    def test_a_justification_without_reason_is_found(self):
-        self.justify("output > limit", "branch")
-        self.replace(self.register, "of the test", " ")
-        self.assert_found("an entry has file, function, kind, reason, text")
-
     def test_a_source_file_that_no_build_has_is_found(self):
         measured = {(MODULE, (1, 1, 1, 1), "statement", ""): True}
         self.assertIn("firmware/control/modulator.c: nothing of it is counted", coverage.not_built(measured, self.root))

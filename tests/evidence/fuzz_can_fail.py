@@ -110,6 +110,21 @@ class FuzzHasToHappen(unittest.TestCase):
             self.assertFalse(old.exists())
 
 
+class Corpus(unittest.TestCase):
+    def test_an_input_is_added_and_the_same_inputs_are_the_same_bytes(self):
+        with tempfile.TemporaryDirectory() as temporary:
+            archive, crash = Path(temporary, "a.tar.xz"), Path(temporary, "crash")
+            crash.write_bytes(b"\0x")
+            fuzz.write(archive, {"drive/b": b"1", "drive/a": b"2"})
+            before = archive.read_bytes()
+            fuzz.write(archive, {"drive/a": b"2", "drive/b": b"1"})
+            self.assertEqual(archive.read_bytes(), before)
+            self.assertEqual(fuzz.keep(archive, "drives", crash), 2)
+            self.assertEqual(archive.read_bytes(), before)
+            self.assertEqual(fuzz.keep(archive, "drive", crash), 0)
+            self.assertIn(b"\0x", fuzz.inputs(archive).values())
+
+
 class FuzzCanFail(unittest.TestCase):
     @classmethod
     def setUpClass(cls):

@@ -16,7 +16,6 @@ from pathlib import Path
 import mutants
 import mutation
 import part
-from register_tests import RegisterTests
 
 PI = "firmware/control/pi.c"
 OBSERVER = "firmware/control/nn_observer.c"
@@ -85,28 +84,6 @@ class MutationCanFail(unittest.TestCase):
             self.assertEqual(len(found), 2, found)
 
 
-ENTRY = """
-[[survivor]]
-file = "a.c"
-function = "f"
-kind = "equivalent"
-reason = "a reason"
-line = "a line"
-mutants = ["another"]
-"""
-
-
-class RegisterCanFail(RegisterTests, unittest.TestCase):
-    REGISTER = mutation.REGISTER
-    ENTRY = ENTRY
-    BROKEN = (ENTRY.replace('"a reason"', '" "'), ENTRY.replace('"equivalent"', '"equivalant"'),
-              ENTRY.replace('["another"]', "[]"), ENTRY.replace('function = "f"\n', ""),
-              ENTRY.replace("mutants", "mutant"), ENTRY + ENTRY)
-
-    def registered(self, path):
-        return mutation.registered(path)
-
-
 def candidates(killed, survivors):
     def candidate(number, killed_by):
         mutant = mutants.Mutant("a.c", number, "f", 0, 1, "", "a line", f"mutant {number}")
@@ -159,11 +136,6 @@ class SampleCanFail(unittest.TestCase):
         one = mutants.Mutant("a.c", 7, "f", 0, 1, "", "a line", "another")
         self.assertEqual(mutation.drawn(one), mutation.drawn(replace(one, line=8, start=9, end=10)))
         self.assertNotEqual(mutation.drawn(one), mutation.drawn(replace(one, after="a third")))
-
-    def test_a_survivor_of_a_sample_needs_no_entry(self):
-        real = candidates(0, 1)
-        self.assertEqual(len(list(mutation.findings(real, {}, []))), 1)
-        self.assertEqual(list(mutation.findings(real, {}, [], all_registered=False)), [])
 
 
 class MutantsCanFail(unittest.TestCase):

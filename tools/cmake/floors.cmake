@@ -19,12 +19,20 @@ endfunction()
 # nf_compile_together(<target>)
 #
 # The C++ sources of a library, a few in one translation unit: most of their time goes into the headers that they share. A
-# name in an unnamed namespace is then one of the whole library; those of nf_web each have an `open`.
+# name in an unnamed namespace is then one of the whole library; those of nf_web each have an `open`. Alone are those of
+# nf_compile_alone, called before.
 function(nf_compile_together target)
     get_target_property(sources ${target} SOURCES)
     if(NOT sources MATCHES "[.]c(;|$)" AND NOT target STREQUAL nf_web)
         set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
     endif()
+endfunction()
+
+# nf_compile_alone(<source>...)
+#
+# Of the evidence: evidence.mutation and evidence.fuzz_can_fail put faults into them, and link an object in place of theirs.
+function(nf_compile_alone)
+    set_source_files_properties(${ARGV} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
 # nf_quick_to_compile(<target>)

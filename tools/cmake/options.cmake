@@ -45,6 +45,7 @@ target_compile_options(nf_warnings INTERFACE
     $<$<COMPILE_LANGUAGE:C>:-Wstrict-prototypes>)
 
 option(NF_FUZZ "Link the programs of tests/fuzz with libFuzzer" OFF)
+set(NF_TEST_FOLDERS "" CACHE STRING "Folders of tests/ that are built and run; empty: all")
 option(NF_GATES "Register the quality gates as tests" ON)
 
 # Off by default: a precompiled header hides an #include that is missing.

@@ -37,6 +37,19 @@ function(nf_is_evidence)
     set_property(TEST ${ARGV} APPEND PROPERTY LABELS evidence)
 endfunction()
 
+# nf_also_with_many_runs(<test>...)
+#
+# many.<test>: the same program, and as many runs as testing_runs() gives to the evidence.
+function(nf_also_with_many_runs)
+    if(NF_GATES)
+        foreach(test IN LISTS ARGV)
+            add_test(NAME many.${test} COMMAND ${test})
+            set_tests_properties(many.${test} PROPERTIES ENVIRONMENT NF_MANY_RUNS=1 TIMEOUT 3000)
+            nf_is_evidence(many.${test})
+        endforeach()
+    endif()
+endfunction()
+
 # nf_is_dear(<test> <reason>)
 #
 # It stays in `tools/dev test` though it takes more than a test may (tools/gates/run_tests.py).

@@ -19,11 +19,14 @@ inputs and a number of edges of the code are asked for as well.
 """
 
 import argparse
+import hashlib
+import io
 import os
 import re
 import shutil
 import subprocess
 import sys
+import tarfile
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,7 +35,8 @@ import part
 from part import ROOT
 
 FOLDER = ROOT / "build/host-asan"
-CORPUS = ROOT / "tests/fuzz/corpus"
+ARCHIVE = ROOT / "tests/fuzz/corpus.tar.xz"
+CORPUS = FOLDER / "tests/fuzz/corpus"  # the same, as the build has unpacked it
 KEPT = ROOT / "build/fuzz"
 
 
@@ -73,6 +77,33 @@ class Outcome:
     corpus: int
     why: str  # empty: nothing was found
     kept: str  # the input that did it
+
+
+def inputs(archive):
+    """PROGRAM/NAME → its bytes, of all that the archive has."""
+    with tarfile.open(archive) as tar:
+        return {member.name: tar.extractfile(member).read() for member in tar if member.isfile()}
+
+
+def write(archive, found):
+    """The same inputs give the same bytes: sorted, without times and owners."""
+    with tarfile.open(archive, "w:xz", format=tarfile.USTAR_FORMAT) as tar:
+        for name, content in sorted(found.items()):
+            member = tarfile.TarInfo(name)
+            member.size = len(content)
+            tar.addfile(member, io.BytesIO(content))
+
+
+def keep(archive, program, path):
+    """Adds an input to the corpus of a program, under the name that libFuzzer gives it; the exit status."""
+    found, content = inputs(archive), path.read_bytes()
+    programs = sorted({name.split("/")[0] for name in found})
+    if program not in programs:
+        print(f"--keep: {program} has no corpus; expected one of {', '.join(programs)}")
+        return 2
+    found[f"{program}/{hashlib.sha1(content).hexdigest()}"] = content
+    write(archive, found)
+    return 0
 
 
 def build():
@@ -125,7 +156,7 @@ def figures_of(outcomes, given=None):
 
 def findings_of(outcomes):
     """A line for each that found something, with the command that shows it again."""
-    return [f"tests/fuzz/corpus/{one.name}:1: {one.why}; again: {FOLDER}/tests/fuzz/fuzz_{one.name} {one.kept}"
+    return [f"{ARCHIVE.relative_to(ROOT)}:1: {one.name}: {one.why}; again: {FOLDER}/tests/fuzz/fuzz_{one.name} {one.kept}"
             for one in outcomes if one.why]
 
 
@@ -134,7 +165,10 @@ def main():
     parser.add_argument("--seconds", type=int, help="of each program, in place of its own")
     parser.add_argument("--seed", type=int, default=SEED, help=f"of libFuzzer ({SEED})")
     parser.add_argument("--only", action="append", choices=PROGRAMS, help="this program; may be repeated")
+    parser.add_argument("--keep", nargs=2, metavar=("PROGRAM", "FILE"), help="only add this file to the corpus of a program")
     args = part.arguments(parser)
+    if args.keep:
+        return keep(ARCHIVE, args.keep[0], Path(args.keep[1]))
     if build():
         return 1
     with ThreadPoolExecutor(max_workers=AT_ONCE) as pool:
@@ -142,15 +176,15 @@ def main():
             lambda name: fuzz(FOLDER / f"tests/fuzz/fuzz_{name}", name, args.seconds or PROGRAMS[name].seconds, KEPT,
                               args.seed),
             args.only or PROGRAMS))
-    inputs = part.table("Programs", ["program", "gets", "inputs beyond the corpus", "edges of the code reached",
-                                     "inputs that reach something of their own"],
-                        [[one.name, PROGRAMS[one.name].gets, one.invented, one.edges, one.corpus] for one in outcomes],
-                        "How far it comes in its time depends on the machine: these numbers change from run to run.")
+    programs = part.table("Programs", ["program", "gets", "inputs beyond the corpus", "edges of the code reached",
+                                       "inputs that reach something of their own"],
+                          [[one.name, PROGRAMS[one.name].gets, one.invented, one.edges, one.corpus] for one in outcomes],
+                          "How far it comes in its time depends on the machine: these numbers change from run to run.")
     return part.end(args.out, "fuzz", "Fuzzing",
                     "libFuzzer with address and undefined-behaviour sanitizer invents inputs. "
                     "After each tick of the drive its state is within the proven ranges, its compare values "
                     "within the period, and the gates are on only where they may be.",
-                    list(figures_of(outcomes, args.seconds)), [inputs], findings_of(outcomes))
+                    list(figures_of(outcomes, args.seconds)), [programs], findings_of(outcomes))
 
 
 if __name__ == "__main__":

@@ -8,7 +8,6 @@ the build; each test of its row has to pass without it and to fail with it.
 import argparse
 import os
 import queue
-import random
 import re
 import subprocess
 import sys
@@ -30,7 +29,6 @@ REGISTER = Path("tests/evidence/planted.toml")
 IN_LOOP = "target.loop."  # programs of unittest, which take its options
 KEYS = {"name", "class", "file", "old", "new", "tests"}
 CLASSES = ("board", "drive", "config", "gate")
-SEED = 20240611  # of a sample: the same one each time
 LIMIT_S, LIMIT_TIMES = 20, 5  # how long a test may go on with a fault: so long, and so many times as without
 
 
@@ -67,18 +65,9 @@ def registered(path):
     return faults, bad
 
 
-def chosen(faults, only, count):
-    """Those whose name or class is asked for; of these `count` by the seed, of each class its share."""
-    faults = [fault for fault in faults if not only or any(word == fault.kind or word in fault.name for word in only)]
-    if not count or count >= len(faults):
-        return faults
-    drawn = random.Random(SEED)
-    shuffled = drawn.sample(faults, len(faults))
-    places = {}
-    for fault in shuffled:
-        places.setdefault(fault.kind, []).append(fault)
-    rank = {fault.name: (at + 0.5) / len(ones) for ones in places.values() for at, fault in enumerate(ones)}
-    return sorted(faults, key=lambda fault: rank[fault.name])[:count]
+def chosen(faults, only):
+    """Those whose name or class is asked for."""
+    return [fault for fault in faults if not only or any(word == fault.kind or word in fault.name for word in only)]
 
 
 def copy_of(root, folder):
@@ -234,31 +223,29 @@ def findings(verdicts):
     return [f"{REGISTER}: {verdict.fault.name}: {wrong}" for verdict in verdicts for wrong in verdict.wrong]
 
 
-def result(verdicts, faults, bad):
+def result(verdicts, bad):
     """Figures and tables."""
     found = sum(not verdict.wrong for verdict in verdicts)
     rows = [[verdict.fault.name, verdict.fault.kind, verdict.fault.file, "\n".join(verdict.found or verdict.wrong)]
             for verdict in verdicts]
-    note = "" if len(verdicts) == len(faults) else f"{len(verdicts)} of {len(faults)}, drawn by a fixed seed from each class."
     return ([part.figure("planted faults found by the tests that are named", f"{found} of {len(verdicts)}", "all",
                          0 < found == len(verdicts)),
              part.figure("rows that are wrong", len(bad), 0, not bad)],
-            [part.table("Planted faults", ["Fault", "Class", "File", "Found by"], rows, note)])
+            [part.table("Planted faults", ["Fault", "Class", "File", "Found by"], rows)])
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", type=Path, default=part.ROOT / "build/host", help="folder of the CMake build")
     parser.add_argument("--only", action="append", metavar="TEXT", help="only faults of this class, or with TEXT in their name")
-    parser.add_argument("--sample", type=int, metavar="N", help="only N of them, drawn by a fixed seed from each class")
     parser.add_argument("--jobs", type=int, default=2, help="faults at a time")
     args = part.arguments(parser)
     faults, bad = registered(part.ROOT / REGISTER)
-    verdicts = judged(Runner(part.ROOT, args.build.resolve()), chosen(faults, args.only, args.sample), part.ROOT, args.jobs)
+    verdicts = judged(Runner(part.ROOT, args.build.resolve()), chosen(faults, args.only), part.ROOT, args.jobs)
     return part.end(args.out, "planted", "Planted faults",
                     "Faults that someone could make, in drive, board, configuration and gates: each is put in alone, and the "
                     "tests named beside it, which pass without it, fail.",
-                    *result(verdicts, faults, bad), [*bad, *findings(verdicts)])
+                    *result(verdicts, bad), [*bad, *findings(verdicts)])
 
 
 if __name__ == "__main__":

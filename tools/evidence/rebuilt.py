@@ -15,6 +15,7 @@ from pathlib import Path
 
 NOT_SOURCES = ("build", ".cache")  # of the project's folder: shared by all copies
 FOR_THE_BUILD_ALONE = {"-MD": 1, "-MT": 2, "-MF": 2}  # options, with how many words they are
+SEVERAL = "Unity"  # the folder of the sources that CMake makes to include several
 DATA = "NEUROFOC_DATA"  # where the programs look for motors, boards and so on
 
 
@@ -116,7 +117,7 @@ class Rebuilt:
         place, steps = build.steps(output)
         names = {str(name): str(made) for name, made in {**changed, output: new}.items()}
         for step in steps:
-            words = [self.renamed(word, place, names) for word in own_words(step)]
+            words = [self.renamed(self.of_several(word, place, new.parent), place, names) for word in own_words(step)]
             if "-c" in words:
                 # The changed headers before those of the build; and a change may leave something unused.
                 first = next(at for at, word in enumerate(words) if word.startswith("-"))
@@ -126,6 +127,14 @@ class Rebuilt:
             if run.returncode != 0:
                 raise CannotBuild(run.stderr.strip() or run.stdout.strip())
         return new
+
+    def of_several(self, word, place, folder):
+        """In place of a source that CMake has made to include several: one that includes those of the copy."""
+        path = place / word
+        if path.parent.name != SEVERAL or path.suffix != ".cxx":
+            return word
+        (folder / path.name).write_text(copied(path.read_text(encoding="utf-8"), self.root, self.copy), encoding="utf-8")
+        return str(folder / path.name)
 
     def renamed(self, word, place, names):
         """The word of a command with the changed outputs and the copy's files in it."""

@@ -33,9 +33,9 @@ class Place:
 
 
 def functions(scope):
-    """Those that are declared or defined in it or in a scope that it holds."""
+    """Those that are defined in it or in a scope that it holds."""
     for cursor in scope.get_children():
-        if cursor.kind in FUNCTIONS:
+        if cursor.kind in FUNCTIONS and cursor.is_definition():
             yield cursor
         elif cursor.kind in SCOPES:
             yield from functions(cursor)
@@ -48,7 +48,7 @@ def unit(path):
 
 @functools.cache
 def parsed(language, files, about):
-    """Functions (name, place, whether it is defined there) and comments (text, place) of the files (path, text) of a unit.
+    """Defined functions (name, place) and comments (text, place) of the files (path, text) of a unit.
 
     They are parsed as one text: a source knows the classes of its header. Comments cost as much as the rest: only a text that
     the expression `about` finds something in is asked for them.
@@ -57,7 +57,7 @@ def parsed(language, files, about):
     text = "\n".join(text for _, text in files)
     whole = Index.create().parse("unit", ["-x", language, "-undef"], [("unit", text)], ALONE)
     tokens = whole.get_tokens(extent=whole.cursor.extent) if about.search(text) else ()
-    return ([(cursor.spelling, places[cursor.location.line - 1], cursor.is_definition()) for cursor in functions(whole.cursor)],
+    return ([(cursor.spelling, places[cursor.location.line - 1]) for cursor in functions(whole.cursor)],
             [(token.spelling, places[token.location.line - 1]) for token in tokens if token.kind == TokenKind.COMMENT])
 
 

@@ -5,8 +5,7 @@ tests/evidence/requirements.toml says which, and whether it is met: what departs
 It holds when every equation of both papers and every requirement has a function (where all of the code is meant, the
 folders with it) and a test, every function that is named is defined in the sources, every test is one that ctest runs
 (its own name, or that of a Unity or Python test in it), one of the tests of an entry runs each of its functions, each
-equation's number stands in a comment beside one of its functions, no comment cites an equation that there is not, and
-every public function of the firmware is there for one of them.
+equation's number stands in a comment beside one of its functions, and no comment cites an equation that there is not.
 
 What a test runs evidence.coverage has counted: of each Unity test alone, with its setUp(). It counts no functions of
 tools/design and of what of the board no PC runs, and no tests of these, of targets and of gates: an entry with none but
@@ -31,7 +30,6 @@ EQUATIONS = {"A": 23, "B": 60}  # of each paper, numbered from 1
 REQUIREMENTS = {"C1.": 3, "C2.": 3, "C3.": 8, "C4.": 8, "C5.": 6, "C6.": 12, "C7.": 8, "H": 20, "F": 65, "I": 11, "L": 6}
 RAN = part.ROOT / "build/host/evidence/ran.json"
 SOURCES = {"firmware": "c", "hal": "c", "host_sim": "c++", "tools/design": "c++"}  # and the language its headers are for
-PUBLIC = "firmware"  # whose headers declare nothing that no entry names
 KEYS = {"id", "title", "source", "functions", "scope", "tests", "status", "note"}
 STATUSES = MET, DEPARTS, NOT_MET = "met", "departs", "not met"
 
@@ -64,17 +62,13 @@ def cited(comments):
 
 
 class Sources:
-    """functions: name → files that define it. public: name → where the firmware declares it. citations: (paper, number) →
-    {file: line of the first place}."""
+    """functions: name → files that define it. citations: (paper, number) → {file: line of the first place}."""
 
     def __init__(self, root):
-        self.functions, self.public, self.citations = {}, {}, {}
+        self.functions, self.citations = {}, {}
         for functions, comments in units(root, SOURCES, PAPER):
-            for name, place, is_defined in functions:
-                if is_defined:
-                    self.functions.setdefault(name, set()).add(place.path)
-                if place.path.suffix == ".h" and place.path.is_relative_to(PUBLIC):
-                    self.public[name] = place
+            for name, place in functions:
+                self.functions.setdefault(name, set()).add(place.path)
             for cited_equation, place in cited(comments):
                 self.citations.setdefault(cited_equation, {}).setdefault(place.path, place.line)
 
@@ -215,9 +209,6 @@ class Finder:
         self.bad += [f"{path}:{line}: there is no equation ({number}) of paper {paper}"
                      for (paper, number), places in sorted(self.sources.citations.items()) if (paper, number) not in wanted
                      for path, line in sorted(places.items())]
-        named = {name for entry in self.entries for name in entry["functions"]}
-        self.bad += [f"{place}: no equation and no requirement names {name}"
-                     for name, place in self.sources.public.items() if name not in named]
         return self.bad
 
 
@@ -254,11 +245,6 @@ def result(found, bad):
                               key=lambda entry: equation(entry["id"])) for paper in EQUATIONS}
     requirements = [entry for entry in found.entries if not equation(entry["id"])]
     whole = [entry for entry in found.entries if not any(f": {entry['id']}: " in line for line in bad)]
-    public = found.sources.public
-    served = {}
-    for entry in found.entries:
-        for name in entry["functions"]:
-            served.setdefault(name, []).append(entry["id"])
 
     def share(of_what, listed, count):
         kept = len([entry for entry in listed if entry in whole])
@@ -266,23 +252,17 @@ def result(found, bad):
 
     figures = [*(share(f"equations of paper {paper}", listed, EQUATIONS[paper]) for paper, listed in of_paper.items()),
                share("requirements", requirements, sum(REQUIREMENTS.values())),
-               part.figure("public functions of the firmware with what they are there for",
-                           f"{len(set(public) & set(served))} of {len(public)}", "all", set(public) <= set(served)),
                part.figure("functions that a test beside them was seen to run", *seen_to_run(found)),
                part.figure("broken links", len(bad), 0, not bad)]
     columns = ("Number", "What", "Source", "Status", "Functions", "Tests")
     tables = [part.table(title, columns, [row(entry, found) for entry in listed], statuses(listed))
               for title, listed in (*((f"Paper {paper}", listed) for paper, listed in of_paper.items()),
                                     ("Requirements", requirements))]
-    tables.append(part.table("Public functions of the firmware", ("Function", "Declared", "There for"),
-                             [(name, public[name].path, ", ".join(served.get(name, ["nothing"])))
-                              for name in sorted(public)]))
     return figures, tables
 
 
 SAYS = ("Each equation of both papers and each requirement, with the functions that do it, the tests that hold it, and "
-        "whether it is met, met in another way than it is worded (departs) or not met; and "
-        "each public function of the firmware with what it is there for. "
+        "whether it is met, met in another way than it is worded (departs) or not met. "
         "Functions are looked up in the sources, tests among those that ctest runs; that a test runs the function is "
         "seen in the coverage, of each Unity test alone, where it counts both; and each equation's number in the "
         "comments beside its functions.")

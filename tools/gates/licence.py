@@ -19,8 +19,7 @@ OF_KIND = {kind: form for form, kinds in {
     f"<!-- {SAYS} -->": (".html",),
 }.items() for kind in kinds}
 OF_SCRIPT = f"# {SAYS}"
-DATA = {".bin", ".json", ".md", ".nfr", ".png", ".svg", ".toml", ".txt", ".xml"}
-CORPUS = Path("tests/fuzz/corpus")
+DATA = {".bin", ".json", ".md", ".nfr", ".png", ".svg", ".toml", ".txt", ".xml", ".xz"}
 
 
 def line_of(path, text):
@@ -31,7 +30,7 @@ def line_of(path, text):
 
 def is_data(path):
     """Data, prose, and the settings of tools."""
-    return path.suffix in DATA or path.name.startswith(".") or path.name == "LICENSE" or path.is_relative_to(CORPUS)
+    return path.suffix in DATA or path.name.startswith(".") or path.name == "LICENSE"
 
 
 def place_of(lines):
