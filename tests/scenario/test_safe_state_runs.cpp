@@ -500,7 +500,8 @@ std::vector<double> speeds_of(const nf::Config &config)
 void run_table(const Machine &machine)
 {
     const nf::Config config = configured(machine);
-    const unsigned step = testing_runs(3, 1); // no divisor of the speeds and loads: each strike, speed and load is there
+    const unsigned step = testing_runs(
+        3, 1); // no divisor of the speeds and loads: each strike, speed and load is there
     unsigned at = 0;
     for (const Strike &strike : strikes_of(config.board)) {
         for (const double rpm : speeds_of(config)) {
