@@ -42,8 +42,8 @@ def compiled_into(build):
     """Source -> the targets that it is compiled for."""
     found = {}
     for entry in json.loads((build / "compile_commands.json").read_text(encoding="utf-8")):
-        target = OBJECT_OF.search(entry["command"])
-        found.setdefault(Path(entry["file"]), set()).add(target[1] if target else "")
+        targets = OBJECT_OF.findall(entry["command"])  # before that of the output the one of a precompiled header
+        found.setdefault(Path(entry["file"]), set()).update(targets[-1:])
     return found
 
 
