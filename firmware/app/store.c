@@ -191,17 +191,14 @@ static uint32_t number_of_one_more(const store_t *store)
     return number;
 }
 
-/* Step 1. */
+/* Step 1. The number counts also where too few units are left: one stamp may have it, and the new block has to be beyond it. */
 static void keep(store_t *store)
 {
     uint32_t block_crc = 0U;
 
     if (store->found && has_block(store->hal, store->slot, &block_crc)) {
-        const uint32_t number = number_of_one_more(store);
-
-        if (put_stamps(store->hal, store->slot, STAMPS_TO_KEEP, number, block_crc)) {
-            store->sequence = number;
-        }
+        store->sequence = number_of_one_more(store);
+        (void)put_stamps(store->hal, store->slot, STAMPS_TO_KEEP, store->sequence, block_crc);
     }
 }
 

@@ -29,7 +29,7 @@
  * and the block of this write may have got more stamps: the number goes up by 4.
  *
  * Each write takes two units of the kept slot for stamps, and a write that succeeds changes the slots: the units run out
- * after 31 writes in a row that were cut. Step 1 is left out then.
+ * after 31 writes in a row that were cut. Step 1 then has one stamp, later none; its number counts all the same.
  */
 #ifndef STORE_H
 #define STORE_H

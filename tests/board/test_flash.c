@@ -13,6 +13,7 @@
 #define PAGE_WORDS (512U)
 #define WORDS (STORE_BYTES / 4U)
 #define NONE UINT32_MAX
+#define CACHE_RESETS (FLASH_ACR_ICRST | FLASH_ACR_DCRST)
 #define BUSY_LOOKS (2U) /* fewer than reg_wait() has */
 #define FOREVER (100U)
 
@@ -20,6 +21,7 @@ typedef struct {
     uint32_t store[WORDS];
     uint32_t torn; /* double word */
     uint32_t acr;
+    uint32_t stale; /* caches that still show what was there, by the bit that empties them */
     uint32_t cr;
     uint32_t sr;
     uint32_t eccr;
@@ -57,6 +59,7 @@ void guard_release_ticks(void)
     TEST_ASSERT_EQUAL_HEX32(FLASH_CR_LOCK, chip.cr);
     TEST_ASSERT_FALSE(chip.patient);
     TEST_ASSERT_EQUAL_HEX32(FLASH_ACR_ICEN | FLASH_ACR_DCEN, chip.acr);
+    TEST_ASSERT_EQUAL_HEX32(0U, chip.stale);
     chip.held = false;
 }
 
@@ -78,6 +81,7 @@ static void begin_operation(void)
     TEST_ASSERT_TRUE(chip.held);
     TEST_ASSERT_EQUAL_HEX32(0U, chip.acr & (FLASH_ACR_ICEN | FLASH_ACR_DCEN));
     TEST_ASSERT_EQUAL_HEX32(0U, chip.sr & FLASH_SR_ERRORS);
+    chip.stale = CACHE_RESETS;
     chip.busy = chip.busy_for;
     chip.sr |= chip.next_error;
 }
@@ -116,6 +120,15 @@ static void write_store(uint32_t at, uint32_t value)
     }
 }
 
+/* A cache is emptied while it is off: while it is on the bit does nothing. */
+static void write_acr(uint32_t value)
+{
+    const uint32_t on = value & (FLASH_ACR_ICEN | FLASH_ACR_DCEN);
+
+    chip.stale &= (on == 0U) ? ~value : UINT32_MAX;
+    chip.acr = value;
+}
+
 static void write_key(uint32_t value)
 {
     const uint32_t expected = (chip.keys == 0U) ? FLASH_KEY_1 : FLASH_KEY_2;
@@ -140,7 +153,7 @@ void reg_write(uint32_t address, uint32_t value)
     } else if (address == FLASH_ECCR) {
         chip.eccr &= ~(value & FLASH_ECCR_ECCD);
     } else if (address == FLASH_ACR) {
-        chip.acr = value;
+        write_acr(value);
     } else {
         TEST_ASSERT_TRUE((address >= FLASH_STORE) && (address < (FLASH_STORE + STORE_BYTES)));
         write_store((address - FLASH_STORE) / 4U, value);

@@ -15,6 +15,7 @@ constexpr double FITTED = 1e-3;
 constexpr double BIAS_FALL = 0.15; // of L_d at the continuous current along
 constexpr double PEAK_FALL = 0.2;  // of L_q, for pulses of it
 constexpr double HALF_ROTOR = 0.5;
+constexpr double MISMATCH = 0.02; // of the gain of the sensor of phase a against that of b
 
 // An iron of which 1/L is what the fit takes it to be.
 double d_h(double bias_a)
@@ -126,6 +127,24 @@ TEST(test_a_current_beyond_the_pulses_is_theirs)
 {
     const Inductances found = fit_inductances(bursts(3), legs(), 100);
     TEST_ASSERT_TRUE(found.current_a < 6);
+}
+
+// Across the axis of one phase the sensor of the other sees the pulses. Gains that were taken off the wrong way round would cancel
+// in the mean of three axes, and stay as scatter.
+TEST(test_the_gains_of_the_sensors_are_taken_off_each_axis)
+{
+    Legs unlike = legs();
+    unlike.mismatch.value = MISMATCH;
+    Records records = bursts(3);
+    for (Record &r : records.all) {
+        r.change_a *= gain(r.axis, r.across ? -MISMATCH : MISMATCH);
+    }
+    const Inductances found = fit_inductances(records, unlike, CONTINUOUS_A);
+    const Inductances expected = fit_inductances(bursts(3), legs(), CONTINUOUS_A);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9 * D_H, expected.d_h.value, found.d_h.value);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9 * D_H, expected.d_h.std, found.d_h.std);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9 * Q_H, expected.q_h.value, found.q_h.value);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9 * Q_H, expected.q_h.std, found.q_h.std);
 }
 
 // A rotor that moves makes the change larger by a third of its stiffness times the square of the quarter over L.

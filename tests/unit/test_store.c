@@ -153,8 +153,8 @@ TEST(test_numbers_of_stamps_are_even_for_a_block_and_odd_for_one_more)
 TEST(test_the_higher_number_is_the_newer_one_also_behind_a_wrap)
 {
     TEST_ASSERT_NULL(write(1U));
+    TEST_ASSERT_NULL(write(2U));      /* both slots are whole: the number does not go up by 4 */
     store.sequence = UINT32_MAX - 2U; /* so that the next one is UINT32_MAX − 1, and then 0 */
-    TEST_ASSERT_NULL(write(2U));
     for (uint32_t number = 3U; number < 7U; number++) {
         TEST_ASSERT_NULL(write(number));
         TEST_ASSERT_EQUAL_UINT32(number, start());
@@ -458,6 +458,22 @@ TEST(test_units_that_read_otherwise_at_each_look_cost_no_block)
         TEST_ASSERT_BITS_HIGH(bit_of(start()), allowed);
     }
     (void)printf("%u cuts of units that read otherwise at each look\n", (unsigned)cuts);
+}
+
+/* Behind 31 cuts there is a unit for the first of two stamps, and none for the second. */
+TEST(test_a_store_behind_cuts_that_leave_one_stamp_or_none_is_the_newest)
+{
+    for (uint32_t cuts = (STAMP_UNITS / 2U) - 2U; cuts < ((STAMP_UNITS / 2U) + 2U); cuts++) {
+        flash_new(cuts);
+        (void)start();
+        TEST_ASSERT_NULL(write(1U));
+        for (uint32_t k = 0U; k < cuts; k++) {
+            TEST_ASSERT_FALSE(write_cut(2U, 60U));
+            TEST_ASSERT_EQUAL_UINT32(1U, start());
+        }
+        TEST_ASSERT_NULL(write(3U));
+        TEST_ASSERT_EQUAL_UINT32(3U, start());
+    }
 }
 
 TEST(test_stores_go_on_when_the_stamps_have_run_out)
