@@ -9,6 +9,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 
+OBJECT_OF = re.compile(r"CMakeFiles/([^/]+)\.dir/")
+
+
 def matches(expression, output):
     """As ctest searches: a point stands for the end of a line too."""
     return re.search(expression, output, re.DOTALL)
@@ -36,6 +39,13 @@ class Test:
         if self.pass_expressions:
             return any(matches(expression, output) for expression in self.pass_expressions)
         return status == 0
+
+
+def compiled(build):
+    """(source, target) of each object of a build. The output comes last: a precompiled header of another target may be before."""
+    for entry in json.loads((build / "compile_commands.json").read_text(encoding="utf-8")):
+        for target in OBJECT_OF.findall(entry["command"])[-1:]:
+            yield Path(entry["file"]), target
 
 
 def listed(build, folder="", whole=True):

@@ -78,10 +78,8 @@ class Sources:
 def program_sources(build):
     """Name of a program → its own source files."""
     found = {}
-    for entry in json.loads((build / "compile_commands.json").read_text(encoding="utf-8")):
-        program = re.search(r"CMakeFiles/([^/]+)\.dir/", entry.get("output", "") or entry["command"])
-        if program:
-            found.setdefault(program[1], []).append(Path(entry["file"]))
+    for path, program in ctested.compiled(build):
+        found.setdefault(program, []).append(path)
     return found
 
 

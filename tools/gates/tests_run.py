@@ -7,15 +7,17 @@ a Python file has to be in the command of a test, what of a C or C++ file is com
 
 import argparse
 import json
-import re
 import subprocess
+import sys
 from pathlib import Path
 
 import sources
 
+sys.path.insert(0, str(sources.ROOT / "tools/evidence"))
+import ctested  # noqa: E402
+
 NAMES = ("test_*", "reference_*", "fuzz_*", "*_can_fail")
 PATTERNS = [f"tests/**/{name}.{kind}" for name in NAMES for kind in ("c", "cpp", "py")]
-OBJECT_OF = re.compile(r"CMakeFiles/([^/]+)\.dir/")
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--root", type=Path, default=sources.ROOT)
@@ -41,9 +43,8 @@ def run_by_python(words, folder):
 def compiled_into(build):
     """Source -> the targets that it is compiled for."""
     found = {}
-    for entry in json.loads((build / "compile_commands.json").read_text(encoding="utf-8")):
-        targets = OBJECT_OF.findall(entry["command"])  # before that of the output the one of a precompiled header
-        found.setdefault(Path(entry["file"]), set()).update(targets[-1:])
+    for path, target in ctested.compiled(build):
+        found.setdefault(path, set()).add(target)
     return found
 
 
