@@ -112,6 +112,17 @@ TEST(a_segment_of_which_nothing_came_is_asked_for)
     assert_missing(stream.missing(), 8, 0, Stream::PIECE);
 }
 
+TEST(what_has_come_of_a_segment_is_a_share_of_the_whole_segment)
+{
+    Stream stream(ROOM);
+    TEST_ASSERT_EQUAL_DOUBLE(0, stream.share(7));
+    stream.add(begin(7, 0));
+    stream.add(entries(7, 0, 16));
+    TEST_ASSERT_EQUAL_DOUBLE(16.0 / ROOM, stream.share(7));
+    stream.add(entries(7, 32, 8));
+    TEST_ASSERT_EQUAL_DOUBLE(24.0 / ROOM, stream.share(7));
+}
+
 TEST(what_the_ring_has_no_more_of_is_lost)
 {
     Stream stream(ROOM);
