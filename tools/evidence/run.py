@@ -143,8 +143,9 @@ class Progress:
 
 
 def make(due, parts, state, tests):
-    """Runs the tests of the parts that are due, and of what they need all but other parts."""
-    others = sorted(fixture for one in parts if one not in due for test in one.tests for fixture in tests[test].sets_up)
+    """Runs the tests of the parts that are due, and of what they need all but parts that have passed."""
+    others = sorted(fixture for one in parts if one not in due and not state.is_due(one)
+                    for test in one.tests for fixture in tests[test].sets_up)
     wanted = "^(" + "|".join(test.replace(".", "[.]") for one in due for test in one.tests) + ")$"
     run = ctest_run.Run(BUILD, [f"-j{CORES}", "--output-on-failure", "--no-tests=error", "-R", wanted,
                                 *(["-FA", "^(" + "|".join(others) + ")$"] if others else [])],
