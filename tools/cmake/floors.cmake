@@ -44,6 +44,17 @@ function(nf_quick_to_compile target)
     set_target_properties(${target} PROPERTIES DISABLE_PRECOMPILE_HEADERS ON)
 endfunction()
 
+# nf_optimise(<target>)
+#
+# C++ in which the runs spend their time: optimised with sanitizers too, where other C++ is not. What is precompiled without
+# optimisation does not fit it.
+function(nf_optimise target)
+    if(CMAKE_BUILD_TYPE STREQUAL None)
+        target_compile_options(${target} PRIVATE -O1)
+        set_target_properties(${target} PROPERTIES DISABLE_PRECOMPILE_HEADERS ON)
+    endif()
+endfunction()
+
 # nf_add_floor(<target> SOURCES <file>... [LINK <target>...])
 #
 # One floor: a static library whose folder is its public include folder.
