@@ -67,6 +67,11 @@ class Evidence(unittest.TestCase):
         self.assertEqual(progress.failed, {"part": ["part.a"]})
         self.assertTrue(self.state().is_due(self.part))
 
+    def test_a_part_that_has_passed_and_then_fails_with_the_same_inputs_is_due(self):
+        self.pass_all()
+        self.note(ended("part.a", passed=False))
+        self.assertTrue(self.state().is_due(self.part))
+
     def test_a_failure_of_what_a_part_needs_is_named(self):
         self.assertEqual(self.note(ended("of.another", passed=False)).failed, {"what they need": ["of.another"]})
 
@@ -101,7 +106,10 @@ class Evidence(unittest.TestCase):
 
     def test_what_a_part_takes_is_that_of_its_last_run(self):
         self.assertEqual(self.state().core_minutes(self.part), 30)
+        self.note(ended("part.a"))
+        self.assertEqual(self.state().core_minutes(self.part), 30)
         self.pass_all()
+        self.part.tests = []  # before a build has listed them
         self.assertAlmostEqual(self.state().core_minutes(self.part), 4 / 60)
 
     def test_a_test_of_no_part_or_of_two_is_found(self):

@@ -67,7 +67,7 @@ def parts_of(text):
 
 
 class State:
-    """What is known of earlier runs: of each part the digest with which it passed, of each test its core-seconds."""
+    """What is known of earlier runs: of each part the digest with which it passed, and the core-seconds of its tests."""
 
     def __init__(self, path=STATE):
         self.path = path
@@ -87,8 +87,8 @@ class State:
                 or (part_.figures and not part_.output().is_file()))
 
     def core_minutes(self, part_):
-        known = [self.known["core_seconds"].get(test) for test in part_.tests]
-        return sum(known) / 60 if known and None not in known else part_.core_minutes
+        known = self.known["core_seconds"].get(part_.name)
+        return sum(known.values()) / 60 if known else part_.core_minutes
 
 
 def assign(parts, tests):
@@ -113,22 +113,24 @@ class Progress:
     """Of a run: which tests are to come, which parts have ended how."""
 
     def __init__(self, due, state):
-        self.due, self.state = due, state
+        self.state = state
         self.digests = {one.name: one.digest() for one in due}  # of what is tested, should someone edit meanwhile
         self.left = {test: one for one in due for test in one.tests}
-        self.failed, self.ended, self.begin = {}, [], time.monotonic()
+        self.took = {one.name: {} for one in due}
+        self.failed, self.begin = {}, time.monotonic()
 
     def note(self, test):
-        self.ended.append(test)
         one = self.left.pop(test.name, None)
         if one is None:  # what a part needs, and is none
             if not test.passed:
                 self.failed.setdefault("what they need", []).append(test.name)
             return
-        self.state.known["core_seconds"][test.name] = round(test.core_seconds, 1)
+        self.took[one.name][test.name] = round(test.core_seconds, 1)
         if not test.passed:
             self.failed.setdefault(one.name, []).append(test.name)
+            self.state.known["passed"].pop(one.name, None)  # it may have passed before
         if one not in self.left.values():
+            self.state.known["core_seconds"][one.name] = self.took[one.name]
             if one.name not in self.failed:
                 self.state.known["passed"][one.name] = self.digests[one.name]
             self.say(one)
@@ -161,11 +163,11 @@ def make(due, parts, state, tests):
 def summary(parts, due, progress, state):
     """The page's first part: what was made, left out, and failed."""
     failed = progress.failed if progress else {}
-    took = {one.name: sum(state.known["core_seconds"].get(test, 0) for test in one.tests) for one in parts}
+    took = state.known["core_seconds"]
     rows = [[one.name, one.says, "failed: " + ", ".join(failed[one.name]) if one.name in failed
              else "not made" if state.is_due(one) else "passed" if one in due else "unchanged since it passed",
-             f"{took[one.name] / 60:.1f}"] for one in parts]
-    seconds = sorted(state.known["core_seconds"].items(), key=lambda pair: -pair[1])[:SHOWN]
+             f"{sum(took.get(one.name, {}).values()) / 60:.1f}"] for one in parts]
+    seconds = sorted((pair for tests in took.values() for pair in tests.items()), key=lambda pair: -pair[1])[:SHOWN]
     held = [one for one in parts if not state.is_due(one)]
     return {"part": "run", "title": "All parts", "says": f"Of {commit()}.",
             "figures": [part.figure("parts that hold", f"{len(held)} of {len(parts)}", "all", len(held) == len(parts))],
