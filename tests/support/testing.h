@@ -31,18 +31,19 @@ typedef struct registered_test {
     struct registered_test *next;
 } registered_test_t;
 
-/* Puts a test behind those that are there. Called before main() by TEST() alone. */
+/* Appends a test to the list of its program. Only TEST() calls it, before main() begins. */
 void testing_register(registered_test_t *test);
 
 /*
  * Runs all tests in the order of their file, or those alone that the command line names. Returns the exit status: 0, the
- * number of tests that failed, or 2 behind a line for a name that is none. main() of a program that has no other.
+ * number of tests that failed, or 2 if a name is unknown: then a line on stderr says which are allowed. A program without
+ * a main() of its own calls only this.
  */
 int testing_main(int argc, char **argv);
 
 /*
- * How many runs a test makes that is the surer the more it makes: `few` with `tools/dev test`, `many` in the evidence,
- * which sets NF_MANY_RUNS=1.
+ * The number of runs of a test that repeats one. It is `few` in `tools/dev test`, and `many` in the evidence, which sets
+ * NF_MANY_RUNS=1.
  */
 unsigned testing_runs(unsigned few, unsigned many);
 

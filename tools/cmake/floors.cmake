@@ -18,9 +18,9 @@ endfunction()
 
 # nf_compile_together(<target>)
 #
-# The C++ sources of a library, a few in one translation unit: most of their time goes into the headers that they share. A
-# name in an unnamed namespace is then one of the whole library; those of nf_web each have an `open`. Alone are those of
-# nf_compile_alone, called before.
+# Compiles the C++ sources of a library six at a time: most of the time goes into the headers that they share. So a name in
+# an unnamed namespace has to be unique in its library. In nf_web it is not: each source has an `open`. Sources that were given
+# to nf_compile_alone() before stay alone.
 function(nf_compile_together target)
     get_target_property(sources ${target} SOURCES)
     if(NOT sources MATCHES "[.]c(;|$)" AND NOT target STREQUAL nf_web)
