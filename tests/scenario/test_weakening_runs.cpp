@@ -19,7 +19,7 @@ using Bench = nf::RunBench;
 constexpr Machine MACHINES[] = {{"motor_a_weakened", "bench_310v_short", "robust"},
                                 {"motor_b_weakened", "bench_310v_short", "any"},
                                 {"compressor", "compressor_310v", "any"}};
-constexpr int GRID = 2000;
+constexpr int DIRECTIONS = 2000;
 constexpr double HALF_TURN = 3.14159265358979323846;
 
 double torque_of(const nf::MotorSettings &m, double d, double q)
@@ -34,20 +34,32 @@ double voltage_of(const nf::MotorSettings &m, double omega, double d, double q)
                       m.resistance_ohm * q + omega * (m.inductance_d_h * d + m.flux_linkage_wb));
 }
 
-// The largest torque of all currents within a circle that this voltage holds at this speed.
+// The longest current in a direction (a length of 1) that this voltage holds at this speed: the larger root of
+// |length·u + j·emf|² = volts². Not a number where it holds none.
+double longest_a(const nf::MotorSettings &m, double omega, double volts, double d, double q)
+{
+    const double u_d = m.resistance_ohm * d - omega * m.inductance_q_h * q;
+    const double u_q = m.resistance_ohm * q + omega * m.inductance_d_h * d;
+    const double emf = omega * m.flux_linkage_wb;
+    const double square = u_d * u_d + u_q * u_q;
+    const double along = u_q * emf;
+    return (std::sqrt(along * along - square * (emf * emf - volts * volts)) - along) / square;
+}
+
+// The largest torque of all currents within a circle that this voltage holds at this speed. In each direction the longest
+// current has the most; where the circle ends before the voltage allows any, there is none.
 double envelope_nm(const nf::MotorSettings &m, double omega, double volts, double most_a)
 {
+    constexpr double ROUNDED = 1 + 1e-9;
     double best = 0;
-    for (int r = 1; r <= GRID; r++) {
-        const double length = most_a * r / GRID;
-        for (int k = 0; k <= GRID; k++) {
-            const double angle = HALF_TURN / 2 * k / GRID;
-            const double d = -length * std::sin(angle);
-            const double q = length * std::cos(angle);
-            const double torque = torque_of(m, d, q);
-            if (torque > best && voltage_of(m, omega, d, q) <= volts) {
-                best = torque;
-            }
+    for (int k = 0; k <= DIRECTIONS; k++) {
+        const double angle = HALF_TURN / 2 * k / DIRECTIONS;
+        const double length =
+            std::min(longest_a(m, omega, volts, -std::sin(angle), std::cos(angle)), most_a);
+        const double d = -length * std::sin(angle);
+        const double q = length * std::cos(angle);
+        if (voltage_of(m, omega, d, q) <= volts * ROUNDED) {
+            best = std::max(best, torque_of(m, d, q));
         }
     }
     return best;
