@@ -6,6 +6,7 @@ and replays a run of each. COMPILER compiles board.c of the STM32G431 and about_
 """
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -15,7 +16,8 @@ import unittest
 from pathlib import Path
 
 TRY_MOTORS, COMPILER = sys.argv[1:3]
-COUNT = int(sys.argv[3]) if len(sys.argv) > 3 else 1000
+FEW, MANY = 300, 1000
+COUNT = int(sys.argv[3]) if len(sys.argv) > 3 else MANY if "NF_MANY_RUNS" in os.environ else FEW
 SEED = int(sys.argv[4]) if len(sys.argv) > 4 else 1
 ROOT = Path(__file__).resolve().parents[2]
 INCLUDES = ("hal/stm32g431", "hal", "firmware/app", "firmware/drive", "firmware/config", "firmware/protect", "firmware/control",

@@ -37,16 +37,14 @@ function(nf_is_evidence)
     set_property(TEST ${ARGV} APPEND PROPERTY LABELS evidence)
 endfunction()
 
-# nf_also_with_many_runs(<test>...)
+# nf_also_with_many_runs(<test> COMMAND <command>...)
 #
-# many.<test>: the same program, and as many runs as testing_runs() gives to the evidence.
-function(nf_also_with_many_runs)
+# many.<test>: the same command, and as many runs as testing_runs() gives to the evidence.
+function(nf_also_with_many_runs test)
     if(NF_GATES)
-        foreach(test IN LISTS ARGV)
-            add_test(NAME many.${test} COMMAND ${test})
-            set_tests_properties(many.${test} PROPERTIES ENVIRONMENT NF_MANY_RUNS=1 TIMEOUT 3000)
-            nf_is_evidence(many.${test})
-        endforeach()
+        add_test(NAME many.${test} ${ARGN})
+        set_tests_properties(many.${test} PROPERTIES ENVIRONMENT NF_MANY_RUNS=1 TIMEOUT 3000)
+        nf_is_evidence(many.${test})
     endif()
 endfunction()
 
