@@ -12,8 +12,9 @@ namespace
 
 const Call &find_call(const std::string &name)
 {
-    for (const Calls *calls : {&config_calls(), &run_calls(), &play_calls(), &step_calls(),
-                               &replay_calls(), &live_calls()}) {
+    for (const Calls *calls :
+         {&config_service::calls(), &run_session::calls(), &play_session::calls(),
+          &step_session::calls(), &replay_session::calls(), &live_session::calls()}) {
         for (const Call &call : *calls) {
             if (name == call.name) {
                 return call;

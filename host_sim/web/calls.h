@@ -19,12 +19,30 @@ struct Call {
 };
 using Calls = std::vector<Call>;
 
-const Calls &config_calls();
-const Calls &run_calls();
-const Calls &play_calls();
-const Calls &step_calls();
-const Calls &replay_calls();
-const Calls &live_calls();
+namespace config_service
+{
+const Calls &calls();
+}
+namespace run_session
+{
+const Calls &calls();
+}
+namespace play_session
+{
+const Calls &calls();
+}
+namespace step_session
+{
+const Calls &calls();
+}
+namespace replay_session
+{
+const Calls &calls();
+}
+namespace live_session
+{
+const Calls &calls();
+}
 
 // {"value": …}, or {"error": "one line"}, for whatever the text may be.
 std::string answer(const std::string &name, const std::string &given);

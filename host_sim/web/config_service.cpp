@@ -14,7 +14,7 @@
 
 #include <fmt/format.h>
 
-namespace nf::web
+namespace nf::web::config_service
 {
 namespace
 {
@@ -144,14 +144,14 @@ Json parts(const Json &given)
 
 } // namespace
 
-const Calls &config_calls()
+const Calls &calls()
 {
-    static const Calls calls = {{"config.check", check},
-                                {"config.check_all", check_all},
-                                {"config.schema", schema_keys},
-                                {"config.names", names},
-                                {"config.parts", parts}};
-    return calls;
+    static const Calls all = {{"config.check", check},
+                              {"config.check_all", check_all},
+                              {"config.schema", schema_keys},
+                              {"config.names", names},
+                              {"config.parts", parts}};
+    return all;
 }
 
-} // namespace nf::web
+} // namespace nf::web::config_service

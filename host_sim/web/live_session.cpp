@@ -27,7 +27,7 @@
 
 #include <fmt/format.h>
 
-namespace nf::web
+namespace nf::web::live_session
 {
 namespace
 {
@@ -503,13 +503,13 @@ Json close(const Json &given)
 
 } // namespace
 
-const Calls &live_calls()
+const Calls &calls()
 {
-    static const Calls calls = {{"live.open", open},       {"live.signals", signals},
-                                {"live.scope", scope},     {"live.pass", pass},
-                                {"live.execute", execute}, {"live.keys", keys},
-                                {"live.record", record},   {"live.close", close}};
-    return calls;
+    static const Calls all = {{"live.open", open},       {"live.signals", signals},
+                              {"live.scope", scope},     {"live.pass", pass},
+                              {"live.execute", execute}, {"live.keys", keys},
+                              {"live.record", record},   {"live.close", close}};
+    return all;
 }
 
-} // namespace nf::web
+} // namespace nf::web::live_session

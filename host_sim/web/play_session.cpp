@@ -23,7 +23,7 @@
 
 #include <fmt/format.h>
 
-namespace nf::web
+namespace nf::web::play_session
 {
 namespace
 {
@@ -332,18 +332,18 @@ Json repair(const Json &given)
 
 } // namespace
 
-debug::Session *play_stepper()
+debug::Session *stepper()
 {
     return session ? &session->stepper : nullptr;
 }
 
-const Calls &play_calls()
+const Calls &calls()
 {
-    static const Calls calls = {
+    static const Calls all = {
         {"play.start", start},     {"play.head", head},       {"play.scope", scope},
         {"play.advance", advance}, {"play.request", request}, {"play.command", command},
         {"play.load", load},       {"play.break", break_it},  {"play.repair", repair}};
-    return calls;
+    return all;
 }
 
-} // namespace nf::web
+} // namespace nf::web::play_session

@@ -14,7 +14,7 @@
 
 #include <fmt/format.h>
 
-namespace nf::web
+namespace nf::web::replay_session
 {
 namespace
 {
@@ -103,16 +103,16 @@ Json columns(const Json &given)
 
 } // namespace
 
-debug::Session *replay_stepper()
+debug::Session *stepper()
 {
     return session ? &session->stepper : nullptr;
 }
 
-const Calls &replay_calls()
+const Calls &calls()
 {
-    static const Calls calls = {
+    static const Calls all = {
         {"replay.open", open}, {"replay.head", head}, {"replay.columns", columns}};
-    return calls;
+    return all;
 }
 
-} // namespace nf::web
+} // namespace nf::web::replay_session

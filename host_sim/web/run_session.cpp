@@ -15,7 +15,7 @@
 
 #include <fmt/format.h>
 
-namespace nf::web
+namespace nf::web::run_session
 {
 namespace
 {
@@ -171,12 +171,12 @@ Json signals(const Json &given)
 
 } // namespace
 
-const Calls &run_calls()
+const Calls &calls()
 {
-    static const Calls calls = {{"run.start", start},   {"run.advance", advance},
-                                {"run.result", result}, {"run.times", times},
-                                {"run.column", column}, {"run.signals", signals}};
-    return calls;
+    static const Calls all = {{"run.start", start},   {"run.advance", advance},
+                              {"run.result", result}, {"run.times", times},
+                              {"run.column", column}, {"run.signals", signals}};
+    return all;
 }
 
-} // namespace nf::web
+} // namespace nf::web::run_session

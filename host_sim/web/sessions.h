@@ -8,9 +8,15 @@ namespace nf::web
 {
 
 // Of the machine that is played with: its recent past, and on from there.
-debug::Session *play_stepper();
+namespace play_session
+{
+debug::Session *stepper();
+}
 
 // Of the recording that was opened last.
-debug::Session *replay_stepper();
+namespace replay_session
+{
+debug::Session *stepper();
+}
 
 } // namespace nf::web

@@ -19,7 +19,7 @@ extern "C" {
 
 #include <fmt/format.h>
 
-namespace nf::web
+namespace nf::web::step_session
 {
 namespace
 {
@@ -53,10 +53,10 @@ bool is_slice_over()
 debug::Session *stepper_of(const std::string &name)
 {
     if (name == "play") {
-        return play_stepper();
+        return play_session::stepper();
     }
     if (name == "recording") {
-        return replay_stepper();
+        return replay_session::stepper();
     }
     return scenario ? &scenario->session : nullptr;
 }
@@ -186,13 +186,13 @@ Json look(const Json &given)
 
 } // namespace
 
-const Calls &step_calls()
+const Calls &calls()
 {
-    static const Calls calls = {{"step.open", open},
-                                {"step.execute", execute},
-                                {"step.complete", complete},
-                                {"step.look", look}};
-    return calls;
+    static const Calls all = {{"step.open", open},
+                              {"step.execute", execute},
+                              {"step.complete", complete},
+                              {"step.look", look}};
+    return all;
 }
 
-} // namespace nf::web
+} // namespace nf::web::step_session

@@ -27,19 +27,12 @@ PROVEN = {(PROOF / name).resolve()
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("build", type=Path, help="a build folder with compile_commands.json")
 parser.add_argument("--beside", type=Path, help="another one; what it compiles as well is looked at there")
-parser.add_argument("--only", metavar="FOLDER", default="", help="look at the sources of this folder")
-parser.add_argument("--without", metavar="FOLDER", help="leave out the sources of this folder")
 args = parser.parse_args()
 
 
 def is_ours(path):
     return (path.match("Unity/unity_*_cxx.cxx")
             or path.is_relative_to(sources.ROOT) and path.relative_to(sources.ROOT).parts[0] in FOLDERS)
-
-
-def is_chosen(path):
-    left_out = args.without is not None and path.is_relative_to(sources.ROOT / args.without)
-    return is_ours(path) and not left_out and (not args.only or path.is_relative_to(sources.ROOT / args.only))
 
 
 def options_of(path):
@@ -56,7 +49,7 @@ def tidy(path):
 
 def compiled(build):
     commands = json.loads((build / "compile_commands.json").read_text(encoding="utf-8"))
-    return {Path(c["file"]) for c in commands if is_chosen(Path(c["file"]))}
+    return {Path(c["file"]) for c in commands if is_ours(Path(c["file"]))}
 
 
 paths = sorted(compiled(args.build) - (compiled(args.beside) if args.beside else set()))
