@@ -517,6 +517,30 @@ void leave_alone(Bench &bench, double seconds)
 
 constexpr double SETTLES_S = 2; // from power-up to a motor that the script has in RUN
 
+// The load takes what is commanded, so the speed stays. The model's torque and the motor's differ by the parameters' errors of
+// this plant, the mean by its noise.
+TEST(a_torque_is_commanded_in_newton_metres)
+{
+    constexpr double TORQUE_NM = 1;
+    constexpr double TORQUE_SHARE = 0.03;
+    constexpr double SLOPE_S = 0.15; // to reach it
+    constexpr int PASSES = 50;
+    Bench bench(scripted("60", {"scenario.load=[{time_s = 1, torque_nm = 1}]"}));
+    leave_alone(bench, SETTLES_S);
+    bench.follower.connect();
+    bench.pass(RESYNC_S);
+    bench.do_line(fmt::format("torque {}", TORQUE_NM));
+    bench.pass(SLOPE_S);
+    double mean_nm = 0;
+    for (int k = 0; k < PASSES; k++) {
+        bench.pass(PASS_S);
+        plant_view_t truth{};
+        plant_view(&bench.board.run().sim().plant(), &truth);
+        mean_nm += truth.torque_nm / PASSES;
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(TORQUE_SHARE * TORQUE_NM, TORQUE_NM, mean_nm);
+}
+
 TEST(a_speed_before_the_command_in_force_is_known_is_refused_and_the_motor_runs_on)
 {
     Bench bench(scripted("60"));

@@ -6,9 +6,9 @@ transcripts.py PROGRAMS GDB --write   writes the outputs anew
 
 PROGRAMS is the folder that has motorsim, nfconfig and gaindesign. A transcript is a block of a guide that is marked
 `console`. A line that begins with `$ ` is a command. Lines that begin with a prompt in brackets are typed into the program
-of the command before: the stepper, or gdb. All others are output; a line `...` stands for any number of lines. The blocks of a
-guide run one after the other in one folder. A block that is marked `toml` and begins with `# NAME.toml` is written there as
-that file, before them.
+of the command before: the stepper, or gdb. All others are output; a line `...` stands for any number of lines, and the eight
+digits of a checksum for any others. The blocks of a guide run one after the other in one folder. A block that is marked `toml`
+and begins with `# NAME.toml` is written there as that file, before them.
 """
 import argparse
 import os
@@ -27,6 +27,7 @@ BLOCK = re.compile(r"(?<=^```console\n).*?(?=^```$)", re.MULTILINE | re.DOTALL)
 FILE = re.compile(r"^```toml\n(# ([\w.]+\.toml)\n.*?)^```$", re.MULTILINE | re.DOTALL)
 TYPED = re.compile(r"^(\([^)]+\)) (.+)$")
 ANY = "..."
+CHECKSUM = re.compile(r"\b[0-9a-f]{8}\b")
 
 
 def guides():
@@ -54,6 +55,7 @@ def gdb_command(gdb, command, typed):
 def departure(shown, printed):
     """The first line that is shown and not printed, with what was printed in its place; None without one."""
     at, anywhere = 0, False
+    shown, printed = ([CHECKSUM.sub("0" * 8, line) for line in lines] for lines in (shown, printed))
     for line in shown:
         if line == ANY:
             anywhere = True
