@@ -5,9 +5,12 @@
 #include "example_identify.h"
 #include "testing.h"
 
+#define RESTLESS "the rotor does not come to rest on the current: does a load turn it?"
+
 void setUp(void)
 {
     identify_example();
+    start();
 }
 
 /* ---- PULSE ---- */
@@ -15,8 +18,10 @@ void setUp(void)
 /* 22576 of the bus: 88 is 1/256 of it, 5644 a quarter. */
 static void begin_pulses(void)
 {
-    begin_phase(IDENTIFY_PULSE);
+    setUp();
+    identify_aim_phase(&identify, IDENTIFY_PULSE);
     TEST_ASSERT_TRUE(identify_rest_plan_pulse(&identify));
+    TEST_ASSERT_EQUAL_INT32(88, identify.rest.pulse);
     TEST_ASSERT_EQUAL_UINT32(1U, identify.step);
 }
 
@@ -24,28 +29,36 @@ static void begin_pulses(void)
 static void answer_pulses(const dq_t *peaks)
 {
     for (uint32_t axis = 0U; axis < IDENTIFY_AXES; axis++) {
-        bool aims;
-
         TEST_ASSERT_EQUAL_UINT32(axis, identify.rest.axis);
         sums()->change = (dq_t){64 * peaks[axis].d, 64 * peaks[axis].q};
-        aims = identify_rest_plan_pulse(&identify);
+        const bool aims = identify_rest_plan_pulse(&identify);
+
         TEST_ASSERT_EQUAL(identify.phase == IDENTIFY_PULSE, aims);
         TEST_ASSERT_EQUAL_INT32(peaks[axis].d, identify.rest.peaks[axis].d);
         TEST_ASSERT_EQUAL_INT32(peaks[axis].q, identify.rest.peaks[axis].q);
     }
 }
 
-/* With 1/16 of the continuous current it becomes fine, with a quarter it has ended. */
-static void answer_to_the_end(const dq_t *peaks)
+static void answer_along(int32_t a, int32_t b, int32_t c)
 {
-    static const dq_t some[] = {{400, 0}, {400, 0}, {400, 0}};
+    answer_pulses((const dq_t[]){{a, 0}, {b, 0}, {c, 0}});
+}
 
-    setUp();
+/* With 1/16 of the continuous current they become fine, with a quarter they have ended. */
+static void expect_verdict(const char *why, dq_t a, dq_t b, dq_t c)
+{
     begin_pulses();
-    answer_pulses(some);
+    answer_along(400, 400, 400);
     TEST_ASSERT_TRUE(identify.rest.fine);
     TEST_ASSERT_EQUAL_INT32(88 + 22, identify.rest.pulse);
-    answer_pulses(peaks);
+    identify.rest.across_volts = 7;
+    identify.rest.across_current = 9;
+    answer_pulses((const dq_t[]){a, b, c});
+    if (why == NULL) {
+        TEST_ASSERT_EQUAL(IDENTIFY_CATCH, identify.phase);
+    } else {
+        assert_refused(why);
+    }
 }
 
 TEST(test_a_pulse_has_no_current_and_lies_on_the_axis_of_its_phase)
@@ -66,12 +79,8 @@ TEST(test_a_pulse_has_no_current_and_lies_on_the_axis_of_its_phase)
         *identify_aim_word(&identify, PROBE_CURRENT) = 5; /* of another experiment */
         (void)identify_rest_plan_pulse(&identify);
     }
-}
-
-TEST(test_without_a_bus_the_first_pulse_is_1)
-{
-    begin_phase(IDENTIFY_PULSE);
-    app.drive.signals.bus = 255;
+    app.drive.signals.bus = 255; /* as good as none */
+    identify_aim_phase(&identify, IDENTIFY_PULSE);
     (void)identify_rest_plan_pulse(&identify);
     TEST_ASSERT_EQUAL_INT32(1, identify.rest.pulse);
 }
@@ -79,82 +88,60 @@ TEST(test_without_a_bus_the_first_pulse_is_1)
 /* 110 LSB are 22 more than 88: they have made 1000 more. What the legs lose is in both. */
 TEST(test_pulses_give_the_inductance_of_what_the_last_step_has_added)
 {
-    static const dq_t first[] = {{1400, 0}, {1390, 20}, {1380, -20}};
-    static const dq_t last[] = {{1380, 0}, {1390, 20}, {1400, -20}};
-
-    answer_to_the_end(first);
-    TEST_ASSERT_EQUAL(IDENTIFY_CATCH, identify.phase);
+    expect_verdict(NULL, (dq_t){1400, 0}, (dq_t){1390, 20}, (dq_t){1380, -20});
     TEST_ASSERT_EQUAL_INT32((22 * 65536) / 1000, identify.rest.inductance_q16);
     TEST_ASSERT_EQUAL_INT32((22 * 65536) / 1000, identify.rest.along_q16);
     TEST_ASSERT_EQUAL_INT32((22 * 65536) / 1000, identify.rest.across_q16);
-    answer_to_the_end(last);
+    TEST_ASSERT_EQUAL_INT32(0, identify.rest.across_volts);
+    TEST_ASSERT_EQUAL_INT32(0, identify.rest.across_current);
+    expect_verdict(NULL, (dq_t){1380, 0}, (dq_t){1390, 20}, (dq_t){1400, -20});
     TEST_ASSERT_EQUAL_INT32((22 * 65536) / 1000, identify.rest.inductance_q16);
 }
 
-/* Those across have no pulses before them then. */
-TEST(test_pulses_that_have_ended_leave_none_across)
+static int32_t inductance_of(int32_t before, int32_t pulse, int32_t quarter)
 {
-    static const dq_t peaks[] = {{1400, 0}, {1400, 0}, {1400, 0}};
-
     begin_pulses();
     identify.rest.fine = true;
-    identify.rest.across_volts = 7;
-    identify.rest.across_current = 9;
-    answer_pulses(peaks);
-    TEST_ASSERT_EQUAL(IDENTIFY_CATCH, identify.phase);
-    TEST_ASSERT_EQUAL_INT32(0, identify.rest.across_volts);
-    TEST_ASSERT_EQUAL_INT32(0, identify.rest.across_current);
+    identify.rest.before = before;
+    identify.rest.pulse = pulse;
+    identify.rest.quarter = quarter;
+    answer_along(1400, 1400, 1400);
+    return identify.rest.inductance_q16;
 }
 
 TEST(test_an_inductance_saturates)
 {
-    static const dq_t peaks[] = {{1400, 0}, {1400, 0}, {1400, 0}};
-
-    begin_pulses();
-    identify.rest.fine = true;
-    identify.rest.before = 1399;
-    identify.rest.pulse = 5000;
-    identify.rest.quarter = 64; /* 64000 for 1 */
-    answer_pulses(peaks);
-    TEST_ASSERT_EQUAL_INT32(INT32_MAX, identify.rest.inductance_q16);
-    setUp();
-    begin_pulses();
-    identify.rest.fine = true;
-    identify.rest.before = 1400; /* no more: counts as 1 */
-    answer_pulses(peaks);
-    TEST_ASSERT_EQUAL_INT32((88 / 5) * 65536, identify.rest.inductance_q16);
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, inductance_of(1399, 5000, 64));     /* 64000 for 1 */
+    TEST_ASSERT_EQUAL_INT32((88 / 5) * 65536, inductance_of(1400, 88, 1)); /* 0 counts as 1 */
 }
 
 TEST(test_pulses_grow_until_a_quarter_of_the_continuous_current_flows)
 {
-    static const dq_t little[] = {{343, 0}, {0, 0}, {300, 0}};
-    static const dq_t some[] = {{340, 0}, {330, 0}, {344, 0}};
-    static const dq_t more[] = {{1375, 0}, {1375, 0}, {1375, 0}};
-    static const dq_t enough[] = {{1375, 0}, {1376, 0}, {1375, 0}};
-
     begin_pulses();
-    TEST_ASSERT_EQUAL_INT32(88, identify.rest.pulse);
-    answer_pulses(little);
+    answer_along(343, 0, 300);
     TEST_ASSERT_EQUAL_INT32(176, identify.rest.pulse);
-    answer_pulses(some);
+    answer_along(340, 330, 344);
     TEST_ASSERT_EQUAL_INT32(176 + 44, identify.rest.pulse);
-    answer_pulses(more);
+    answer_along(1375, 1375, 1375);
     TEST_ASSERT_EQUAL_INT32(220 + 55, identify.rest.pulse);
     TEST_ASSERT_EQUAL_INT32(1375, identify.rest.before);
     TEST_ASSERT_EQUAL(IDENTIFY_PULSE, identify.phase);
-    answer_pulses(enough);
+    answer_along(1375, 1376, 1375);
     TEST_ASSERT_EQUAL(IDENTIFY_CATCH, identify.phase);
+    begin_pulses();
+    answer_along(1400, 1400, 1400); /* a first answer gives no difference of two */
+    TEST_ASSERT_EQUAL(IDENTIFY_PULSE, identify.phase);
+    TEST_ASSERT_TRUE(identify.rest.fine);
 }
 
-static void expect_next_pulse(uint32_t axis, dq_t peak, int32_t pulse)
+static int32_t pulse_after(uint32_t axis, dq_t peak)
 {
     dq_t peaks[] = {{100, 0}, {100, 0}, {100, 0}};
 
-    setUp();
     begin_pulses();
     peaks[axis] = peak;
     answer_pulses(peaks);
-    TEST_ASSERT_EQUAL_INT32(pulse, identify.rest.pulse);
+    return identify.rest.pulse;
 }
 
 /* 344, 1/16 of the continuous current, wherever exchanged wires turn it: a quarter more of 88 follows, not twice as much. */
@@ -162,117 +149,73 @@ TEST(test_a_current_shows_in_any_direction_of_any_axis)
 {
     static const dq_t directions[] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
 
-    for (uint32_t axis = 0U; axis < IDENTIFY_AXES; axis++) {
-        for (uint32_t k = 0U; k < 4U; k++) {
-            const dq_t d = directions[k];
+    for (uint32_t k = 0U; k < (4U * IDENTIFY_AXES); k++) {
+        const dq_t d = directions[k % 4U];
 
-            expect_next_pulse(axis, (dq_t){344 * d.d, 344 * d.q}, 88 + 22);
-            expect_next_pulse(axis, (dq_t){343 * d.d, 343 * d.q}, 2 * 88);
-        }
+        TEST_ASSERT_EQUAL_INT32(88 + 22, pulse_after(k / 4U, (dq_t){344 * d.d, 344 * d.q}));
+        TEST_ASSERT_EQUAL_INT32(2 * 88, pulse_after(k / 4U, (dq_t){343 * d.d, 343 * d.q}));
     }
-}
-
-/* A first answer gives no difference of two. */
-TEST(test_a_large_answer_to_coarse_pulses_is_not_the_end)
-{
-    static const dq_t peaks[] = {{1400, 0}, {1400, 0}, {1400, 0}};
-
-    begin_pulses();
-    answer_pulses(peaks);
-    TEST_ASSERT_EQUAL(IDENTIFY_PULSE, identify.phase);
-    TEST_ASSERT_TRUE(identify.rest.fine);
 }
 
 /* The voltage ends at a quarter of the bus, 5644; then the time grows. */
 TEST(test_pulses_get_longer_once_they_are_a_quarter_of_the_bus)
 {
-    static const dq_t none[IDENTIFY_AXES];
     int32_t longest = 0;
 
     begin_pulses();
     for (uint32_t k = 0U; (k < 100U) && (identify.phase == IDENTIFY_PULSE); k++) {
         TEST_ASSERT_TRUE(identify.rest.pulse <= 5644);
         longest = identify.rest.quarter;
-        answer_pulses(none);
+        answer_along(0, 0, 0);
     }
     TEST_ASSERT_EQUAL_INT32(64, longest);
     assert_refused("no current flows: is the motor connected?");
 }
 
-static void pulses_after(int32_t pulse, int32_t peak)
+static void expect_next_pulse(int32_t pulse, int32_t peak, int32_t next, bool longer)
 {
-    const dq_t peaks[] = {{peak, 0}, {peak, 0}, {peak, 0}};
-
-    setUp();
     begin_pulses();
     identify.rest.pulse = pulse;
     identify.rest.quarter = 2;
-    answer_pulses(peaks);
+    answer_along(peak, peak, peak);
+    TEST_ASSERT_EQUAL_INT32(next, identify.rest.pulse);
+    TEST_ASSERT_EQUAL_INT32(longer ? 4 : 2, identify.rest.quarter);
+    TEST_ASSERT_EQUAL((peak > 0) && !longer, identify.rest.fine);
 }
 
 /* 4515 and 2822 are the last ones of which a quarter more and twice as much are a quarter of the bus. */
 TEST(test_the_next_pulse_ends_at_a_quarter_of_the_bus)
 {
-    pulses_after(4516, 400);
     TEST_ASSERT_EQUAL_INT32(5645 - 1, app.drive.signals.bus / 4);
-    TEST_ASSERT_FALSE(identify.rest.fine);
-    TEST_ASSERT_EQUAL_INT32((4516 * 5) / 8, identify.rest.pulse);
-    TEST_ASSERT_EQUAL_INT32(4, identify.rest.quarter);
-    pulses_after(4515, 400);
-    TEST_ASSERT_TRUE(identify.rest.fine);
-    TEST_ASSERT_EQUAL_INT32(5643, identify.rest.pulse);
-    TEST_ASSERT_EQUAL_INT32(2, identify.rest.quarter);
-    pulses_after(2823, 0);
-    TEST_ASSERT_EQUAL_INT32((2823 * 5) / 8, identify.rest.pulse);
-    TEST_ASSERT_EQUAL_INT32(4, identify.rest.quarter);
-    pulses_after(2822, 0);
-    TEST_ASSERT_EQUAL_INT32(5644, identify.rest.pulse);
-    TEST_ASSERT_EQUAL_INT32(2, identify.rest.quarter);
+    expect_next_pulse(4516, 400, (4516 * 5) / 8, true);
+    expect_next_pulse(4515, 400, 5643, false);
+    expect_next_pulse(2823, 0, (2823 * 5) / 8, true);
+    expect_next_pulse(2822, 0, 5644, false);
     app.drive.signals.bus = 4 * 7055;
-    answer_pulses((const dq_t[]){{400, 0}, {400, 0}, {400, 0}}); /* 5644 and a quarter of it */
+    answer_along(400, 400, 400); /* 5644 and a quarter of it */
     TEST_ASSERT_TRUE(identify.rest.fine);
     TEST_ASSERT_EQUAL_INT32(7055, identify.rest.pulse);
 }
 
+/* It has less than 1/8 of the largest current in any direction, and turns those of the others. */
 TEST(test_an_open_phase_is_named)
 {
     static const char *const names[] = {"phase a is open", "phase b is open", "phase c is open"};
+    static const dq_t small[] = {{174, -174}, {-174, 174}, {0, 1400 / 8}, {1400 / 8, 0}};
 
-    for (uint32_t open = 0U; open < IDENTIFY_AXES; open++) {
+    for (uint32_t k = 0U; k < (4U * IDENTIFY_AXES); k++) {
         dq_t peaks[] = {{1400, 800}, {1400, -800}, {1400, 800}};
 
-        peaks[open] = (dq_t){174, -174}; /* 1/8 is 175 */
-        answer_to_the_end(peaks);
-        assert_refused(names[open]);
-        peaks[open] = (dq_t){-174, 174};
-        answer_to_the_end(peaks);
-        assert_refused(names[open]);
-        peaks[open] = (dq_t){0, 1400 / 8};
-        answer_to_the_end(peaks);
-        TEST_ASSERT_EQUAL(IDENTIFY_CATCH, identify.phase);
-        peaks[open] = (dq_t){1400 / 8, 0};
-        answer_to_the_end(peaks);
-        TEST_ASSERT_EQUAL(IDENTIFY_CATCH, identify.phase);
+        peaks[k / 4U] = small[k % 4U];
+        expect_verdict(((k % 4U) < 2U) ? names[k / 4U] : NULL, peaks[0], peaks[1], peaks[2]);
     }
+    expect_verdict(names[2], (dq_t){1400, 0}, (dq_t){1400, -1600}, (dq_t){199, 0});
+    expect_verdict(NULL, (dq_t){1400, 0}, (dq_t){1400, -1600}, (dq_t){200, 0});
+    expect_verdict(names[2], (dq_t){-1400, 2000}, (dq_t){-1400, -2000}, (dq_t){0, 0});
+    expect_verdict(names[2], (dq_t){1400, 2000}, (dq_t){1400, -2000}, (dq_t){0, 0});
 }
 
-/* 1/8 of the largest one, along a pulse or not. */
-TEST(test_the_current_of_an_open_phase_is_small_beside_any_other)
-{
-    answer_to_the_end((const dq_t[]){{1400, 0}, {1400, -1600}, {199, 0}});
-    assert_refused("phase c is open");
-    answer_to_the_end((const dq_t[]){{1400, 0}, {1400, -1600}, {200, 0}});
-    TEST_ASSERT_EQUAL(IDENTIFY_CATCH, identify.phase);
-}
-
-TEST(test_an_open_phase_is_named_before_two_that_are_exchanged)
-{
-    answer_to_the_end((const dq_t[]){{-1400, 2000}, {-1400, -2000}, {0, 0}});
-    assert_refused("phase c is open");
-    answer_to_the_end((const dq_t[]){{1400, 2000}, {1400, -2000}, {0, 0}});
-    assert_refused("phase c is open");
-}
-
+/* A salient rotor turns the current of two axes by up to 1.25/2.25: 45 degrees are straight. */
 TEST(test_two_exchanged_phases_are_named)
 {
     static const char *const names[] = {
@@ -284,39 +227,23 @@ TEST(test_two_exchanged_phases_are_named)
         dq_t peaks[] = {{-700, 1212}, {-700, -1212}, {-700, 1212}};
 
         peaks[straight] = (dq_t){1400, 0};
-        answer_to_the_end(peaks);
-        assert_refused(names[straight]);
+        expect_verdict(names[straight], peaks[0], peaks[1], peaks[2]);
     }
+    expect_verdict(NULL, (dq_t){1400, 0}, (dq_t){800, 800}, (dq_t){800, -800});
+    expect_verdict(NULL, (dq_t){1400, 0}, (dq_t){800, 801}, (dq_t){800, -800});
+    expect_verdict(names[0], (dq_t){1400, 0}, (dq_t){800, 801}, (dq_t){800, -801});
 }
 
 /* A reversed sensor of a, both reversed, wires exchanged in a circle: the current lies along none of the pulses. */
 TEST(test_three_axes_that_are_turned_are_refused)
 {
-    static const dq_t answers[][IDENTIFY_AXES] = {{{-1400, -1617}, {1400, -1617}, {0, 808}},
-                                                  {{-1400, 0}, {-1400, 0}, {-1400, 0}},
-                                                  {{-700, 1212}, {-700, 1212}, {-700, 1212}},
-                                                  {{-700, -1212}, {-700, -1212}, {-700, -1212}}};
+    const char *const why = "a current sensor is reversed, or the wires or the sensors of all "
+                            "three phases are exchanged";
 
-    for (uint32_t k = 0U; k < 4U; k++) {
-        answer_to_the_end(answers[k]);
-        assert_refused("a current sensor is reversed, or the wires or the sensors of all three "
-                       "phases are exchanged");
-    }
-}
-
-/* A salient rotor turns the current of two axes by up to 1.25/2.25. */
-TEST(test_a_current_that_is_turned_by_less_than_45_degrees_is_straight)
-{
-    static const dq_t turned[] = {{1400, 0}, {800, 800}, {800, -800}};
-    static const dq_t one[] = {{1400, 0}, {800, 801}, {800, -800}};
-    static const dq_t two[] = {{1400, 0}, {800, 801}, {800, -801}};
-
-    answer_to_the_end(turned);
-    TEST_ASSERT_EQUAL(IDENTIFY_CATCH, identify.phase);
-    answer_to_the_end(one);
-    TEST_ASSERT_EQUAL(IDENTIFY_CATCH, identify.phase);
-    answer_to_the_end(two);
-    assert_refused("the wires or the current sensors of phases b and c are exchanged");
+    expect_verdict(why, (dq_t){-1400, -1617}, (dq_t){1400, -1617}, (dq_t){0, 808});
+    expect_verdict(why, (dq_t){-1400, 0}, (dq_t){-1400, 0}, (dq_t){-1400, 0});
+    expect_verdict(why, (dq_t){-700, 1212}, (dq_t){-700, 1212}, (dq_t){-700, 1212});
+    expect_verdict(why, (dq_t){-700, -1212}, (dq_t){-700, -1212}, (dq_t){-700, -1212});
 }
 
 /* ---- CATCH ---- */
@@ -324,13 +251,10 @@ TEST(test_a_current_that_is_turned_by_less_than_45_degrees_is_straight)
 /* A small current rises, the vector turns in two quarters, the rest of the current follows; then it looks. */
 TEST(test_the_rotor_is_caught_half_a_turn_away_and_taken_along)
 {
-    static const struct {
-        int32_t eighths;
-        uint32_t angle;
-    } moves[] = {{1, 0x80000000U}, {2, 0x80000000U}, {2, 0x40000000U}, {2, 0U}, {3, 0U}, {4, 0U},
-                 {5, 0U},          {6, 0U},          {7, 0U},          {8, 0U}, {8, 0U}};
+    static const int32_t eighths[] = {1, 2, 2, 2, 3, 4, 5, 6, 7, 8, 8};
+    static const uint32_t angles[11] = {0x80000000U, 0x80000000U, 0x40000000U};
 
-    begin_phase(IDENTIFY_CATCH);
+    identify_aim_phase(&identify, IDENTIFY_CATCH);
     identify.rest.inductance_q16 = 1441;
     *identify_aim_word(&identify, PROBE_RATE) = 77;
     *identify_aim_word(&identify, PROBE_SPEED) = 88;
@@ -338,8 +262,8 @@ TEST(test_the_rotor_is_caught_half_a_turn_away_and_taken_along)
         const bool looks = k == 10U;
 
         TEST_ASSERT_TRUE(identify_rest_plan_catch(&identify));
-        TEST_ASSERT_EQUAL_INT32((CONTINUOUS * moves[k].eighths) / 8, word(PROBE_CURRENT));
-        TEST_ASSERT_EQUAL_UINT32(moves[k].angle, fx_unsigned(word(PROBE_ANGLE)));
+        TEST_ASSERT_EQUAL_INT32((CONTINUOUS * eighths[k]) / 8, word(PROBE_CURRENT));
+        TEST_ASSERT_EQUAL_UINT32(angles[k], fx_unsigned(word(PROBE_ANGLE)));
         /* half a turn in 400 ms */
         TEST_ASSERT_EQUAL_INT32((k < 2U) ? 77 : (INT32_MAX / (400 * MS)), word(PROBE_RATE));
         TEST_ASSERT_EQUAL_INT32(looks ? 0 : (30 * MS), identify.aim.settle);
@@ -355,8 +279,7 @@ static uint32_t looks_at(int32_t across)
 {
     uint32_t looks = 0U;
 
-    setUp();
-    begin_phase(IDENTIFY_CATCH);
+    identify_aim_phase(&identify, IDENTIFY_CATCH);
     sums()->across = across;
     while (identify_rest_plan_catch(&identify)) {
         looks++;
@@ -367,92 +290,80 @@ static uint32_t looks_at(int32_t across)
 TEST(test_a_rotor_at_rest_goes_on_and_one_that_never_rests_is_refused)
 {
     TEST_ASSERT_EQUAL_UINT32(10U + 41U, looks_at(CONTINUOUS / 16));
-    assert_refused("the rotor does not come to rest on the current: does a load turn it?");
+    assert_refused(RESTLESS);
     TEST_ASSERT_EQUAL_UINT32(10U + 1U, looks_at((CONTINUOUS / 16) - 1));
     TEST_ASSERT_EQUAL(IDENTIFY_STILL, identify.phase);
-}
-
-TEST(test_a_rotor_that_was_lost_goes_on_turning)
-{
-    begin_phase(IDENTIFY_CATCH);
-    identify.turn.slower = 1U;
-    while (identify_rest_plan_catch(&identify)) {
-        TEST_ASSERT_EQUAL(IDENTIFY_CATCH, identify.phase);
-    }
+    identify.turn.slower = 1U; /* it was lost, and goes on turning */
+    TEST_ASSERT_EQUAL_UINT32(10U + 1U, looks_at(0));
     TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
 }
 
-/* A look of 100 ms at 5504 of current: the largest i_q and its mean. */
-static bool look(int32_t across, int32_t mean)
+/* After a look of 100 ms at 5504 of current with this largest i_q and this mean of it. */
+static bool rests(int32_t across, int32_t mean)
 {
     sums()->across = across;
     sums()->current = (dq_t){0, mean * 100 * MS};
-    return identify_rest_plan_catch(&identify);
+    return !identify_rest_plan_catch(&identify);
 }
 
 static void begin_to_look(void)
 {
     setUp();
-    begin_phase(IDENTIFY_CATCH);
+    identify_aim_phase(&identify, IDENTIFY_CATCH);
     identify.step = 10U;
     TEST_ASSERT_TRUE(identify_rest_plan_catch(&identify));
 }
 
-static void look_with(int32_t noise_a, int32_t noise_b, int32_t across, bool rests)
+static bool rests_with_noise(int32_t noise_a, int32_t noise_b, int32_t across)
 {
     begin_to_look();
     sums()->noise_a = noise_a * 100 * MS;
     sums()->noise_b = noise_b * 100 * MS;
-    TEST_ASSERT_EQUAL(!rests, look(across, 0));
+    return rests(across, 0);
 }
 
 /* 344 of 5504, and five times the mean change from sample to sample. */
 TEST(test_what_noise_has_for_its_largest_sample_is_no_swing)
 {
-    look_with(10, 3, 344 + 49, true);
-    look_with(10, 3, 344 + 50, false);
-    look_with(3, 10, 344 + 49, true);
-    look_with(3, 10, 344 + 50, false);
+    TEST_ASSERT_TRUE(rests_with_noise(10, 3, 344 + 49));
+    TEST_ASSERT_FALSE(rests_with_noise(10, 3, 344 + 50));
+    TEST_ASSERT_TRUE(rests_with_noise(3, 10, 344 + 49));
+    TEST_ASSERT_FALSE(rests_with_noise(3, 10, 344 + 50));
 }
 
-static void look_often(uint32_t count, int32_t across, int32_t mean)
+static void swing_often(uint32_t count, int32_t across, int32_t mean)
 {
     for (uint32_t k = 0U; k < count; k++) {
-        TEST_ASSERT_TRUE(look(across, mean));
+        TEST_ASSERT_FALSE(rests(across, mean));
     }
 }
 
 /* The first look that has it, and 5 more. */
-TEST(test_a_mean_across_that_stays_is_no_swing)
+TEST(test_a_mean_across_is_no_swing_as_long_as_it_stays)
 {
     begin_to_look();
-    look_often(5U, 1000, 800);
-    TEST_ASSERT_FALSE(look(1000, 800));
+    swing_often(5U, 1000, 800);
+    TEST_ASSERT_TRUE(rests(1000, 800));
     begin_to_look();
-    look_often(5U, 1000, -800);
-    TEST_ASSERT_FALSE(look(1000, -800));
+    swing_often(5U, 1000, -800);
+    TEST_ASSERT_TRUE(rests(1000, -800));
     begin_to_look(); /* 0 was there before the first look */
-    look_often(4U, 344, 1);
-    TEST_ASSERT_FALSE(look(344, 1));
-}
-
-/* By 172 from that which the others are compared with; or it swings by 344. */
-TEST(test_a_mean_across_that_moves_begins_anew)
-{
+    swing_often(4U, 344, 1);
+    TEST_ASSERT_TRUE(rests(344, 1));
+    /* one that moves by 172 from the first, or a swing by 344, begins anew */
     begin_to_look();
-    look_often(4U, 1000, 800);
-    TEST_ASSERT_TRUE(look(1000, 972));
-    look_often(4U, 1000, 972);
-    TEST_ASSERT_FALSE(look(1000, 972));
+    swing_often(4U, 1000, 800);
+    swing_often(5U, 1000, 972);
+    TEST_ASSERT_TRUE(rests(1000, 972));
     begin_to_look();
-    look_often(3U, 1000, 800);
-    look_often(2U, 1000, 971);
-    TEST_ASSERT_FALSE(look(970, 629));
+    swing_often(3U, 1000, 800);
+    swing_often(2U, 1000, 971);
+    TEST_ASSERT_TRUE(rests(970, 629));
     begin_to_look();
-    look_often(5U, 1000, 800);
-    TEST_ASSERT_TRUE(look(1144, 800));
-    look_often(4U, 1000, 800);
-    TEST_ASSERT_FALSE(look(1143, 800));
+    swing_often(5U, 1000, 800);
+    swing_often(1U, 1144, 800);
+    swing_often(4U, 1000, 800);
+    TEST_ASSERT_TRUE(rests(1143, 800));
 }
 
 /* ---- STILL ---- */
@@ -463,7 +374,8 @@ TEST(test_a_mean_across_that_moves_begins_anew)
 
 static void begin_still(void)
 {
-    begin_phase(IDENTIFY_STILL);
+    setUp();
+    identify_aim_phase(&identify, IDENTIFY_STILL);
     identify.rest.axis = 0U;
     identify.rest.along_q16 = 1441;
     identify.rest.across_q16 = 1441;
@@ -483,7 +395,6 @@ static uint32_t stay_still(const int32_t *resistances)
 {
     uint32_t experiments = 0U;
 
-    setUp();
     begin_still();
     while (identify_rest_plan_still(&identify)) {
         TEST_ASSERT_TRUE(word(PROBE_CURRENT) <= 7372); /* 0.9 of 8192 */
@@ -493,15 +404,8 @@ static uint32_t stay_still(const int32_t *resistances)
     return experiments;
 }
 
-TEST(test_levels_reach_twice_the_continuous_current_or_nine_tenths_of_the_largest)
-{
-    TEST_ASSERT_EQUAL_INT32(7372, identify_rest_largest(&identify));
-    cfg.derating.current_continuous = 3685;
-    TEST_ASSERT_EQUAL_INT32(7370, identify_rest_largest(&identify));
-}
-
-/* Down by a factor of 10, and up again in between. */
-TEST(test_an_axis_has_14_levels_of_current)
+/* Down by a factor of 10, and up again in between. The first and the fifth give R and the loss. */
+TEST(test_an_axis_has_14_levels_of_current_and_the_resistance_of_two_of_them)
 {
     static const int32_t shares[LEVELS] = {255, 205, 164, 131, 105, 84,  67,
                                            54,  43,  34,  27,  54,  105, 205};
@@ -513,10 +417,15 @@ TEST(test_an_axis_has_14_levels_of_current)
         TEST_ASSERT_EQUAL_STRING("still", identify.aim.kind);
         TEST_ASSERT_EQUAL_INT32(20 * MS, identify.aim.settle);
         TEST_ASSERT_EQUAL_INT32(40 * MS, identify.aim.ticks);
-        answer_still(1547);
+        answer_still(((k == 0U) || (k == 4U)) ? 1547 : 9999);
     }
     TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
     TEST_ASSERT_EQUAL_STRING("burst", identify.aim.kind);
+    TEST_ASSERT_INT32_WITHIN(3, 1547, identify.rest.resistance_q13[0]);
+    TEST_ASSERT_INT32_WITHIN(2, LOSS, identify.rest.loss);
+    TEST_ASSERT_EQUAL_INT32((7372 * 255) / 256, identify.rest.high_current);
+    cfg.derating.current_continuous = 3685; /* twice that is less than 0.9 of the largest */
+    TEST_ASSERT_EQUAL_INT32(7370, identify_rest_largest(&identify));
 }
 
 /* R to an LSB of the voltage in 4319 of current. */
@@ -532,48 +441,34 @@ TEST(test_each_axis_gives_its_resistance_and_the_last_one_the_loss)
     TEST_ASSERT_INT32_WITHIN(2, LOSS, identify.rest.loss);
 }
 
-/* Of the first and the fifth level; the others are for the record. */
-TEST(test_the_resistance_is_that_of_two_levels)
+static void answer_level(uint32_t step, int32_t voltage, int32_t current)
 {
-    begin_still();
-    for (uint32_t k = 0U; k <= LEVELS; k++) {
-        TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
-        answer_still(((k == 0U) || (k == 4U)) ? 1547 : 9999);
-    }
-    TEST_ASSERT_INT32_WITHIN(3, 1547, identify.rest.resistance_q13[0]);
-    TEST_ASSERT_INT32_WITHIN(2, LOSS, identify.rest.loss);
-    TEST_ASSERT_EQUAL_INT32((7372 * 255) / 256, identify.rest.high_current);
+    identify.step = step;
+    identify.aim.ticks = 1;
+    sums()->voltage.d = voltage;
+    sums()->current.d = current;
+    (void)identify_rest_plan_still(&identify);
 }
 
-static void two_levels(dq_t high, dq_t low)
+/* Two levels of a voltage and a current each. */
+static void expect_resistance(dq_t high, dq_t low, int32_t resistance_q13, int32_t loss)
 {
-    setUp();
     begin_still();
     (void)identify_rest_plan_still(&identify);
-    identify.aim.ticks = 1;
-    sums()->voltage.d = high.d;
-    sums()->current.d = high.q;
-    (void)identify_rest_plan_still(&identify);
-    identify.step = 5U;
-    identify.aim.ticks = 1;
-    sums()->voltage.d = low.d;
-    sums()->current.d = low.q;
-    (void)identify_rest_plan_still(&identify);
+    answer_level(1U, high.d, high.q);
+    answer_level(5U, low.d, low.q);
+    TEST_ASSERT_EQUAL_INT32(resistance_q13, identify.rest.resistance_q13[0]);
+    TEST_ASSERT_EQUAL_INT32(loss, identify.rest.loss);
 }
 
 TEST(test_a_resistance_and_a_loss_are_between_nothing_and_their_largest)
 {
-    two_levels((dq_t){1000, 5000}, (dq_t){1001, 2500}); /* falls */
-    TEST_ASSERT_EQUAL_INT32(0, identify.rest.resistance_q13[0]);
-    TEST_ASSERT_EQUAL_INT32(1001, identify.rest.loss);
-    two_levels((dq_t){1000, 5000}, (dq_t){1000 - 4, 5000 - 1}); /* 32768 */
-    TEST_ASSERT_EQUAL_INT32(32767, identify.rest.resistance_q13[0]);
-    TEST_ASSERT_EQUAL_INT32(0, identify.rest.loss);
-    two_levels((dq_t){20000, 5000}, (dq_t){10001, 2500});
-    TEST_ASSERT_EQUAL_INT32(32764, identify.rest.resistance_q13[0]);
-    TEST_ASSERT_EQUAL_INT32(10001 - 9998, identify.rest.loss); /* 32764·2500/8192: 9998.8 */
-    two_levels((dq_t){1000, 2500}, (dq_t){999, 2500}); /* no current between them counts as 1 */
-    TEST_ASSERT_EQUAL_INT32(8192, identify.rest.resistance_q13[0]);
+    expect_resistance((dq_t){1000, 5000}, (dq_t){1001, 2500}, 0, 1001);          /* falls */
+    expect_resistance((dq_t){1000, 5000}, (dq_t){1000 - 4, 5000 - 1}, 32767, 0); /* 32768 */
+    /* 32764·2500/8192: 9998.8 */
+    expect_resistance((dq_t){20000, 5000}, (dq_t){10001, 2500}, 32764, 10001 - 9998);
+    /* no current between them counts as 1 */
+    expect_resistance((dq_t){1000, 2500}, (dq_t){999, 2500}, 8192, 0);
 }
 
 #define BAD_CONTACT "more than 5/4 of the resistance of the other phases, is a contact bad: phase "
@@ -584,8 +479,6 @@ TEST(test_phases_whose_resistances_differ_by_more_than_a_quarter_are_refused)
 {
     static const int32_t unlike[][IDENTIFY_AXES] = {
         {1547, 1945, 1547}, {1547, 1547, 1945}, {1547, 1150, 1547}, {1547, 1547, 1150}};
-    static const int32_t alike[] = {1547, 1640, 1454};
-
     static const char *const phases[] = {"b", "c", "b", "c"};
 
     for (uint32_t k = 0U; k < 4U; k++) {
@@ -593,13 +486,10 @@ TEST(test_phases_whose_resistances_differ_by_more_than_a_quarter_are_refused)
         assert_refused((k < 2U) ? BAD_CONTACT : SHORTED);
         TEST_ASSERT_EQUAL_STRING(phases[k], identify.detail);
     }
-    (void)stay_still(alike);
-    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
 }
 
-static void leave_the_last_axis(int32_t first, int32_t second)
+static identify_phase_t phase_of(int32_t first, int32_t second)
 {
-    setUp();
     begin_still();
     identify.rest.axis = IDENTIFY_AXES - 1U;
     identify.rest.resistance_q13[0] = first;
@@ -607,75 +497,67 @@ static void leave_the_last_axis(int32_t first, int32_t second)
     identify.rest.resistance_q13[2] = first;
     identify.step = EXPERIMENTS;
     (void)identify_rest_plan_still(&identify);
+    return identify.phase;
 }
 
 /* Of the phases, whose own differ by twice as much as the axes: a quarter and an LSB, which is all that a small one has. */
 TEST(test_resistances_may_differ_by_a_quarter_and_an_lsb)
 {
-    leave_the_last_axis(1000, 1120); /* 960 and 1200 */
-    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
-    leave_the_last_axis(1000, 1121);
-    TEST_ASSERT_EQUAL(IDENTIFY_ENDS, identify.phase);
-    leave_the_last_axis(1004, 1125); /* 964 and 1206 */
-    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
-    leave_the_last_axis(3, 2);
-    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
+    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, phase_of(1000, 1120)); /* 960 and 1200 */
+    TEST_ASSERT_EQUAL(IDENTIFY_ENDS, phase_of(1000, 1121));
+    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, phase_of(1004, 1125)); /* 964 and 1206 */
+    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, phase_of(3, 2));
+}
+
+static void expect_look(int32_t settle)
+{
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    TEST_ASSERT_EQUAL_UINT32(0U, identify.step);
+    TEST_ASSERT_EQUAL_STRING("catch", identify.aim.kind);
+    TEST_ASSERT_EQUAL_INT32(settle, identify.aim.settle);
+    TEST_ASSERT_EQUAL_INT32(100 * MS, identify.aim.ticks);
+}
+
+/* The rotor swings there for so many looks. */
+static void come_to_next_axis(uint32_t looks)
+{
+    begin_still();
+    identify.step = EXPERIMENTS;
+    expect_look(100 * MS);
+    TEST_ASSERT_EQUAL_UINT32(1U, identify.rest.looks);
+    sums()->across = CONTINUOUS;
+    for (uint32_t k = 0U; k < looks; k++) {
+        expect_look(0);
+    }
 }
 
 TEST(test_between_two_axes_the_rotor_follows_with_the_continuous_current)
 {
-    begin_still();
-    identify.step = EXPERIMENTS;
-    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    come_to_next_axis(0U);
     TEST_ASSERT_EQUAL_UINT32(1U, identify.rest.axis);
-    TEST_ASSERT_EQUAL_UINT32(0U, identify.step);
     TEST_ASSERT_EQUAL_INT32(CONTINUOUS, word(PROBE_CURRENT));
     TEST_ASSERT_EQUAL_UINT32(0x55555555U, fx_unsigned(word(PROBE_ANGLE)));
-    TEST_ASSERT_EQUAL_STRING("catch", identify.aim.kind);
-    TEST_ASSERT_EQUAL_INT32(100 * MS, identify.aim.settle);
-    TEST_ASSERT_EQUAL_INT32(100 * MS, identify.aim.ticks);
-    TEST_ASSERT_EQUAL_UINT32(1U, identify.rest.looks);
+    sums()->across = 0;
     sums()->voltage.d = 12345; /* of the way: no level */
     TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
     TEST_ASSERT_EQUAL_INT32(0, identify.rest.high_voltage);
 }
 
 /* 4 s of looks. */
-TEST(test_a_rotor_that_swings_on_the_next_axis_is_looked_at_until_it_rests)
+TEST(test_a_rotor_that_never_rests_on_the_next_axis_is_refused)
 {
-    begin_still();
-    identify.step = EXPERIMENTS;
-    (void)identify_rest_plan_still(&identify);
-    sums()->across = CONTINUOUS;
-    for (uint32_t k = 0U; k < 39U; k++) {
-        TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
-        TEST_ASSERT_EQUAL_STRING("catch", identify.aim.kind);
-        TEST_ASSERT_EQUAL_INT32(0, identify.aim.settle);
-        TEST_ASSERT_EQUAL_INT32(100 * MS, identify.aim.ticks);
-        TEST_ASSERT_EQUAL_UINT32(0U, identify.step);
-    }
-    sums()->across = 0;
+    come_to_next_axis(39U);
+    sums()->across = 0; /* it rests */
     TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
     TEST_ASSERT_EQUAL_STRING("still", identify.aim.kind);
     TEST_ASSERT_EQUAL_UINT32(0U, identify.rest.looks);
-}
-
-TEST(test_a_rotor_that_never_rests_on_the_next_axis_is_refused)
-{
-    begin_still();
-    identify.step = EXPERIMENTS;
-    (void)identify_rest_plan_still(&identify);
-    sums()->across = CONTINUOUS;
-    for (uint32_t k = 0U; k < 40U; k++) {
-        TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
-    }
+    come_to_next_axis(40U);
     TEST_ASSERT_FALSE(identify_rest_plan_still(&identify));
-    assert_refused("the rotor does not come to rest on the current: does a load turn it?");
+    assert_refused(RESTLESS);
 }
 
 static void first_level(int32_t current)
 {
-    setUp();
     begin_still();
     (void)identify_rest_plan_still(&identify);
     TEST_ASSERT_EQUAL_INT32(7343, word(PROBE_CURRENT));
@@ -695,12 +577,19 @@ TEST(test_a_bus_that_is_too_low_for_the_current_is_refused)
 /* 3000 of 65536·10: a burst of 3/16 of 1600 has 3000 volts for a tick. */
 static void begin_bursts(void)
 {
+    begin_still();
     cfg.derating.current_continuous = 1600;
-    begin_phase(IDENTIFY_STILL);
     identify.rest.along_q16 = 10 * 65536;
     identify.rest.across_q16 = 65536;
     identify.step = LEVELS;
     identify_aim_window(&identify, "still", 0, 1); /* the last level */
+}
+
+/* The number of a burst counts from 0. */
+static void plan_burst(uint32_t burst)
+{
+    identify.step = LEVELS + burst;
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
 }
 
 /* Twice the same eight. */
@@ -725,129 +614,105 @@ TEST(test_bursts_have_their_shares_of_current_along_and_across_another_one)
     TEST_ASSERT_EQUAL_STRING("catch", identify.aim.kind);
 }
 
-static void expect_bias(uint32_t burst, int32_t current_max, int32_t bias)
+static int32_t bias_of(uint32_t burst, int32_t current_max)
 {
-    setUp();
     begin_bursts();
     cfg.derating.current_max = current_max;
-    identify.step = LEVELS + burst;
-    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
-    TEST_ASSERT_EQUAL_INT32(bias, word(PROBE_CURRENT));
+    plan_burst(burst);
+    return word(PROBE_CURRENT);
 }
 
 /* Along it both add up, 600 of the pulses with it: 7/8 of 9/10 of the largest one are the end. */
 TEST(test_a_current_with_its_pulses_stays_below_the_largest)
 {
-    expect_bias(1U, 2795, 1600); /* 2515 and 2200 */
-    expect_bias(1U, 2794, 1599);
-    expect_bias(1U, 2000, 975); /* 1800 and 1575 */
-    expect_bias(1U, 764, 1);    /* 687 and 601 */
-    expect_bias(1U, 600, 0);
-    expect_bias(4U, 600, 200);
+    TEST_ASSERT_EQUAL_INT32(1600, bias_of(1U, 2795)); /* 2515 and 2200 */
+    TEST_ASSERT_EQUAL_INT32(1599, bias_of(1U, 2794));
+    TEST_ASSERT_EQUAL_INT32(975, bias_of(1U, 2000)); /* 1800 and 1575 */
+    TEST_ASSERT_EQUAL_INT32(1, bias_of(1U, 764));    /* 687 and 601 */
+    TEST_ASSERT_EQUAL_INT32(0, bias_of(1U, 600));
+    TEST_ASSERT_EQUAL_INT32(200, bias_of(4U, 600));
 }
 
 TEST(test_pulses_on_a_current_take_the_inductance_of_those_before)
 {
     begin_bursts();
-    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    plan_burst(0U);
     sums()->change = (dq_t){256 * 600, 256 * 7}; /* twice as much as was planned */
-    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    plan_burst(1U);
     TEST_ASSERT_EQUAL_INT32(5 * 65536, identify.rest.along_q16);
     TEST_ASSERT_EQUAL_INT32(65536, identify.rest.across_q16);
     TEST_ASSERT_EQUAL_INT32(0, identify.rest.across_current); /* it was no pulse across */
 }
 
-/* 600·109 and 1600·40 are just below another volt. */
-TEST(test_the_volts_of_pulses_are_rounded_down)
-{
-    begin_bursts();
-    identify.rest.along_q16 = (10 * 65536) + 109;
-    identify.rest.across_q16 = (5 * 65536) + 40;
-    identify.step = LEVELS + 1U;
-    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
-    TEST_ASSERT_EQUAL_INT32(6000, word(PROBE_PULSE_D));
-    identify.step = LEVELS + 6U;
-    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
-    TEST_ASSERT_EQUAL_INT32(8000, word(PROBE_PULSE_Q));
-}
-
-static void answer_across(int32_t current)
+static void answer_across(int32_t current, int32_t inductance_q16, int32_t next_volts)
 {
     sums()->change = (dq_t){7, 256 * current};
     TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    TEST_ASSERT_EQUAL_INT32(inductance_q16, identify.rest.across_q16);
+    TEST_ASSERT_EQUAL_INT32(next_volts, word(PROBE_PULSE_Q));
 }
 
 /* Volts of the pulses before, and L for what is more. The first ones say nothing of L: the legs may take most of their volts. */
 TEST(test_pulses_across_take_the_volts_of_those_before_and_the_inductance_of_the_change)
 {
     begin_bursts();
-    identify.step = LEVELS + 4U;
-    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    plan_burst(4U);
     TEST_ASSERT_EQUAL_INT32(600, word(PROBE_PULSE_Q));
-    answer_across(300);
-    TEST_ASSERT_EQUAL_INT32(65536, identify.rest.across_q16);
-    TEST_ASSERT_EQUAL_INT32(600 + (1100 - 300), word(PROBE_PULSE_Q));
-    answer_across(700); /* 800 volts for 400 */
-    TEST_ASSERT_EQUAL_INT32(2 * 65536, identify.rest.across_q16);
-    TEST_ASSERT_EQUAL_INT32(1400 + (2 * (1600 - 700)), word(PROBE_PULSE_Q));
-    answer_across(1600); /* 1800 for 900 */
-    TEST_ASSERT_EQUAL_INT32(2 * 65536, identify.rest.across_q16);
-    TEST_ASSERT_EQUAL_INT32(3200 - (2 * (1600 - 1400)), word(PROBE_PULSE_Q));
+    answer_across(300, 65536, 600 + (1100 - 300));
+    answer_across(700, 2 * 65536, 1400 + (2 * (1600 - 700)));   /* 800 volts for 400 */
+    answer_across(1600, 2 * 65536, 3200 - (2 * (1600 - 1400))); /* 1800 for 900 */
     TEST_ASSERT_EQUAL_INT32(10 * 65536, identify.rest.along_q16);
 }
 
-/* No pulse rather than one the other way. */
-TEST(test_volts_of_pulses_across_end_at_none)
+/* 600·109 and 1600·40 are just below another volt. No pulse rather than one the other way. */
+TEST(test_the_volts_of_pulses_are_rounded_down_and_end_at_none)
 {
     begin_bursts();
+    identify.rest.along_q16 = (10 * 65536) + 109;
+    identify.rest.across_q16 = (5 * 65536) + 40;
+    plan_burst(1U);
+    TEST_ASSERT_EQUAL_INT32(6000, word(PROBE_PULSE_D));
+    plan_burst(6U);
+    TEST_ASSERT_EQUAL_INT32(8000, word(PROBE_PULSE_Q));
     identify.rest.across_volts = 100;
     identify.rest.across_current = 30000;
-    identify.step = LEVELS + 4U;
-    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    plan_burst(4U);
     TEST_ASSERT_EQUAL_INT32(0, word(PROBE_PULSE_Q));
     TEST_ASSERT_EQUAL_INT32(1, word(PROBE_PULSE_TICKS));
 }
 
-/* The last level is no burst. */
-TEST(test_what_follows_the_last_level_has_no_inductance)
+/* Its pulses have had that peak for so many ticks of each quarter. */
+static void note_burst(int32_t ticks, int32_t quarter, dq_t pulse, dq_t change)
 {
-    begin_bursts();
-    *identify_aim_word(&identify, PROBE_PULSE_D) = 100;
-    sums()->change = (dq_t){1, 1};
+    identify.aim.ticks = ticks;
+    *identify_aim_word(&identify, PROBE_PULSE_D) = pulse.d;
+    *identify_aim_word(&identify, PROBE_PULSE_Q) = pulse.q;
+    *identify_aim_word(&identify, PROBE_PULSE_TICKS) = quarter;
+    sums()->change = change;
     TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
-    TEST_ASSERT_EQUAL_INT32(10 * 65536, identify.rest.along_q16);
-}
-
-TEST(test_pulses_without_an_answer_keep_the_inductance)
-{
-    begin_bursts();
-    identify.step = LEVELS + 1U;
-    identify.aim.ticks = 256;
-    *identify_aim_word(&identify, PROBE_PULSE_D) = 100;
-    sums()->change = (dq_t){0, 0};
-    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
-    TEST_ASSERT_EQUAL_INT32(10 * 65536, identify.rest.along_q16);
-    *identify_aim_word(&identify, PROBE_PULSE_D) = 0;
-    *identify_aim_word(&identify, PROBE_PULSE_Q) = 100;
-    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
-    TEST_ASSERT_EQUAL_INT32(65536, identify.rest.across_q16);
 }
 
 /* Those across follow 1000 volts for a current of `before`. */
 static void burst_after(int32_t before, dq_t pulse, dq_t change)
 {
-    setUp();
     begin_bursts();
     identify.rest.inductance_q16 = 65537;
     identify.rest.across_volts = 1000;
     identify.rest.across_current = before;
     identify.step = LEVELS + 1U;
-    identify.aim.ticks = 256;
-    *identify_aim_word(&identify, PROBE_PULSE_D) = pulse.d;
-    *identify_aim_word(&identify, PROBE_PULSE_Q) = pulse.q;
-    *identify_aim_word(&identify, PROBE_PULSE_TICKS) = 1;
-    sums()->change = change;
-    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    note_burst(256, 1, pulse, change);
+}
+
+/* The last level is no burst. */
+TEST(test_pulses_without_an_answer_and_what_follows_the_last_level_keep_the_inductance)
+{
+    burst_after(0, (dq_t){100, 0}, (dq_t){0, 0});
+    TEST_ASSERT_EQUAL_INT32(10 * 65536, identify.rest.along_q16);
+    burst_after(1, (dq_t){0, 100}, (dq_t){0, 0});
+    TEST_ASSERT_EQUAL_INT32(65536, identify.rest.across_q16);
+    begin_bursts();
+    note_burst(256, 1, (dq_t){100, 0}, (dq_t){1, 1});
+    TEST_ASSERT_EQUAL_INT32(10 * 65536, identify.rest.along_q16);
 }
 
 TEST(test_an_inductance_of_pulses_is_from_1_to_its_largest)
@@ -862,84 +727,61 @@ TEST(test_an_inductance_of_pulses_is_from_1_to_its_largest)
     TEST_ASSERT_EQUAL_INT32(32767 * 65536, identify.rest.across_q16);
 }
 
-static void expect_across(int32_t before, dq_t pulse, int32_t inductance_q16)
+static void expect_across(int32_t before, int32_t volts, int32_t current, int32_t inductance_q16)
 {
-    burst_after(before, (dq_t){0, pulse.d}, (dq_t){0, 256 * pulse.q});
+    burst_after(before, (dq_t){0, volts}, (dq_t){0, 256 * current});
     TEST_ASSERT_EQUAL_INT32(inductance_q16, identify.rest.across_q16);
-    TEST_ASSERT_EQUAL_INT32(pulse.d, identify.rest.across_volts);
-    TEST_ASSERT_EQUAL_INT32(pulse.q, identify.rest.across_current);
+    TEST_ASSERT_EQUAL_INT32(volts, identify.rest.across_volts);
+    TEST_ASSERT_EQUAL_INT32(current, identify.rest.across_current);
 }
 
 /* By more than 1/8 of 800, up or down. */
 TEST(test_pulses_across_of_about_the_same_current_keep_the_inductance)
 {
-    expect_across(700, (dq_t){1300, 800}, 65536);
-    expect_across(699, (dq_t){1303, 800}, 3 * 65536);
-    expect_across(900, (dq_t){700, 800}, 65536);
-    expect_across(901, (dq_t){697, 800}, 3 * 65536);
-    expect_across(0, (dq_t){3400, 800}, 65536); /* none before */
-    expect_across(0, (dq_t){1, 800}, 65536);
+    expect_across(700, 1300, 800, 65536);
+    expect_across(699, 1303, 800, 3 * 65536);
+    expect_across(900, 700, 800, 65536);
+    expect_across(901, 697, 800, 3 * 65536);
+    expect_across(0, 3400, 800, 65536); /* none before */
+    expect_across(0, 1, 800, 65536);
     burst_after(0, (dq_t){0, 5}, (dq_t){0, 1}); /* the least change that is one */
     TEST_ASSERT_EQUAL_INT32(5, identify.rest.across_volts);
-}
-
-/* Of that which the first pulses have shown, 65537: the volts of the legs may hide all that is more. */
-TEST(test_an_inductance_across_is_half_of_that_along_at_least)
-{
-    expect_across(400, (dq_t){1200, 800}, 32768);
-    expect_across(400, (dq_t){1201, 800}, (201 * 65536) / 400);
-    expect_across(400, (dq_t){1199, 800}, 32768);
-    expect_across(400, (dq_t){900, 800}, 32768);
+    /* half of what the first pulses have shown, 65537, at least: the legs may hide what is more */
+    expect_across(400, 1200, 800, 32768);
+    expect_across(400, 1201, 800, (201 * 65536) / 400);
+    expect_across(400, 1199, 800, 32768);
+    expect_across(400, 900, 800, 32768);
 }
 
 /* Of a quarter of 3 ticks. The mean change of a tick is a whole number. */
 TEST(test_pulses_across_add_up_over_their_quarter)
 {
-    burst_after(0, (dq_t){0, 0}, (dq_t){0, 0});
-    identify.step = LEVELS + 1U;
-    identify.aim.ticks = 252;
-    *identify_aim_word(&identify, PROBE_PULSE_D) = 0;
-    *identify_aim_word(&identify, PROBE_PULSE_Q) = 700;
-    *identify_aim_word(&identify, PROBE_PULSE_TICKS) = 3;
-    sums()->change = (dq_t){0, (252 * 200) + 251};
-    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    begin_bursts();
+    plan_burst(0U);
+    note_burst(252, 3, (dq_t){0, 700}, (dq_t){0, (252 * 200) + 251});
     TEST_ASSERT_EQUAL_INT32(3 * 700, identify.rest.across_volts);
     TEST_ASSERT_EQUAL_INT32(3 * 200, identify.rest.across_current);
 }
 
-/* 8466 of the bus at most in a tick: 64000 need 8. */
+/* For 1600 across. */
+static void expect_pulses(int32_t across_q16, int32_t quarter, int32_t volts, int32_t ticks)
+{
+    begin_bursts();
+    identify.rest.across_q16 = across_q16;
+    plan_burst(6U);
+    TEST_ASSERT_EQUAL_INT32(quarter, word(PROBE_PULSE_TICKS));
+    TEST_ASSERT_EQUAL_INT32(volts, word(PROBE_PULSE_Q));
+    TEST_ASSERT_EQUAL_INT32(ticks, identify.aim.ticks);
+}
+
+/* 8466 in a tick, 3/8 of the bus: 64000 need 8, 80000 need 10, of which 256 have 6 patterns. */
 TEST(test_long_pulses_share_their_volts)
 {
-    begin_bursts();
-    identify.rest.across_q16 = 65536 * 40;
-    identify.step = LEVELS + 6U; /* 1600 across */
-    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
-    TEST_ASSERT_EQUAL_INT32(8, word(PROBE_PULSE_TICKS));
-    TEST_ASSERT_EQUAL_INT32(64000 / 8, word(PROBE_PULSE_Q));
-    TEST_ASSERT_EQUAL_INT32(256, identify.aim.ticks);
-    identify.rest.across_q16 = 65536 * 50; /* 80000: 10 ticks, of which 256 have 6 patterns */
-    identify.step = LEVELS + 6U;
-    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
-    TEST_ASSERT_EQUAL_INT32(10, word(PROBE_PULSE_TICKS));
-    TEST_ASSERT_EQUAL_INT32(240, identify.aim.ticks);
-}
-
-TEST(test_pulses_are_at_most_64_ticks_and_three_eighths_of_the_bus)
-{
-    begin_bursts();
-    identify.rest.across_q16 = INT32_MAX;
-    identify.step = LEVELS + 6U;
-    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
-    TEST_ASSERT_EQUAL_INT32(64, word(PROBE_PULSE_TICKS));
-    TEST_ASSERT_EQUAL_INT32((app.drive.signals.bus * 3) / 8, word(PROBE_PULSE_Q));
-    TEST_ASSERT_EQUAL_INT32(256, identify.aim.ticks);
-}
-
-TEST(test_without_a_bus_pulses_are_1)
-{
-    begin_bursts();
+    expect_pulses(65536 * 40, 8, 64000 / 8, 256);
+    expect_pulses(65536 * 50, 10, 80000 / 10, 240);
+    expect_pulses(INT32_MAX, 64, (app.drive.signals.bus * 3) / 8, 256);
     app.drive.signals.bus = 2;
-    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    plan_burst(0U);
     TEST_ASSERT_EQUAL_INT32(64, word(PROBE_PULSE_TICKS));
     TEST_ASSERT_EQUAL_INT32(1, word(PROBE_PULSE_D));
 }
