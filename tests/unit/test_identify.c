@@ -10,6 +10,8 @@
 #include <string.h>
 
 #define PATIENCE (200000U) /* passes */
+#define FAULT "identify refused: the drive has a fault: BREAK\r\n"
+#define TOO_LONG "identify refused: it has not ended within 2 minutes\r\n"
 
 static text_t text;
 
@@ -130,9 +132,6 @@ TEST(test_it_says_its_scales_and_what_it_will_do_before_it_does_it)
     TEST_ASSERT_EQUAL_STRING("identify 1 100000000 20000000 450000000 2 11\r\n", pass());
     TEST_ASSERT_EQUAL_UINT8(PROBE_CURRENT, command_mailbox_take(&app.mailbox).mode);
     TEST_ASSERT_EQUAL_INT32(0, command_mailbox_take(&app.mailbox).target);
-    setUp();
-    start();
-    TEST_ASSERT_EQUAL_STRING("identify 1 100000000 20000000 450000000 2 11\r\n", next_line());
     TEST_ASSERT_EQUAL_STRING("pulses on each phase, the shaft hardly moves, up to 6.718 A; behind "
                              "them it turns, up to 1333 rpm\r\n",
                              next_line());
@@ -162,9 +161,14 @@ TEST(test_a_fault_ends_it_with_a_line)
 {
     begin();
     fail();
-    TEST_ASSERT_EQUAL_STRING("identify refused: the drive has a fault: BREAK\r\n", pass());
+    TEST_ASSERT_EQUAL_STRING(FAULT, pass());
     assert_ended();
     TEST_ASSERT_EQUAL_STRING("", next_line());
+    setUp();
+    start(); /* and before its first word */
+    fail();
+    TEST_ASSERT_EQUAL_STRING(FAULT, pass());
+    assert_ended();
 }
 
 /* The clear comes before the next line: the name is that of the fault that has ended it. */
@@ -178,15 +182,7 @@ TEST(test_a_fault_that_is_cleared_meanwhile_has_ended_it)
     tick_period();
     TEST_ASSERT_NOT_EQUAL(DRIVE_STATE_FAULT, app.drive.state);
     commander_step(&app);
-    TEST_ASSERT_EQUAL_STRING("identify refused: the drive has a fault: BREAK\r\n", pass());
-    assert_ended();
-}
-
-TEST(test_a_fault_before_its_first_word_ends_it)
-{
-    start();
-    fail();
-    TEST_ASSERT_EQUAL_STRING("identify refused: the drive has a fault: BREAK\r\n", pass());
+    TEST_ASSERT_EQUAL_STRING(FAULT, pass());
     assert_ended();
 }
 
@@ -201,16 +197,6 @@ TEST(test_a_drive_that_leaves_probe_by_another_command_ends_it)
     TEST_ASSERT_FALSE(identify_is_busy(&identify));
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, command_mailbox_take(&app.mailbox).request);
     TEST_ASSERT_EQUAL_INT32(TARGET, command_mailbox_take(&app.mailbox).target);
-}
-
-TEST(test_a_drive_in_ready_is_waited_for_before_the_first_word_only)
-{
-    start();
-    (void)next_line();
-    for (uint32_t k = 0U; k < 100U; k++) {
-        TEST_ASSERT_EQUAL_STRING("", pass());
-    }
-    TEST_ASSERT_NULL(identify.why);
 }
 
 TEST(test_it_can_be_started_again)
@@ -232,7 +218,7 @@ TEST(test_a_run_that_was_asked_for_is_not_asked_for_again_at_the_end)
 }
 
 /* It ends with open gates before its line is said. */
-static void expect_ended_for_its_time(const char *expected)
+static void expect_ended_for_its_time(void)
 {
     TEST_ASSERT_TRUE(app.out.gate_enable);
     identify.began = app.drive.tick - (120000U * MS);
@@ -250,7 +236,7 @@ static void expect_ended_for_its_time(const char *expected)
     tick(100U);
     identify_step(&identify, &text);
     TEST_ASSERT_TRUE(identify_is_busy(&identify));
-    TEST_ASSERT_EQUAL_STRING(expected, pass());
+    TEST_ASSERT_EQUAL_STRING(TOO_LONG, pass());
     assert_ended();
 }
 
@@ -261,7 +247,7 @@ TEST(test_after_two_minutes_it_ends_whatever_it_waits_for)
         begin();
         tick(100U);
         identify.wait = (identify_wait_t)wait;
-        expect_ended_for_its_time("identify refused: it has not ended within 2 minutes\r\n");
+        expect_ended_for_its_time();
     }
 }
 
@@ -280,7 +266,7 @@ TEST(test_a_line_that_nobody_reads_from_the_beginning_ends_it_too)
     identify.began = app.drive.tick - (120000U * MS) - 1U;
     text.length = 1U;
     identify_step(&identify, &text);
-    TEST_ASSERT_EQUAL_STRING("identify refused: it has not ended within 2 minutes\r\n", pass());
+    TEST_ASSERT_EQUAL_STRING(TOO_LONG, pass());
     assert_ended();
 }
 
@@ -308,27 +294,23 @@ TEST(test_it_says_nothing_while_a_line_waits)
 }
 
 /* A fault that is cleared in the pass in which it is seen; or another link that commands the drive. */
-static void expect_request_stays(uint8_t request)
-{
-    drive_command_t command;
-
-    setUp();
-    begin();
-    command = command_mailbox_take(&app.mailbox);
-    TEST_ASSERT_TRUE(command.mode >= (uint8_t)PROBE_CURRENT);
-    command.request = request;
-    command_mailbox_post(&app.mailbox, &command);
-    identify_stop(&identify);
-    command = command_mailbox_take(&app.mailbox);
-    TEST_ASSERT_EQUAL_UINT8(request, command.request);
-    TEST_ASSERT_EQUAL_INT32(TARGET, command.target);
-    TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_SPEED, command.mode);
-}
-
 TEST(test_another_request_than_its_own_is_left_to_the_user)
 {
-    expect_request_stays(DRIVE_REQUEST_CLEAR);
-    expect_request_stays(DRIVE_REQUEST_RUN);
+    static const uint8_t requests[] = {DRIVE_REQUEST_CLEAR, DRIVE_REQUEST_RUN};
+
+    for (uint32_t k = 0U; k < 2U; k++) {
+        setUp();
+        begin();
+        drive_command_t command = command_mailbox_take(&app.mailbox);
+        TEST_ASSERT_TRUE(command.mode >= (uint8_t)PROBE_CURRENT);
+        command.request = requests[k];
+        command_mailbox_post(&app.mailbox, &command);
+        identify_stop(&identify);
+        command = command_mailbox_take(&app.mailbox);
+        TEST_ASSERT_EQUAL_UINT8(requests[k], command.request);
+        TEST_ASSERT_EQUAL_INT32(TARGET, command.target);
+        TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_SPEED, command.mode);
+    }
 }
 
 /* The speed that was asked for once it has ended is not that of before. */
@@ -413,10 +395,9 @@ TEST(test_a_word_is_posted_once_the_drive_has_taken_the_one_before)
     for (uint32_t k = 0U; k < 20000U; k++) {
         const drive_command_t before = command_mailbox_take(&app.mailbox);
         const drive_command_t taken = app.in.command;
-        drive_command_t now;
 
         (void)pass();
-        now = command_mailbox_take(&app.mailbox);
+        const drive_command_t now = command_mailbox_take(&app.mailbox);
         if (!are_equal(&before, &now)) {
             TEST_ASSERT_TRUE(are_equal(&before, &taken));
             TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_PROBE, now.request);
@@ -431,32 +412,29 @@ TEST(test_a_word_is_posted_once_the_drive_has_taken_the_one_before)
     TEST_ASSERT_GREATER_THAN_UINT32(20U, posted);
 }
 
-static drive_command_t changed(drive_command_t command, uint32_t part)
+static bool pass_posts_another(const drive_command_t *posted, const drive_command_t *taken)
 {
-    command.target += (part == 0U) ? 1 : 0;
-    command.mode = (uint8_t)(command.mode + ((part == 1U) ? 1U : 0U));
-    command.request = (part == 2U) ? 0U : command.request;
-    return command;
+    app.in.command = *taken;
+    (void)pass();
+    const drive_command_t now = command_mailbox_take(&app.mailbox);
+
+    return !are_equal(posted, &now);
 }
 
 TEST(test_a_word_is_taken_once_all_of_it_is)
 {
     for (uint32_t part = 0U; part < 3U; part++) {
-        drive_command_t posted;
-        drive_command_t now;
-
         setUp();
         begin();
         TEST_ASSERT_EQUAL(IDENTIFY_ASKING, identify.wait);
-        posted = command_mailbox_take(&app.mailbox);
-        app.in.command = changed(posted, part);
-        (void)pass();
-        now = command_mailbox_take(&app.mailbox);
-        TEST_ASSERT_TRUE(are_equal(&posted, &now));
-        app.in.command = posted;
-        (void)pass();
-        now = command_mailbox_take(&app.mailbox);
-        TEST_ASSERT_FALSE(are_equal(&posted, &now));
+        const drive_command_t posted = command_mailbox_take(&app.mailbox);
+        drive_command_t other = posted;
+
+        other.target += (part == 0U) ? 1 : 0;
+        other.mode = (uint8_t)(other.mode + ((part == 1U) ? 1U : 0U));
+        other.request = (part == 2U) ? 0U : other.request;
+        TEST_ASSERT_FALSE(pass_posts_another(&posted, &other));
+        TEST_ASSERT_TRUE(pass_posts_another(&posted, &posted));
     }
 }
 
@@ -495,12 +473,17 @@ static bool is_measured(void)
            (app.drive.probe.window == identify.in_force[IDENTIFY_WORDS - 1U]);
 }
 
-static const char *next_record(void)
+static void measure(void)
 {
     while (!is_measured()) {
         TEST_ASSERT_EQUAL_STRING("", pass());
         tick(1U);
     }
+}
+
+static const char *next_record(void)
+{
+    measure();
     app.drive.probe.sums = NUMBERED;
     return next_line();
 }
@@ -514,46 +497,30 @@ TEST(test_a_record_has_what_was_asked_for_and_the_sums_in_their_order)
                              next_record());
 }
 
-TEST(test_each_window_has_a_word_of_its_own)
+static uint32_t next_number(void)
 {
-    int32_t before = 0;
-
-    begin();
-    for (uint32_t k = 0U; k < 10U; k++) {
-        (void)next_record();
-        TEST_ASSERT_NOT_EQUAL_INT32(before, app.drive.probe.window);
-        before = app.drive.probe.window;
-    }
+    (void)next_record();
+    TEST_ASSERT_EQUAL_INT32(64, app.drive.probe.window & 0xFFFFF);
+    return fx_unsigned(app.drive.probe.window) >> 20U;
 }
 
-/* Of 11 bits, so that the word is positive; the ticks are below them. */
-TEST(test_windows_are_numbered)
+/* A number of 11 bits, so that the word is positive; the ticks are below it. */
+TEST(test_each_window_has_a_word_of_its_own)
 {
-    static const uint32_t numbers[] = {5U, 6U, 0x7FFU, 0U};
-
     begin();
-    for (uint32_t k = 0U; k < 4U; k++) {
-        if (k == 0U) {
-            identify.windows = 5U;
-        } else if (k == 2U) {
-            identify.windows = 0x7FFU;
-        } else {
-            /* goes on */
-        }
-        (void)next_record();
-        TEST_ASSERT_EQUAL_UINT32(numbers[k], fx_unsigned(app.drive.probe.window) >> 20U);
-        TEST_ASSERT_EQUAL_INT32(64, app.drive.probe.window & 0xFFFFF);
-    }
+    identify.windows = 5U;
+    TEST_ASSERT_EQUAL_UINT32(5U, next_number());
+    TEST_ASSERT_EQUAL_UINT32(6U, next_number());
+    identify.windows = 0x7FFU;
+    TEST_ASSERT_EQUAL_UINT32(0x7FFU, next_number());
+    TEST_ASSERT_EQUAL_UINT32(0U, next_number());
 }
 
 /* A window of the same word that has ended is not the one that was asked for. */
 TEST(test_a_window_is_measured_once_its_word_is_taken)
 {
     begin();
-    while (!is_measured()) {
-        (void)pass();
-        tick(1U);
-    }
+    measure();
     app.in.command.target++;
     TEST_ASSERT_EQUAL_STRING("", pass());
     app.in.command.target--;
@@ -615,14 +582,6 @@ TEST(test_a_vector_on_its_way_to_a_speed_has_not_arrived_at_any_angle)
     }
 }
 
-TEST(test_a_window_that_rushes_waits_for_no_vector)
-{
-    experiment(100000, 1);
-    identify.aim.rushes = true;
-    (void)ticks_to(IDENTIFY_MOVING);
-    TEST_ASSERT_EQUAL_UINT32(3U, ticks_to(IDENTIFY_SETTLING));
-}
-
 TEST(test_a_vector_at_rest_has_arrived_at_its_angle_only)
 {
     experiment(0, 1);
@@ -668,18 +627,20 @@ TEST(test_a_vector_that_does_not_arrive_is_caught_twice_and_then_refused)
     assert_ended();
 }
 
-TEST(test_a_vector_that_arrives_late_has_arrived)
+/* One that arrives late has arrived. */
+TEST(test_a_window_that_rushes_waits_for_no_vector)
 {
     experiment(100000, 1);
     identify.aim.rushes = true;
     (void)ticks_to(IDENTIFY_MOVING);
+    TEST_ASSERT_EQUAL_UINT32(3U, ticks_to(IDENTIFY_SETTLING));
     have_moved((5000U * (uint32_t)MS) + 1U);
     TEST_ASSERT_EQUAL(IDENTIFY_SETTLING, identify.wait);
     TEST_ASSERT_EQUAL_UINT32(0U, identify.turn.slower);
 }
 
-/* In PROBE, with a window that has ended: the plan of the first ramp down. */
-static void begin_ramps_in_probe(void)
+/* A ramp lies within its window: the plan of the first ramp down, after a window that has ended. */
+TEST(test_a_window_that_leads_opens_before_its_words_are_asked_for)
 {
     begin();
     (void)next_record();
@@ -690,12 +651,6 @@ static void begin_ramps_in_probe(void)
     identify.turn.ramp_ticks = 100;
     (void)ticks_to(IDENTIFY_MEASURING);
     (void)next_line();
-}
-
-/* A ramp lies within its window. */
-TEST(test_a_window_that_leads_opens_before_its_words_are_asked_for)
-{
-    begin_ramps_in_probe();
     TEST_ASSERT_EQUAL(IDENTIFY_LEADING, identify.wait);
     tick_period();
     TEST_ASSERT_TRUE(app.drive.probe.tick > 0U);
@@ -720,53 +675,40 @@ TEST(test_a_motor_that_is_not_there_ends_it_with_a_line_and_open_gates)
     assert_ended();
 }
 
-static void noisy(uint32_t step, int32_t noise_a, int32_t noise_b, const char *expected)
+/* A window of 10 ticks has ended. */
+static identify_phase_t phase_of_noise(identify_phase_t phase, uint32_t step, int32_t a, int32_t b)
 {
     setUp();
     begin();
-    identify_aim_window(&identify, "pulse", 0, 10);
+    identify.phase = phase;
+    identify.said = phase;
     identify.step = step;
+    identify_aim_window(&identify, "pulse", 0, 10);
     identify.wait = IDENTIFY_MEASURING;
     tick_period();
     identify.in_force[IDENTIFY_WORDS - 1U] = app.drive.probe.window;
-    app.drive.probe.sums = (probe_sums_t){.noise_a = noise_a, .noise_b = noise_b};
+    app.drive.probe.sums = (probe_sums_t){.noise_a = a, .noise_b = b};
     TEST_ASSERT_EQUAL_STRING_LEN("= pulse", next_line(), 7U);
-    TEST_ASSERT_EQUAL(expected == NULL ? IDENTIFY_PULSE : IDENTIFY_ENDS, identify.phase);
-    if (expected != NULL) {
-        TEST_ASSERT_EQUAL_STRING(expected, next_line());
+    const identify_phase_t phase_then = identify.phase;
+
+    if (phase_then == IDENTIFY_ENDS) {
+        TEST_ASSERT_EQUAL_STRING("identify refused: the noise of the current sensors is too large "
+                                 "for the continuous current\r\n",
+                                 next_line());
     }
+    return phase_then;
 }
 
-/* 5504/16 is 344 from sample to sample, over 10 ticks. */
+/* 5504/16 is 344 from sample to sample. Larger pulses and a rotor that moves change the current. */
 TEST(test_sensors_that_are_too_noisy_are_refused)
 {
-    static const char *const NOISE = "identify refused: the noise of the current sensors is too "
-                                     "large for the continuous current\r\n";
+    const uint32_t last = IDENTIFY_AXES;
 
-    noisy(1U, 3449, 3449, NULL);
-    noisy(1U, 3450, 0, NOISE);
-    noisy(IDENTIFY_AXES, 0, 3450, NOISE);
-}
-
-/* They change the current themselves. */
-TEST(test_larger_pulses_are_no_noise)
-{
-    noisy(IDENTIFY_AXES + 1U, 3450, 3450, NULL);
-}
-
-/* What moves the rotor changes the current too. */
-TEST(test_a_rotor_that_is_caught_is_no_noise)
-{
-    begin();
-    identify_aim_phase(&identify, IDENTIFY_CATCH);
-    identify_aim_window(&identify, "catch", 0, 10);
-    identify.said = IDENTIFY_CATCH;
-    identify.wait = IDENTIFY_MEASURING;
-    tick_period();
-    identify.in_force[IDENTIFY_WORDS - 1U] = app.drive.probe.window;
-    app.drive.probe.sums = (probe_sums_t){.noise_a = 3450, .noise_b = 3450};
-    (void)next_line();
-    TEST_ASSERT_EQUAL(IDENTIFY_CATCH, identify.phase);
+    TEST_ASSERT_EQUAL(IDENTIFY_PULSE, phase_of_noise(IDENTIFY_PULSE, 1U, 3449, 3449));
+    TEST_ASSERT_EQUAL(IDENTIFY_ENDS, phase_of_noise(IDENTIFY_PULSE, 1U, 3450, 0));
+    TEST_ASSERT_EQUAL(IDENTIFY_ENDS, phase_of_noise(IDENTIFY_PULSE, last, 0, 3450));
+    TEST_ASSERT_EQUAL(IDENTIFY_PULSE, phase_of_noise(IDENTIFY_PULSE, last + 1U, 3450, 3450));
+    TEST_ASSERT_EQUAL(IDENTIFY_CATCH, phase_of_noise(IDENTIFY_CATCH, 0U, 3450, 3450));
 }
 
 /* ---- a current that runs away ---- */
@@ -796,16 +738,16 @@ static void flow(int32_t d, int32_t q)
 
 static void expect_largest(identify_phase_t phase, uint32_t step, uint32_t slower, int32_t largest)
 {
+    const int32_t more = largest + 1;
+    const dq_t beyond[] = {{more, 0}, {-more, 0}, {0, more}, {0, -more}};
+
     be_in(phase, step, slower);
     flow(largest, -largest);
-    TEST_ASSERT_NULL(identify.why);
     flow(-largest, largest);
     TEST_ASSERT_NULL(identify.why);
     for (uint32_t k = 0U; k < 4U; k++) {
-        const int32_t more = ((k % 2U) == 0U) ? (largest + 1) : -(largest + 1);
-
         be_in(phase, step, slower);
-        flow((k < 2U) ? more : 0, (k < 2U) ? 0 : more);
+        flow(beyond[k].d, beyond[k].q);
         TEST_ASSERT_EQUAL_STRING((slower > 0U) ? FALLS_OUT : RUNS_AWAY, identify.why);
         assert_ended();
     }
@@ -828,23 +770,21 @@ TEST(test_a_current_beyond_that_of_the_phase_ends_it)
     expect_largest(IDENTIFY_COAST, 1U, 0U, fault);
 }
 
-/* Where it is nearer than 5/4 of the continuous one. */
+/* Where it is nearer than 5/4 of the continuous one. Before the first phase no current counts. */
 TEST(test_pulses_stay_below_the_middle_too)
 {
-    be_in(IDENTIFY_PULSE, 1U, 0U);
-    cfg.derating.current_continuous = 4 * CONTINUOUS;
-    flow((7372 + cfg.protection.current_max) / 2, 0);
-    TEST_ASSERT_NULL(identify.why);
-    flow(((7372 + cfg.protection.current_max) / 2) + 1, 0);
-    TEST_ASSERT_EQUAL_STRING(RUNS_AWAY, identify.why);
-}
+    const int32_t middle = (7372 + cfg.protection.current_max) / 2;
 
-TEST(test_a_current_before_the_first_phase_is_not_its_own)
-{
     start();
     (void)next_line();
     flow(16383, 0);
     TEST_ASSERT_NULL(identify.why);
+    be_in(IDENTIFY_PULSE, 1U, 0U);
+    cfg.derating.current_continuous = 4 * CONTINUOUS;
+    flow(middle, 0);
+    TEST_ASSERT_NULL(identify.why);
+    flow(middle + 1, 0);
+    TEST_ASSERT_EQUAL_STRING(RUNS_AWAY, identify.why);
 }
 
 TEST(test_a_current_that_runs_away_for_want_of_voltage_says_so)
