@@ -67,35 +67,43 @@ void setUp(void)
     tag = 40U;
 }
 
+/* What comes within so many passes. */
+static void hear(uint32_t count)
+{
+    passes(count);
+    line_listen();
+}
+
 /* The answer to a question, behind type and tag; exactly one comes. */
 static const line_message_t *ask(uint8_t type, const void *body, uint32_t length)
 {
-    const line_message_t *answer;
-
     tag++;
     line_ask(type, tag, body, length);
-    passes(SHORT_WHILE);
-    line_listen();
-    answer = line_find((uint8_t)(type + LINK_ANSWER));
+    hear(SHORT_WHILE);
+    const line_message_t *const answer = line_find((uint8_t)(type + LINK_ANSWER));
+
     if (answer != NULL) {
         TEST_ASSERT_EQUAL_UINT8(tag, answer->bytes[1]);
     }
     return answer;
 }
 
-static void hello(void)
+/* The answer. */
+static const line_message_t *hello(void)
 {
     const uint8_t version = LINK_VERSION;
+    const line_message_t *const answer = ask(LINK_HELLO, &version, 1U);
 
-    TEST_ASSERT_NOT_NULL(ask(LINK_HELLO, &version, 1U));
+    TEST_ASSERT_NOT_NULL(answer);
     TEST_ASSERT_TRUE(serial.is_linked);
+    return answer;
 }
 
-/* A verdict; "" when it is done. */
-static const char *verdict_of(uint8_t type, const void *body, uint32_t length)
+/* The verdict that came for such a question; "" when it is done. */
+static const char *verdict_on(uint8_t type)
 {
     static char text[LINK_MESSAGE_BYTES_MAX];
-    const line_message_t *const answer = ask(type, body, length);
+    const line_message_t *const answer = line_find((uint8_t)(type + LINK_ANSWER));
 
     TEST_ASSERT_NOT_NULL(answer);
     memcpy(text, &answer->bytes[2], answer->length - 2U);
@@ -105,7 +113,8 @@ static const char *verdict_of(uint8_t type, const void *body, uint32_t length)
 
 static void assert_verdict(const char *expected, uint8_t type, const void *body, uint32_t length)
 {
-    TEST_ASSERT_EQUAL_STRING(expected, verdict_of(type, body, length));
+    (void)ask(type, body, length);
+    TEST_ASSERT_EQUAL_STRING(expected, verdict_on(type));
 }
 
 static void put_command(uint8_t body[6], uint8_t request, uint8_t mode, int32_t target)
@@ -123,6 +132,11 @@ static void assert_command(const char *expected, uint8_t request, uint8_t mode, 
     assert_verdict(expected, LINK_COMMAND, body, sizeof body);
 }
 
+static void assert_stream(const char *expected, uint8_t on)
+{
+    assert_verdict(expected, LINK_STREAM, &on, 1U);
+}
+
 static void assert_line(const char *typed)
 {
     assert_verdict("", LINK_LINE, typed, (uint32_t)strlen(typed));
@@ -131,17 +145,8 @@ static void assert_line(const char *typed)
 static void assert_text(const char *expected, const char *typed)
 {
     line_type(typed);
-    passes(SHORT_WHILE);
-    line_listen();
+    hear(SHORT_WHILE);
     TEST_ASSERT_EQUAL_STRING(expected, line.text);
-}
-
-TEST(test_a_person_has_the_console_from_the_start)
-{
-    assert_text("ok\r\n", "speed 1000\r");
-    assert_text(HELP, "x\n");
-    TEST_ASSERT_EQUAL_UINT32(0U, line.count);
-    TEST_ASSERT_FALSE(serial.is_linked);
 }
 
 TEST(test_what_the_line_does_not_take_waits_and_what_does_not_fit_is_cut)
@@ -155,19 +160,16 @@ TEST(test_what_the_line_does_not_take_waits_and_what_does_not_fit_is_cut)
         assert_text("", "stop\n");
     }
     line.room = SIZE_MAX;
-    passes(SHORT_WHILE);
-    line_listen();
+    hear(SHORT_WHILE);
     TEST_ASSERT_EQUAL_size_t(TEXT_MAX, line.text_length);
     assert_text("ok\r\n", "stop\n");
 }
 
 TEST(test_a_hello_makes_the_line_the_pcs_and_is_answered_with_the_identity)
 {
-    const uint8_t version = LINK_VERSION;
-    const line_message_t *const answer = ask(LINK_HELLO, &version, 1U);
+    const line_message_t *const answer = hello();
     const uint8_t *const body = &answer->bytes[2];
 
-    TEST_ASSERT_NOT_NULL(answer);
     TEST_ASSERT_EQUAL_UINT32(2U + LINK_IDENTITY_BYTES, answer->length);
     TEST_ASSERT_EQUAL_UINT8(LINK_VERSION, body[0]);
     TEST_ASSERT_EQUAL_HEX8(LINK_CAN_STREAM | LINK_CAN_STORE, body[1]);
@@ -188,33 +190,30 @@ TEST(test_a_hello_makes_the_line_the_pcs_and_is_answered_with_the_identity)
 
 TEST(test_a_board_without_recorder_and_build_id_says_so)
 {
-    const uint8_t version = LINK_VERSION;
+    const uint8_t segment[7] = {1U, 0U, 0U, 0U, 0U, 0U, 9U};
 
     of_image.build = NULL;
     live_config_init(&live, &app, &hardware, &of_image, &cfg);
     link_init(&serial, &live);
     app.recorder = NULL;
-    const uint8_t *const body = &ask(LINK_HELLO, &version, 1U)->bytes[2];
+    const uint8_t *const body = &hello()->bytes[2];
     TEST_ASSERT_EQUAL_HEX8(LINK_CAN_STORE, body[1]);
     TEST_ASSERT_EQUAL_UINT8(0U, body[6]);
     TEST_ASSERT_EACH_EQUAL_UINT8(0U, &body[32], 20U);
-    assert_verdict("there is no recorder", LINK_STREAM, &version, 1U);
-    const uint8_t segment[7] = {1U, 0U, 0U, 0U, 0U, 0U, 9U};
+    assert_stream("there is no recorder", 1U);
     TEST_ASSERT_EQUAL_UINT32(9U, ask(LINK_STATE, segment, 7U)->length);
     TEST_ASSERT_EQUAL_UINT32(9U, ask(LINK_AGAIN, segment, 7U)->length);
 }
 
 TEST(test_a_board_whose_flash_cannot_be_read_says_that_it_cannot_store)
 {
-    const uint8_t version = LINK_VERSION;
-
     for (uint32_t slot = 0U; slot < HAL_STORE_SLOTS; slot++) {
         for (uint32_t unit = 0U; unit < HAL_STORE_UNITS; unit++) {
             flash.units[slot][unit].half_done = true;
             flash.units[slot][unit].half = HAL_HOST_FLASH_UNREADABLE;
         }
     }
-    TEST_ASSERT_EQUAL_HEX8(LINK_CAN_STREAM, ask(LINK_HELLO, &version, 1U)->bytes[3]);
+    TEST_ASSERT_EQUAL_HEX8(LINK_CAN_STREAM, hello()->bytes[3]);
 }
 
 /* A pass between any two of its bytes. */
@@ -229,8 +228,7 @@ TEST(test_a_frame_may_come_in_pieces)
         line.in_length = at;
         pass();
     }
-    passes(SHORT_WHILE);
-    line_listen();
+    hear(SHORT_WHILE);
     TEST_ASSERT_GREATER_THAN_size_t(first, end);
     TEST_ASSERT_NOT_NULL(line_find(LINK_PING + LINK_ANSWER));
 }
@@ -246,8 +244,7 @@ TEST(test_an_answer_to_a_bye_is_whole_on_a_slow_line)
     line_type("stop\n");
     passes(SHORT_WHILE);
     line.room = SIZE_MAX;
-    passes(SHORT_WHILE);
-    line_listen();
+    hear(SHORT_WHILE);
     TEST_ASSERT_NOT_NULL(line_find(LINK_BYE + LINK_ANSWER));
     TEST_ASSERT_EQUAL_STRING("ok\r\n", line.text);
 }
@@ -266,12 +263,12 @@ TEST(test_no_question_but_a_hello_makes_the_line_the_pcs)
 
 TEST(test_a_line_that_was_begun_when_the_pc_came_is_forgotten)
 {
-    const uint8_t bye = 0U;
-
     line_type("ru");
     hello();
-    TEST_ASSERT_NOT_NULL(ask(LINK_BYE, &bye, 0U));
+    TEST_ASSERT_EQUAL_UINT32(2U, ask(LINK_BYE, NULL, 0U)->length);
+    TEST_ASSERT_FALSE(serial.is_linked);
     assert_text(HELP, "n\n");
+    TEST_ASSERT_EQUAL_UINT32(0U, line.count);
     TEST_ASSERT_EQUAL_UINT8(0U, command_mailbox_take(&app.mailbox).request);
 }
 
@@ -284,14 +281,6 @@ TEST(test_text_that_is_on_its_way_goes_on_in_frames)
     hello();
     TEST_ASSERT_EQUAL_STRING("ok\r", line.text);
     TEST_ASSERT_EQUAL_STRING("\n", line_said());
-}
-
-TEST(test_a_bye_gives_the_line_back)
-{
-    hello();
-    TEST_ASSERT_EQUAL_UINT32(2U, ask(LINK_BYE, NULL, 0U)->length);
-    TEST_ASSERT_FALSE(serial.is_linked);
-    assert_text("ok\r\n", "stop\n");
 }
 
 TEST(test_two_seconds_without_a_frame_give_the_line_back_and_not_less)
@@ -467,8 +456,7 @@ TEST(test_a_change_of_state_is_said_in_frames)
 {
     hello();
     fail();
-    passes(SHORT_WHILE);
-    line_listen();
+    hear(SHORT_WHILE);
     TEST_ASSERT_NOT_NULL(strstr(line_said(), "FAULT by BREAK"));
 }
 
@@ -501,37 +489,27 @@ TEST(test_the_block_in_force_is_read_as_far_as_it_goes)
     read_words(3U, 1U, 1U);
 }
 
-static void write_word(uint32_t at, uint32_t word)
-{
-    uint8_t body[7] = {(uint8_t)(at & 0xFFU), (uint8_t)(at >> 8U), 1U};
-
-    words_put(&body[3], word);
-    assert_verdict("", LINK_WRITE, body, sizeof body);
-}
-
-/* All words that differ, then the apply. */
-static const char *change_to(const config_block_t *wanted)
-{
-    uint8_t crc[4];
-
-    for (uint32_t at = 0U; at < CONFIG_BLOCK_WORDS; at++) {
-        if (config_block_word(wanted, at) != config_block_word(live.in_force, at)) {
-            write_word(at, config_block_word(wanted, at));
-        }
-    }
-    words_put(crc, wanted->cfg.crc);
-    return verdict_of(LINK_APPLY, crc, sizeof crc);
-}
-
-static config_block_t with(const drive_cfg_t *settings)
+/* All words that differ from those in force, then the apply; its verdict. */
+static const char *change_to(const drive_cfg_t *settings)
 {
     const config_block_t *const now = live.in_force;
     drive_cfg_t sealed = *settings;
-    config_block_t block;
+    config_block_t wanted;
+    uint8_t crc[4];
 
     sealed.crc = config_guard_crc(&sealed);
-    config_block_make(&block, &now->identity, &now->about, &sealed);
-    return block;
+    config_block_make(&wanted, &now->identity, &now->about, &sealed);
+    for (uint32_t at = 0U; at < CONFIG_BLOCK_WORDS; at++) {
+        uint8_t body[7] = {(uint8_t)(at & 0xFFU), (uint8_t)(at >> 8U), 1U};
+
+        if (config_block_word(&wanted, at) != config_block_word(now, at)) {
+            words_put(&body[3], config_block_word(&wanted, at));
+            assert_verdict("", LINK_WRITE, body, sizeof body);
+        }
+    }
+    words_put(crc, sealed.crc);
+    (void)ask(LINK_APPLY, crc, sizeof crc);
+    return verdict_on(LINK_APPLY);
 }
 
 TEST(test_a_gain_is_changed_while_the_motor_runs_and_the_image_comes_back)
@@ -541,8 +519,7 @@ TEST(test_a_gain_is_changed_while_the_motor_runs_and_the_image_comes_back)
     hello();
     assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 1000000);
     settings.observer.kappa_p++;
-    const config_block_t wanted = with(&settings);
-    TEST_ASSERT_EQUAL_STRING("", change_to(&wanted));
+    TEST_ASSERT_EQUAL_STRING("", change_to(&settings));
     TEST_ASSERT_EQUAL_INT32(settings.observer.kappa_p, app.drive.cfg->observer.kappa_p);
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, app.drive.state);
     assert_verdict("", LINK_DEFAULTS, NULL, 0U);
@@ -556,9 +533,8 @@ TEST(test_a_setting_that_cannot_change_in_run_is_named)
     hello();
     assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 1000000);
     settings.speed_shift++;
-    const config_block_t wanted = with(&settings);
     TEST_ASSERT_EQUAL_STRING("speed_shift cannot change while the drive runs; stop the drive first",
-                             change_to(&wanted));
+                             change_to(&settings));
     assert_verdict("the drive does not rest with open gates; stop it first", LINK_STORE, NULL, 0U);
 }
 
@@ -568,8 +544,9 @@ TEST(test_the_block_in_force_is_stored)
 
     hello();
     settings.observer.kappa_p++;
-    const config_block_t wanted = with(&settings);
-    TEST_ASSERT_EQUAL_STRING("", change_to(&wanted));
+    TEST_ASSERT_EQUAL_STRING("", change_to(&settings));
+    const config_block_t wanted = *live.in_force;
+    TEST_ASSERT_EQUAL_INT32(settings.observer.kappa_p, wanted.cfg.observer.kappa_p);
     assert_verdict("", LINK_STORE, NULL, 0U);
     live_config_init(&live, &app, &hardware, &of_image, &cfg);
     TEST_ASSERT_EQUAL_MEMORY(&wanted, live.in_force, sizeof wanted);
@@ -577,36 +554,21 @@ TEST(test_the_block_in_force_is_stored)
 
 TEST(test_words_beyond_the_block_are_refused_by_their_verdict)
 {
-    uint8_t body[11] = {(uint8_t)((CONFIG_BLOCK_WORDS - 1U) & 0xFFU),
-                        (uint8_t)((CONFIG_BLOCK_WORDS - 1U) >> 8U), 2U};
+    static const uint32_t first[] = {CONFIG_BLOCK_WORDS - 1U, 0xFFFFU};
 
     hello();
-    assert_verdict("the block has no such word", LINK_WRITE, body, sizeof body);
-}
+    for (uint32_t k = 0U; k < 2U; k++) {
+        const uint8_t body[11] = {(uint8_t)(first[k] & 0xFFU), (uint8_t)(first[k] >> 8U), 2U};
 
-TEST(test_of_words_behind_one_that_is_refused_none_is_written)
-{
-    uint8_t body[11] = {0xFFU, 0xFFU, 2U};
-
-    hello();
-    assert_verdict("the block has no such word", LINK_WRITE, body, sizeof body);
-}
-
-static void stream_on(void)
-{
-    const uint8_t on = 1U;
-
-    assert_verdict("", LINK_STREAM, &on, 1U);
+        assert_verdict("the block has no such word", LINK_WRITE, body, sizeof body);
+    }
 }
 
 TEST(test_a_stream_of_short_messages_has_as_many_entries_as_were_asked_for_at_most)
 {
-    const uint8_t on = 5U;
-
     hello();
-    assert_verdict("", LINK_STREAM, &on, 1U);
-    passes(300U);
-    line_listen();
+    assert_stream("", 5U);
+    hear(300U);
     TEST_ASSERT_NOT_NULL(line_find(LINK_FRAMES));
     for (uint32_t k = 0U; k < line.count; k++) {
         if (line.messages[k].bytes[0] == (uint8_t)LINK_FRAMES) {
@@ -615,41 +577,26 @@ TEST(test_a_stream_of_short_messages_has_as_many_entries_as_were_asked_for_at_mo
     }
 }
 
-/* It is frozen until the drive leaves FAULT, but nobody waits for it. */
-TEST(test_a_stream_begins_in_a_fault_whose_recording_was_given_up)
-{
-    hello();
-    fail();
-    passes(200U);
-    assert_line("record");
-    stream_on();
-    TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, app.drive.state);
-}
-
 TEST(test_a_stream_sends_segments_and_frames_until_it_is_ended)
 {
-    const uint8_t off = 0U;
-
     hello();
-    stream_on();
-    passes(1000U);
-    line_listen();
+    assert_stream("", 1U);
+    hear(1000U);
     TEST_ASSERT_NOT_NULL(line_find(LINK_SEGMENT));
     TEST_ASSERT_NOT_NULL(line_find(LINK_FRAMES));
-    assert_verdict("", LINK_STREAM, &off, 1U);
-    passes(1000U);
-    line_listen();
+    assert_stream("", 0U);
+    hear(1000U);
     TEST_ASSERT_EQUAL_UINT32(0U, line.count);
 }
 
 TEST(test_a_stream_ends_with_the_link_and_a_fault_is_recorded_again)
 {
     hello();
-    stream_on();
+    assert_stream("", 1U);
     TEST_ASSERT_NOT_NULL(ask(LINK_BYE, NULL, 0U));
     TEST_ASSERT_FALSE(serial.stream.on);
     hello();
-    stream_on();
+    assert_stream("", 1U);
     passes(TICKS_OF_PAUSE + SHORT_WHILE);
     TEST_ASSERT_FALSE(serial.stream.on);
     fail();
@@ -659,17 +606,18 @@ TEST(test_a_stream_ends_with_the_link_and_a_fault_is_recorded_again)
 
 TEST(test_a_recording_of_a_fault_is_kept_and_no_stream_begins_before_it_is_given_up)
 {
-    const uint8_t on = 1U;
+    const char *const kept = "the recording of a fault is kept until it is read";
 
     hello();
     fail();
     passes(1U); /* before it is frozen, too */
-    assert_verdict("the recording of a fault is kept until it is read", LINK_STREAM, &on, 1U);
+    assert_stream(kept, 1U);
     passes(200U);
-    assert_verdict("the recording of a fault is kept until it is read", LINK_STREAM, &on, 1U);
-    assert_command("", DRIVE_REQUEST_CLEAR, DRIVE_MODE_SPEED, 0);
-    assert_line("record");
-    stream_on();
+    assert_stream(kept, 1U);
+    assert_line(
+        "record"); /* it stays frozen until the drive leaves FAULT, but nobody waits for it */
+    assert_stream("", 1U);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, app.drive.state);
 }
 
 /* Its answer was lost: the PC asks again with the same tag. */
@@ -710,19 +658,10 @@ TEST(test_no_stream_begins_while_a_dump_is_under_way)
     TEST_ASSERT_FALSE(serial.stream.on);
 }
 
-static void assert_refused_by_a_dump(uint8_t type)
-{
-    static const char dumps[] = "a dump is under way; ask again when it has ended";
-    const line_message_t *const answer = line_find((uint8_t)(type + LINK_ANSWER));
-
-    TEST_ASSERT_NOT_NULL(answer);
-    TEST_ASSERT_EQUAL_UINT32(2U + strlen(dumps), answer->length);
-    TEST_ASSERT_EQUAL_MEMORY(dumps, &answer->bytes[2], strlen(dumps));
-}
-
 /* The dump reads the block that is not in force, where the words would go. */
 TEST(test_no_block_is_changed_while_a_dump_is_under_way)
 {
+    const char *const dumps = "a dump is under way; ask again when it has ended";
     uint8_t word[7] = {30U, 0U, 1U};
     uint8_t crc[4];
 
@@ -734,13 +673,11 @@ TEST(test_no_block_is_changed_while_a_dump_is_under_way)
     line_ask(LINK_APPLY, 3U, crc, sizeof crc);
     line_ask(LINK_DEFAULTS, 4U, NULL, 0U);
     line_ask(LINK_STORE, 5U, NULL, 0U);
-    passes(20U * SHORT_WHILE);
-    line_listen();
-    TEST_ASSERT_EQUAL_UINT32_MESSAGE(2U, line_find(LINK_STORE + LINK_ANSWER)->length,
-                                     "a store is none");
-    assert_refused_by_a_dump(LINK_WRITE);
-    assert_refused_by_a_dump(LINK_APPLY);
-    assert_refused_by_a_dump(LINK_DEFAULTS);
+    hear(20U * SHORT_WHILE);
+    TEST_ASSERT_EQUAL_STRING_MESSAGE("", verdict_on(LINK_STORE), "a store is no change");
+    TEST_ASSERT_EQUAL_STRING(dumps, verdict_on(LINK_WRITE));
+    TEST_ASSERT_EQUAL_STRING(dumps, verdict_on(LINK_APPLY));
+    TEST_ASSERT_EQUAL_STRING(dumps, verdict_on(LINK_DEFAULTS));
     TEST_ASSERT_NOT_NULL(strstr(line_said(), "dump ends"));
     assert_verdict("", LINK_WRITE, word, sizeof word);
     assert_verdict("", LINK_APPLY, crc, sizeof crc);
@@ -801,8 +738,7 @@ static void with_timeout(uint32_t timeout)
     drive_cfg_t settings = live.in_force->cfg;
 
     settings.link.timeout_ticks = timeout;
-    const config_block_t wanted = with(&settings);
-    TEST_ASSERT_EQUAL_STRING("", change_to(&wanted));
+    TEST_ASSERT_EQUAL_STRING("", change_to(&settings));
 }
 
 TEST(test_a_silent_pc_brings_the_motor_to_rest_when_the_configuration_says_so)
@@ -827,15 +763,19 @@ TEST(test_without_a_timeout_a_motor_runs_on_when_the_pc_is_gone)
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, command_mailbox_take(&app.mailbox).request);
 }
 
-/* The PC is gone, and the line is a person's, who commands the drive himself. */
-TEST(test_a_person_who_commands_the_drive_ends_the_watching_for_the_pc)
+static void lose_the_pc_in_run(void)
 {
     hello();
     with_timeout(TICKS_OF_PAUSE + 5000U);
     assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 1000000);
-    passes(TICKS_OF_PAUSE + SHORT_WHILE);
+    hear(TICKS_OF_PAUSE + SHORT_WHILE);
     TEST_ASSERT_FALSE(serial.is_linked);
-    line_listen();
+}
+
+/* The PC is gone, and the line is a person's, who commands the drive himself. */
+TEST(test_a_person_who_commands_the_drive_ends_the_watching_for_the_pc)
+{
+    lose_the_pc_in_run();
     assert_text("ok\r\n", "speed 100\n");
     passes(6000U);
     TEST_ASSERT_EQUAL_INT32(units_step(&ABOUT.rotation, 100),
@@ -846,10 +786,7 @@ TEST(test_a_person_who_commands_the_drive_ends_the_watching_for_the_pc)
 /* Who looks, or asks for what is refused, has not taken the motor over. */
 TEST(test_a_line_that_does_not_command_the_drive_leaves_it_watched)
 {
-    hello();
-    with_timeout(TICKS_OF_PAUSE + 5000U);
-    assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 1000000);
-    passes(TICKS_OF_PAUSE + SHORT_WHILE);
+    lose_the_pc_in_run();
     line_type("status\nspeed 999999\nx\n");
     passes(6000U);
     TEST_ASSERT_EQUAL_INT32(0, command_mailbox_take(&app.mailbox).target);
@@ -865,32 +802,11 @@ TEST(test_a_question_waits_while_a_frame_is_on_its_way)
     line_ask(LINK_PING, 3U, NULL, 0U);
     passes(2U);
     line.room = SIZE_MAX;
-    passes(SHORT_WHILE);
-    line_listen();
+    hear(SHORT_WHILE);
     TEST_ASSERT_EQUAL_UINT32(3U, line.count);
     for (uint32_t k = 0U; k < 3U; k++) {
         TEST_ASSERT_EQUAL_UINT8(k + 1U, line.messages[k].bytes[1]);
     }
-}
-
-/* The configuration was refused, and the application never began: it is zero. */
-TEST(test_a_board_that_does_not_start_is_asked_why_all_the_same)
-{
-    memset(&app, 0, sizeof app);
-    hardware.ticks = 0U;
-    link_init(&serial, &live);
-    link_say(&serial, "cannot start:");
-    line_ask(LINK_HELLO, 1U, &(const uint8_t){LINK_VERSION}, 1U);
-    line_ask(LINK_PING, 2U, NULL, 0U);
-    line_ask(LINK_LINE, 3U, "status", 6U);
-    line_ask(LINK_DEFAULTS, 4U, NULL, 0U);
-    for (uint32_t k = 0U; k < SHORT_WHILE; k++) {
-        link_step(&serial);
-    }
-    line_listen();
-    TEST_ASSERT_NOT_NULL(line_find(LINK_HELLO + LINK_ANSWER));
-    TEST_ASSERT_NOT_NULL(line_find(LINK_DEFAULTS + LINK_ANSWER));
-    TEST_ASSERT_NOT_NULL(strstr(line_said(), "INIT, speed"));
 }
 
 static void start_without_ticks(void)
@@ -906,6 +822,21 @@ static void passes_without_ticks(uint32_t count)
         link_step(&serial);
     }
     line_listen();
+}
+
+/* The configuration was refused, and the application never began: it is zero. */
+TEST(test_a_board_that_does_not_start_is_asked_why_all_the_same)
+{
+    start_without_ticks();
+    link_say(&serial, "cannot start:");
+    line_ask(LINK_HELLO, 1U, &(const uint8_t){LINK_VERSION}, 1U);
+    line_ask(LINK_PING, 2U, NULL, 0U);
+    line_ask(LINK_LINE, 3U, "status", 6U);
+    line_ask(LINK_DEFAULTS, 4U, NULL, 0U);
+    passes_without_ticks(SHORT_WHILE);
+    TEST_ASSERT_NOT_NULL(line_find(LINK_HELLO + LINK_ANSWER));
+    TEST_ASSERT_NOT_NULL(line_find(LINK_DEFAULTS + LINK_ANSWER));
+    TEST_ASSERT_NOT_NULL(strstr(line_said(), "INIT, speed"));
 }
 
 TEST(test_without_ticks_a_zero_does_not_keep_a_person_away_for_ever)
