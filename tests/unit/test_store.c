@@ -47,6 +47,7 @@ static config_block_t block_of(uint32_t number)
     return block;
 }
 
+/* NULL when it is stored. */
 static const char *write(uint32_t number)
 {
     const config_block_t block = block_of(number);
@@ -70,6 +71,12 @@ static uint32_t start(void)
     return number;
 }
 
+static void assert_stores(uint32_t number)
+{
+    TEST_ASSERT_NULL(write(number));
+    TEST_ASSERT_EQUAL_UINT32(number, start());
+}
+
 /* Writes, and loses power in this step of it. Whether the write was done before. */
 static bool write_cut(uint32_t number, uint32_t step)
 {
@@ -84,11 +91,23 @@ static bool write_cut(uint32_t number, uint32_t step)
     return done;
 }
 
-static uint32_t steps_of_a_write(uint32_t number)
+static void make_unreadable(uint32_t slot, uint32_t unit)
 {
-    flash.steps = 0U;
-    TEST_ASSERT_NULL(write(number));
-    return flash.steps;
+    flash.units[slot][unit].half_done = true;
+    flash.units[slot][unit].half = HAL_HOST_FLASH_UNREADABLE;
+}
+
+static void assert_nothing_kept(const char *said)
+{
+    TEST_ASSERT_EQUAL_STRING("the flash does not keep what is written", said);
+    TEST_ASSERT_EQUAL_UINT32(1U, start());
+}
+
+/* Units that keep nothing. */
+static void die(uint32_t first, uint32_t last)
+{
+    flash.dead = first;
+    flash.dead_last = last;
 }
 
 TEST(test_an_empty_store_has_no_block)
@@ -97,11 +116,11 @@ TEST(test_an_empty_store_has_no_block)
     TEST_ASSERT_FALSE(store_read(&store, &found));
 }
 
-TEST(test_what_was_written_is_found_by_the_next_start)
+TEST(test_what_was_written_is_found_by_the_next_start_and_the_slots_take_turns)
 {
-    for (uint32_t number = 1U; number <= 5U; number++) {
-        TEST_ASSERT_NULL(write(number));
-        TEST_ASSERT_EQUAL_UINT32(number, start());
+    for (uint32_t number = 0U; number < 5U; number++) {
+        assert_stores(number);
+        TEST_ASSERT_EQUAL_UINT32(number % 2U, store.slot);
     }
 }
 
@@ -115,19 +134,13 @@ TEST(test_what_was_written_can_be_read_without_another_start)
     TEST_ASSERT_EQUAL_MEMORY(&second, &found, sizeof found);
 }
 
-TEST(test_the_slots_take_turns)
-{
-    for (uint32_t number = 0U; number < 4U; number++) {
-        TEST_ASSERT_NULL(write(number));
-        TEST_ASSERT_EQUAL_UINT32(number % 2U, store.slot);
-    }
-}
-
-/* One more stamp, the erase, the units of the block, its stamp. */
+/* An erase, the units of the block, its stamp; before them two stamps of the block that is kept. */
 TEST(test_a_write_takes_a_step_for_each_unit)
 {
-    TEST_ASSERT_EQUAL_UINT32(FIRST_STEPS, steps_of_a_write(1U));
-    TEST_ASSERT_EQUAL_UINT32(STEPS, steps_of_a_write(2U));
+    TEST_ASSERT_NULL(write(1U));
+    TEST_ASSERT_EQUAL_UINT32(FIRST_STEPS, flash.steps);
+    TEST_ASSERT_NULL(write(2U));
+    TEST_ASSERT_EQUAL_UINT32(FIRST_STEPS + STEPS, flash.steps);
 }
 
 TEST(test_numbers_of_stamps_are_even_for_a_block_and_odd_for_one_more)
@@ -156,8 +169,7 @@ TEST(test_the_higher_number_is_the_newer_one_also_behind_a_wrap)
     TEST_ASSERT_NULL(write(2U));      /* both slots are whole: the number does not go up by 4 */
     store.sequence = UINT32_MAX - 2U; /* so that the next one is UINT32_MAX − 1, and then 0 */
     for (uint32_t number = 3U; number < 7U; number++) {
-        TEST_ASSERT_NULL(write(number));
-        TEST_ASSERT_EQUAL_UINT32(number, start());
+        assert_stores(number);
     }
     TEST_ASSERT_LESS_THAN_UINT32(20U, store.sequence);
 }
@@ -172,20 +184,14 @@ TEST(test_an_erase_that_fails_is_said_and_keeps_the_old_block)
 
 TEST(test_a_unit_that_does_not_keep_what_is_written_is_said_and_keeps_the_old_block)
 {
-    const char *const expected = "the flash does not keep what is written";
-
     TEST_ASSERT_NULL(write(1U));
-    flash.dead = 7U;
-    flash.dead_last = 7U;
-    TEST_ASSERT_EQUAL_STRING(expected, write(2U));
-    TEST_ASSERT_EQUAL_UINT32(1U, start());
+    die(7U, 7U);
+    assert_nothing_kept(write(2U));
     flash.dead = HAL_HOST_FLASH_NEVER;
     flash.refuses_program = true;
-    TEST_ASSERT_EQUAL_STRING(expected, write(2U));
+    assert_nothing_kept(write(2U));
     flash.refuses_program = false;
-    TEST_ASSERT_EQUAL_UINT32(1U, start());
-    TEST_ASSERT_NULL(write(3U));
-    TEST_ASSERT_EQUAL_UINT32(3U, start());
+    assert_stores(3U);
 }
 
 TEST(test_any_byte_that_comes_out_wrong_is_said)
@@ -197,46 +203,34 @@ TEST(test_any_byte_that_comes_out_wrong_is_said)
     }
 }
 
-TEST(test_a_stamp_goes_to_the_next_unit_where_one_does_not_keep_it)
+TEST(test_a_stamp_goes_to_the_next_unit_up_to_the_last_where_one_does_not_keep_it)
 {
     TEST_ASSERT_NULL(write(1U));
-    flash.dead = STORE_BLOCK_UNITS;
-    flash.dead_last = STORE_BLOCK_UNITS + 5U;
-    TEST_ASSERT_NULL(write(2U));
-    TEST_ASSERT_EQUAL_UINT32(2U, start());
-}
-
-TEST(test_the_last_unit_of_a_slot_takes_a_stamp_too)
-{
-    flash.dead = STORE_BLOCK_UNITS;
-    flash.dead_last = HAL_STORE_UNITS - 2U;
-    TEST_ASSERT_NULL(write(1U));
-    TEST_ASSERT_EQUAL_UINT32(1U, start());
+    die(STORE_BLOCK_UNITS, STORE_BLOCK_UNITS + 5U);
+    assert_stores(2U);
+    setUp();
+    die(STORE_BLOCK_UNITS, HAL_STORE_UNITS - 2U);
+    assert_stores(1U);
 }
 
 TEST(test_a_block_that_gets_no_stamp_is_said_and_keeps_the_old_block)
 {
     TEST_ASSERT_NULL(write(1U));
-    flash.dead = STORE_BLOCK_UNITS;
-    flash.dead_last = HAL_STORE_UNITS - 1U;
-    TEST_ASSERT_EQUAL_STRING("the flash does not keep what is written", write(2U));
-    TEST_ASSERT_EQUAL_UINT32(1U, start());
+    die(STORE_BLOCK_UNITS, HAL_STORE_UNITS - 1U);
+    assert_nothing_kept(write(2U));
 }
 
 TEST(test_a_kept_block_that_cannot_be_read_any_more_does_not_end_the_store)
 {
     TEST_ASSERT_NULL(write(1U));
-    flash.units[0][3].half_done = true;
-    flash.units[0][3].half = HAL_HOST_FLASH_UNREADABLE;
-    TEST_ASSERT_NULL(write(2U));
-    TEST_ASSERT_EQUAL_UINT32(2U, start());
+    make_unreadable(0U, 3U);
+    assert_stores(2U);
 }
 
 TEST(test_a_single_block_is_found_whatever_its_number)
 {
     store.sequence = 0xFFFFFFF0U;
-    TEST_ASSERT_NULL(write(1U));
-    TEST_ASSERT_EQUAL_UINT32(1U, start());
+    assert_stores(1U);
     TEST_ASSERT_EQUAL_HEX32(0xFFFFFFF2U, store.sequence);
 }
 
@@ -245,44 +239,36 @@ static void change(uint32_t slot, uint32_t unit)
     flash.units[slot][unit].after ^= 1U;
 }
 
-TEST(test_a_block_with_any_unit_changed_is_not_found)
-{
-    TEST_ASSERT_NULL(write(1U));
-    TEST_ASSERT_NULL(write(2U));
-    for (uint32_t unit = 0U; unit < BLOCK_UNITS; unit++) {
-        change(1U, unit);
-        TEST_ASSERT_EQUAL_UINT32(1U, start());
-        change(1U, unit);
-    }
-    TEST_ASSERT_EQUAL_UINT32(2U, start());
-}
-
-TEST(test_a_block_with_an_unreadable_unit_is_not_found)
+TEST(test_a_block_with_any_unit_changed_or_unreadable_is_not_found)
 {
     TEST_ASSERT_NULL(write(1U));
     TEST_ASSERT_NULL(write(2U));
     for (uint32_t unit = 0U; unit < BLOCK_UNITS; unit++) {
         const hal_host_flash_unit_t good = flash.units[1][unit];
 
-        flash.units[1][unit].half_done = true;
-        flash.units[1][unit].half = HAL_HOST_FLASH_UNREADABLE;
+        change(1U, unit);
+        TEST_ASSERT_EQUAL_UINT32(1U, start());
+        flash.units[1][unit] = good;
+        make_unreadable(1U, unit);
         TEST_ASSERT_EQUAL_UINT32(1U, start());
         flash.units[1][unit] = good;
     }
+    TEST_ASSERT_EQUAL_UINT32(2U, start());
 }
 
 TEST(test_a_block_whose_stamp_is_changed_or_unreadable_is_not_found)
 {
+    hal_host_flash_unit_t *const stamp = &flash.units[0][STORE_BLOCK_UNITS];
+
     TEST_ASSERT_NULL(write(1U));
     change(0U, STORE_BLOCK_UNITS);
     TEST_ASSERT_EQUAL_UINT32(NONE, start());
     change(0U, STORE_BLOCK_UNITS);
     TEST_ASSERT_EQUAL_UINT32(1U, start());
-    flash.units[0][STORE_BLOCK_UNITS].half_done =
-        true; /* with the right value: it is corrected, or it is not */
-    flash.units[0][STORE_BLOCK_UNITS].half = HAL_HOST_FLASH_AFTER;
+    stamp->half_done = true; /* with the right value: it is corrected, or it is not */
+    stamp->half = HAL_HOST_FLASH_AFTER;
     TEST_ASSERT_EQUAL_UINT32(1U, start());
-    flash.units[0][STORE_BLOCK_UNITS].half = HAL_HOST_FLASH_UNREADABLE;
+    stamp->half = HAL_HOST_FLASH_UNREADABLE;
     TEST_ASSERT_EQUAL_UINT32(NONE, start());
 }
 
@@ -321,15 +307,11 @@ static void assert_found_with_length(uint32_t words, bool expected)
     TEST_ASSERT_EQUAL(expected, store.found);
 }
 
-TEST(test_a_block_of_any_length_that_fits_is_found)
+TEST(test_a_block_of_any_length_that_fits_is_found_and_no_other)
 {
     assert_found_with_length(4U, true);
     assert_found_with_length(CONFIG_BLOCK_WORDS + 3U, true);
     assert_found_with_length(2U * STORE_BLOCK_UNITS, true);
-}
-
-TEST(test_a_length_that_does_not_fit_is_no_block)
-{
     assert_found_with_length(2U, false);
     assert_found_with_length(0U, false);
     assert_found_with_length((2U * STORE_BLOCK_UNITS) + 1U, false);
@@ -358,8 +340,7 @@ static uint32_t cut_once(uint32_t store_number, uint32_t step, uint32_t chance)
             const uint32_t now = start();
             TEST_ASSERT_TRUE((now == number) || (now == (number - 1U)));
         } else {
-            TEST_ASSERT_NULL(write(number));
-            TEST_ASSERT_EQUAL_UINT32(number, start());
+            assert_stores(number);
         }
     }
     return 1U;
@@ -402,8 +383,7 @@ static uint32_t cut_twice(uint32_t first, uint32_t second, uint32_t chance)
     (void)write_cut(3U, second);
     const uint32_t now = start();
     TEST_ASSERT_TRUE((now == kept) || (now == 3U));
-    TEST_ASSERT_NULL(write(4U));
-    TEST_ASSERT_EQUAL_UINT32(4U, start());
+    assert_stores(4U);
     return 2U;
 }
 
@@ -471,8 +451,7 @@ TEST(test_a_store_behind_cuts_that_leave_one_stamp_or_none_is_the_newest)
             TEST_ASSERT_FALSE(write_cut(2U, 60U));
             TEST_ASSERT_EQUAL_UINT32(1U, start());
         }
-        TEST_ASSERT_NULL(write(3U));
-        TEST_ASSERT_EQUAL_UINT32(3U, start());
+        assert_stores(3U);
     }
 }
 
@@ -484,6 +463,5 @@ TEST(test_stores_go_on_when_the_stamps_have_run_out)
         TEST_ASSERT_FALSE(write_cut(2U, (k < STAMP_UNITS) ? 60U : 59U));
         TEST_ASSERT_EQUAL_UINT32(1U, start());
     }
-    TEST_ASSERT_NULL(write(3U));
-    TEST_ASSERT_EQUAL_UINT32(3U, start());
+    assert_stores(3U);
 }
