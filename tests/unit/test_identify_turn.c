@@ -161,21 +161,17 @@ TEST(test_each_further_attempt_has_half_of_the_slope_and_any_speed_has_one)
     TEST_ASSERT_EQUAL_INT32(1, first_word(PROBE_RAMP));
 }
 
-static double top_after_quarter(int32_t along, int32_t across)
-{
-    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, phase_after_quarter(along, across));
-    return identify.turn.top;
-}
-
 /* 12/16 of 0.5485 of the bus, 9286: with 3000 across at a quarter of it 9272/3000 of that are there. */
 TEST(test_the_highest_speed_is_that_for_which_the_bus_is_there)
 {
     const double lsb = QUARTER / 3000.0;
 
-    TEST_ASSERT_DOUBLE_WITHIN(lsb, 9272.0 * lsb, top_after_quarter(500, 3000));
-    /* with a lag the voltage along is negative */
-    TEST_ASSERT_DOUBLE_WITHIN(lsb, 4714.9 * lsb, top_after_quarter(-8000, 3000));
-    TEST_ASSERT_EQUAL_DOUBLE(TOP, top_after_quarter(500, 2000));
+    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, phase_after_quarter(500, 3000));
+    TEST_ASSERT_DOUBLE_WITHIN(lsb, 9272.0 * lsb, identify.turn.top);
+    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, phase_after_quarter(-8000, 3000)); /* with a lag */
+    TEST_ASSERT_DOUBLE_WITHIN(lsb, 4714.9 * lsb, identify.turn.top);
+    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, phase_after_quarter(500, 2000));
+    TEST_ASSERT_EQUAL_INT32(TOP, identify.turn.top);
 }
 
 static identify_phase_t phase_with(int32_t inductance_q16, int32_t flux_q14)
@@ -235,22 +231,17 @@ TEST(test_a_bus_that_is_too_low_is_refused)
     TEST_ASSERT_EQUAL(IDENTIFY_CATCH, phase_after_quarter(20000, 60));
 }
 
-static void spin_at(dq_t voltage)
-{
-    begin_spinning();
-    app.drive.signals.voltage = voltage;
-    (void)spin_after(500, 2000, QUARTER);
-}
-
 /* 12382 is the limit: 1/32 of it is left, 386. */
 TEST(test_a_bus_whose_whole_voltage_is_used_is_too_low)
 {
-    spin_at((dq_t){0, 11996});
-    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
-    spin_at((dq_t){0, 11997});
-    assert_refused(TOO_LOW);
-    spin_at((dq_t){-11997, 0});
-    assert_refused(TOO_LOW);
+    static const dq_t used[] = {{0, 11996}, {0, 11997}, {-11997, 0}};
+
+    for (uint32_t k = 0U; k < 3U; k++) {
+        begin_spinning();
+        app.drive.signals.voltage = used[k];
+        TEST_ASSERT_EQUAL(k == 0U, spin_after(500, 2000, QUARTER));
+        TEST_ASSERT_EQUAL_STRING((k == 0U) ? NULL : TOO_LOW, identify.why);
+    }
     TEST_ASSERT_FALSE(identify_turn_lacks_voltage(&identify)); /* it is said already */
 }
 
@@ -303,19 +294,17 @@ static void expect_first_ramp(uint32_t slower, int32_t ticks, int32_t edge, step
     TEST_ASSERT_EQUAL_INT32(ticks + (2 * edge), identify.aim.ticks);
 }
 
-/* A quarter of its time would be 500 ms. */
-TEST(test_the_first_ramp_of_a_further_attempt_has_half_of_the_slope)
-{
-    begin_spinning();
-    expect_first_ramp(1U, 2000 * MS, 450 * MS, TOP / 2, (TOP - (TOP / 2)) / (2000 * MS));
-}
-
-/* At 100 kHz the 4 s of a third attempt have three times the ticks of a window: half of a window is the ramp's. */
-TEST(test_a_ramp_too_long_for_its_window_begins_at_a_higher_speed)
+/*
+ * A quarter of its time would be 500 ms. At 100 kHz the 4 s of a third attempt have three times
+ * the ticks of a window: half of a window is the ramp's, which begins at a higher speed.
+ */
+TEST(test_the_first_ramp_of_a_further_attempt_has_half_of_the_slope_and_fits_its_window)
 {
     const step_t slope = (TOP - (TOP / 2)) / 400000;
     const int32_t ticks = PROBE_WINDOW_MAX / 2;
 
+    begin_spinning();
+    expect_first_ramp(1U, 2000 * MS, 450 * MS, TOP / 2, (TOP - (TOP / 2)) / (2000 * MS));
     begin_spinning();
     identify.ms_ticks = 100;
     expect_first_ramp(2U, ticks, ticks / 4, TOP - (slope * ticks), slope);
