@@ -471,23 +471,6 @@ TEST(test_a_resistance_and_a_loss_are_between_nothing_and_their_largest)
     expect_resistance((dq_t){1000, 2500}, (dq_t){999, 2500}, 8192, 0);
 }
 
-#define BAD_CONTACT "more than 5/4 of the resistance of the other phases, is a contact bad: phase "
-#define SHORTED \
-    "less than 3/4 of the resistance of the other phases, is the winding shorted: phase "
-
-TEST(test_phases_whose_resistances_differ_by_more_than_a_quarter_are_refused)
-{
-    static const int32_t unlike[][IDENTIFY_AXES] = {
-        {1547, 1945, 1547}, {1547, 1547, 1945}, {1547, 1150, 1547}, {1547, 1547, 1150}};
-    static const char *const phases[] = {"b", "c", "b", "c"};
-
-    for (uint32_t k = 0U; k < 4U; k++) {
-        (void)stay_still(unlike[k]);
-        assert_refused((k < 2U) ? BAD_CONTACT : SHORTED);
-        TEST_ASSERT_EQUAL_STRING(phases[k], identify.detail);
-    }
-}
-
 static identify_phase_t phase_of(int32_t first, int32_t second)
 {
     begin_still();
@@ -500,9 +483,22 @@ static identify_phase_t phase_of(int32_t first, int32_t second)
     return identify.phase;
 }
 
-/* Of the phases, whose own differ by twice as much as the axes: a quarter and an LSB, which is all that a small one has. */
-TEST(test_resistances_may_differ_by_a_quarter_and_an_lsb)
+/* Phases differ by twice as much as axes. A quarter and an LSB, all of a small one, are alike. */
+TEST(test_phases_whose_resistances_differ_by_more_than_a_quarter_are_refused)
 {
+    const char *const bad_contact =
+        "more than 5/4 of the resistance of the other phases, is a contact bad: phase ";
+    const char *const shorted =
+        "less than 3/4 of the resistance of the other phases, is the winding shorted: phase ";
+    static const int32_t unlike[][IDENTIFY_AXES] = {
+        {1547, 1945, 1547}, {1547, 1547, 1945}, {1547, 1150, 1547}, {1547, 1547, 1150}};
+    static const char *const phases[] = {"b", "c", "b", "c"};
+
+    for (uint32_t k = 0U; k < 4U; k++) {
+        (void)stay_still(unlike[k]);
+        assert_refused((k < 2U) ? bad_contact : shorted);
+        TEST_ASSERT_EQUAL_STRING(phases[k], identify.detail);
+    }
     TEST_ASSERT_EQUAL(IDENTIFY_SPIN, phase_of(1000, 1120)); /* 960 and 1200 */
     TEST_ASSERT_EQUAL(IDENTIFY_ENDS, phase_of(1000, 1121));
     TEST_ASSERT_EQUAL(IDENTIFY_SPIN, phase_of(1004, 1125)); /* 964 and 1206 */
@@ -531,7 +527,8 @@ static void come_to_next_axis(uint32_t looks)
     }
 }
 
-TEST(test_between_two_axes_the_rotor_follows_with_the_continuous_current)
+/* It follows with the continuous current; 4 s of looks. */
+TEST(test_a_rotor_that_never_rests_on_the_next_axis_is_refused)
 {
     come_to_next_axis(0U);
     TEST_ASSERT_EQUAL_UINT32(1U, identify.rest.axis);
@@ -541,11 +538,6 @@ TEST(test_between_two_axes_the_rotor_follows_with_the_continuous_current)
     sums()->voltage.d = 12345; /* of the way: no level */
     TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
     TEST_ASSERT_EQUAL_INT32(0, identify.rest.high_voltage);
-}
-
-/* 4 s of looks. */
-TEST(test_a_rotor_that_never_rests_on_the_next_axis_is_refused)
-{
     come_to_next_axis(39U);
     sums()->across = 0; /* it rests */
     TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
@@ -738,6 +730,11 @@ static void expect_across(int32_t before, int32_t volts, int32_t current, int32_
 /* By more than 1/8 of 800, up or down. */
 TEST(test_pulses_across_of_about_the_same_current_keep_the_inductance)
 {
+    begin_bursts();
+    identify.step = LEVELS + 1U;
+    note_burst(252, 3, (dq_t){0, 700}, (dq_t){0, (252 * 200) + 251}); /* in each of 3 ticks */
+    TEST_ASSERT_EQUAL_INT32(3 * 700, identify.rest.across_volts);
+    TEST_ASSERT_EQUAL_INT32(3 * 200, identify.rest.across_current);
     expect_across(700, 1300, 800, 65536);
     expect_across(699, 1303, 800, 3 * 65536);
     expect_across(900, 700, 800, 65536);
@@ -751,16 +748,6 @@ TEST(test_pulses_across_of_about_the_same_current_keep_the_inductance)
     expect_across(400, 1201, 800, (201 * 65536) / 400);
     expect_across(400, 1199, 800, 32768);
     expect_across(400, 900, 800, 32768);
-}
-
-/* Of a quarter of 3 ticks. The mean change of a tick is a whole number. */
-TEST(test_pulses_across_add_up_over_their_quarter)
-{
-    begin_bursts();
-    plan_burst(0U);
-    note_burst(252, 3, (dq_t){0, 700}, (dq_t){0, (252 * 200) + 251});
-    TEST_ASSERT_EQUAL_INT32(3 * 700, identify.rest.across_volts);
-    TEST_ASSERT_EQUAL_INT32(3 * 200, identify.rest.across_current);
 }
 
 /* For 1600 across. */
