@@ -1,18 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Conduction of the simulated bridge: device drop, diodes, floating legs, rectification. */
 #include "bridge.h"
-#include "testing.h"
-
-#include <math.h>
-#include <stddef.h>
+#include "plant_motor_rig.h"
 
 #define BUS_V 310.0
 #define DROP_V 1.2
-
-/* Relative error of a current, as motor.h states it for a transient. */
-#define ACCURACY 1.0e-6
-
-#define INERTIA_OF_A_WALL 1.0e9
 
 #define LEG_A 1U
 #define LEG_B 2U
@@ -48,15 +40,7 @@ static plant_motor_cfg_t with_harmonics(void)
     return cfg;
 }
 
-static plant_motor_t motor;
 static double current[PLANT_LEGS];
-
-static void start(const plant_motor_cfg_t *cfg)
-{
-    const char *bad = NULL;
-
-    TEST_ASSERT_TRUE_MESSAGE(plant_motor_init(&motor, cfg, &bad), bad);
-}
 
 static void start_turning(double speed_mech_rad_s)
 {

@@ -1,13 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A load behind an elastic shaft: resonance, antiresonance and frequency response of two masses, momentum, friction. */
-#include "motor.h"
-#include "testing.h"
-
-#include <math.h>
-#include <stddef.h>
-
-/* Sums of some 10^5 roundings of 2^-53. */
-#define ROUNDING 1.0e-10
+#include "plant_motor_rig.h"
 
 /* Of a frequency: the method of the second order, whose steps are below 0.0078, is off by x^2/6 = 1e-5. */
 #define FREQUENCY 2.0e-5
@@ -36,33 +29,11 @@ static const plant_motor_cfg_t TWO_MASSES = {
     .shaft_stiffness_nm = STIFFNESS_NM,
 };
 
-static plant_motor_t motor;
-
-static void start(const plant_motor_cfg_t *cfg)
-{
-    const char *bad = NULL;
-
-    TEST_ASSERT_TRUE_MESSAGE(plant_motor_init(&motor, cfg, &bad), bad);
-}
-
-static double omega_mech(void)
-{
-    return motor.now.omega_el_rad_s / motor.pole_pairs;
-}
-
 /* Torque of the shaft of TWO_MASSES with its damping. */
 static double shaft_nm(void)
 {
     return STIFFNESS_NM * motor.now.twist_rad +
            DAMPING_NM_S * (omega_mech() - motor.now.load_speed_rad_s);
-}
-
-static void coast(int steps)
-{
-    for (int k = 0; k < steps; k++) {
-        plant_motor_step_open(&motor, STEP_S);
-        plant_motor_wrap(&motor);
-    }
 }
 
 /* Hz, of free swings of the shaft: from the first to the last of so many passes of the twist through zero upwards,
@@ -76,7 +47,7 @@ static double swings_hz(int passes)
 
     for (long k = 1; seen <= passes; k++) {
         TEST_ASSERT_TRUE_MESSAGE(k <= STEPS_MAX, "the shaft does not swing");
-        coast(1);
+        coast(1, STEP_S);
         const double now = motor.now.twist_rad;
         if (before < 0.0 && now >= 0.0) {
             last_s = STEP_S * ((double)k - now / (now - before));
@@ -130,7 +101,7 @@ TEST(test_swings_fade_by_the_damping)
     for (long k = 0; count < 3; k++) {
         TEST_ASSERT_TRUE_MESSAGE(k <= STEPS_MAX, "the shaft does not swing");
         peak[count] = fmax(peak[count], fabs(motor.now.twist_rad));
-        coast(1);
+        coast(1, STEP_S);
         count += (before * motor.now.twist_rad < 0.0) ? 1 : 0;
         before = motor.now.twist_rad;
     }
@@ -150,12 +121,12 @@ TEST(test_momentum_of_both_masses_is_kept_and_their_load_brakes_them)
     cfg.initial_speed_mech_rad_s = 10.0;
     start(&cfg);
     motor.now.load_speed_rad_s = -20.0;
-    coast(10000);
+    coast(10000, STEP_S);
     double momentum = MOTOR_KG_M2 * omega_mech() + LOAD_KG_M2 * motor.now.load_speed_rad_s;
     const double first = MOTOR_KG_M2 * 10.0 - LOAD_KG_M2 * 20.0;
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, first, momentum);
     motor.load_torque_nm = load_nm;
-    coast(10000);
+    coast(10000, STEP_S);
     momentum = MOTOR_KG_M2 * omega_mech() + LOAD_KG_M2 * motor.now.load_speed_rad_s;
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, first - load_nm * 10000 * STEP_S, momentum);
     /* The shaft brakes the motor's share of the inertia. */
@@ -253,12 +224,12 @@ TEST(test_stiction_of_the_motor_holds_what_the_shaft_brings)
     start(&cfg);
     /* At once, the load swings to twice the twist of its torque. */
     motor.load_torque_nm = 0.24;
-    coast(20000);
+    coast(20000, STEP_S);
     TEST_ASSERT_TRUE(motor.now.omega_el_rad_s == 0.0 && motor.now.theta_el_rad == 0.0);
     motor.load_torque_nm = 0.0;
-    coast(40000);
+    coast(40000, STEP_S);
     motor.load_torque_nm = 0.6;
-    coast(20000);
+    coast(20000, STEP_S);
     TEST_ASSERT_TRUE(omega_mech() < 0.0);
 }
 
@@ -270,12 +241,12 @@ TEST(test_a_shaft_sticks_by_its_twist_and_not_by_the_load)
     cfg.coulomb_friction_nm = 0.5;
     start(&cfg);
     motor.load_torque_nm = 5.0;
-    coast(1);
+    coast(1, STEP_S);
     TEST_ASSERT_TRUE(motor.now.omega_el_rad_s == 0.0);
     TEST_ASSERT_TRUE(motor.now.load_speed_rad_s < 0.0);
     start(&cfg);
     motor.now.twist_rad = 0.51 / STIFFNESS_NM;
-    coast(1);
+    coast(1, STEP_S);
     TEST_ASSERT_TRUE(motor.now.omega_el_rad_s < 0.0);
 }
 
@@ -295,7 +266,7 @@ TEST(test_energy_goes_into_friction_and_damping)
     motor.load_torque_nm = 0.2;
     const double first_j = 0.5 * MOTOR_KG_M2 * 30.0 * 30.0 + 0.5 * LOAD_KG_M2 * 10.0 * 10.0;
     for (int k = 0; k < 20000; k++) {
-        coast(1);
+        coast(1, STEP_S);
         const double own = omega_mech();
         const double load = motor.now.load_speed_rad_s;
         const double w = own * (0.002 * own + copysign(0.05, own)) +
@@ -323,16 +294,14 @@ TEST(test_a_stiff_shaft_is_a_rigid_one)
     cfg.viscous_friction_nm_s = 0.01;
     cfg.initial_speed_mech_rad_s = 100.0;
     start(&cfg);
-    for (int k = 0; k < 2000; k++) {
-        plant_motor_step_open(&motor, 1.0e-6);
-    }
+    coast(2000, 1.0e-6);
     plant_motor_cfg_t rigid = cfg;
     rigid.inertia_kg_m2 = MOTOR_KG_M2 + LOAD_KG_M2;
     rigid.load_inertia_kg_m2 = 0.0;
     const double elastic_rad_s = omega_mech();
     start(&rigid);
     TEST_ASSERT_FALSE(motor.is_real);
-    coast(200);
+    coast(200, STEP_S);
     /* What braking twists the shaft by, 2e-7 rad, came as speed at first. */
     TEST_ASSERT_DOUBLE_WITHIN(1.0e-6, omega_mech(), elastic_rad_s);
 }
@@ -372,23 +341,12 @@ TEST(test_steps_are_as_short_as_the_shaft_is_stiff_or_damped)
     check_steps(STIFFNESS_NM, 200.0);
 }
 
-static void check_rejected(const plant_motor_cfg_t *cfg, const char *field)
-{
-    const char *bad = NULL;
-
-    TEST_ASSERT_FALSE(plant_motor_init(&motor, cfg, &bad));
-    TEST_ASSERT_EQUAL_STRING(field, bad);
-}
-
 TEST(test_init_names_the_field_that_is_out_of_range)
 {
-    plant_motor_cfg_t cfg = TWO_MASSES;
-    cfg.load_inertia_kg_m2 = -1.0;
-    check_rejected(&cfg, "motor.load_inertia_kg_m2");
-    cfg = TWO_MASSES;
-    cfg.shaft_stiffness_nm = 0.0;
-    check_rejected(&cfg, "motor.shaft_stiffness_nm");
-    cfg = TWO_MASSES;
-    cfg.shaft_damping_nm_s = -0.1;
-    check_rejected(&cfg, "motor.shaft_damping_nm_s");
+    copy_of(TWO_MASSES)->load_inertia_kg_m2 = -1.0;
+    check_rejected("motor.load_inertia_kg_m2");
+    copy_of(TWO_MASSES)->shaft_stiffness_nm = 0.0;
+    check_rejected("motor.shaft_stiffness_nm");
+    copy_of(TWO_MASSES)->shaft_damping_nm_s = -0.1;
+    check_rejected("motor.shaft_damping_nm_s");
 }

@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Windings that differ: against the circuit of three windings with a common star point, phase by phase. */
-#include "motor.h"
-#include "testing.h"
+#include "plant_motor_rig.h"
 
-#include <math.h>
-#include <stddef.h>
 #include <string.h>
 
 #define STEP_S 1.0e-6
@@ -23,15 +20,6 @@ static const plant_motor_cfg_t UNEQUAL = {
     .contact_ohm = {0.0, 1.0, 0.0},
 };
 static const double AXES_RAD[PLANT_LEGS] = {0.0, PLANT_TWO_PI / 3.0, -PLANT_TWO_PI / 3.0};
-
-static plant_motor_t motor;
-
-static void start(const plant_motor_cfg_t *cfg)
-{
-    const char *bad = NULL;
-
-    TEST_ASSERT_TRUE_MESSAGE(plant_motor_init(&motor, cfg, &bad), bad);
-}
 
 void setUp(void)
 {
