@@ -53,7 +53,8 @@ static void start(void)
     app_record(&app, &recorder);
 }
 
-void setUp(void)
+/* The line is a person's. */
+static void begin(void)
 {
     flash_new(0U);
     line_new();
@@ -97,6 +98,13 @@ static const line_message_t *hello(void)
     TEST_ASSERT_NOT_NULL(answer);
     TEST_ASSERT_TRUE(serial.is_linked);
     return answer;
+}
+
+/* The line is the PC's. */
+void setUp(void)
+{
+    begin();
+    (void)hello();
 }
 
 /* The verdict that came for such a question; "" when it is done. */
@@ -151,6 +159,7 @@ static void assert_text(const char *expected, const char *typed)
 
 TEST(test_what_the_line_does_not_take_waits_and_what_does_not_fit_is_cut)
 {
+    begin();
     line.room = 3U;
     assert_text("ok\r", "stop\n");
     line.room = SIZE_MAX;
@@ -167,6 +176,7 @@ TEST(test_what_the_line_does_not_take_waits_and_what_does_not_fit_is_cut)
 
 TEST(test_a_hello_makes_the_line_the_pcs_and_is_answered_with_the_identity)
 {
+    begin();
     const line_message_t *const answer = hello();
     const uint8_t *const body = &answer->bytes[2];
 
@@ -221,7 +231,6 @@ TEST(test_a_frame_may_come_in_pieces)
 {
     const size_t first = line.in_length;
 
-    hello();
     line_ask(LINK_PING, 9U, NULL, 0U);
     const size_t end = line.in_length;
     for (size_t at = line.in_at; at <= end; at++) {
@@ -236,7 +245,6 @@ TEST(test_a_frame_may_come_in_pieces)
 /* The last frame goes out whole before a person is written to. */
 TEST(test_an_answer_to_a_bye_is_whole_on_a_slow_line)
 {
-    hello();
     line.room = 3U;
     line_ask(LINK_BYE, 9U, NULL, 0U);
     passes(2U);
@@ -251,6 +259,7 @@ TEST(test_an_answer_to_a_bye_is_whole_on_a_slow_line)
 
 TEST(test_no_question_but_a_hello_makes_the_line_the_pcs)
 {
+    begin();
     for (uint8_t type = 0U; type < 16U; type++) {
         if (type != LINK_HELLO) {
             TEST_ASSERT_NULL(ask(type, NULL, 0U));
@@ -263,6 +272,7 @@ TEST(test_no_question_but_a_hello_makes_the_line_the_pcs)
 
 TEST(test_a_line_that_was_begun_when_the_pc_came_is_forgotten)
 {
+    begin();
     line_type("ru");
     hello();
     TEST_ASSERT_EQUAL_UINT32(2U, ask(LINK_BYE, NULL, 0U)->length);
@@ -274,6 +284,7 @@ TEST(test_a_line_that_was_begun_when_the_pc_came_is_forgotten)
 
 TEST(test_text_that_is_on_its_way_goes_on_in_frames)
 {
+    begin();
     line.room = 3U;
     line_type("stop\n");
     pass();
@@ -285,7 +296,6 @@ TEST(test_text_that_is_on_its_way_goes_on_in_frames)
 
 TEST(test_two_seconds_without_a_frame_give_the_line_back_and_not_less)
 {
-    hello();
     passes(TICKS_OF_PAUSE - (2U * SHORT_WHILE));
     TEST_ASSERT_NOT_NULL(ask(LINK_PING, NULL, 0U));
     passes(TICKS_OF_PAUSE - (2U * SHORT_WHILE));
@@ -301,7 +311,6 @@ TEST(test_broken_frames_do_not_keep_the_line)
 {
     static const uint8_t ping[] = {LINK_PING, 1U};
 
-    hello();
     for (uint32_t k = 0U; k < 250U; k++) {
         line_frame(ping, sizeof ping, 1U);
         passes(SHORT_WHILE);
@@ -314,6 +323,7 @@ TEST(test_broken_frames_do_not_keep_the_line)
 /* As a cable makes it that is plugged in. */
 TEST(test_a_zero_without_a_frame_keeps_a_person_away_for_a_tenth_of_a_second)
 {
+    begin();
     line_byte(0U);
     assert_text("", "stop\n");
     passes(1001U);
@@ -324,6 +334,7 @@ TEST(test_a_frame_that_is_broken_leaves_the_console_as_it_is)
 {
     static const uint8_t message[] = {LINK_HELLO, 1U, LINK_VERSION};
 
+    begin();
     line_frame(message, sizeof message, 1U);
     assert_text("ok\r\n", "stop\n");
     TEST_ASSERT_FALSE(serial.is_linked);
@@ -331,7 +342,6 @@ TEST(test_a_frame_that_is_broken_leaves_the_console_as_it_is)
 
 TEST(test_a_ping_is_answered_with_the_health)
 {
-    hello();
     hardware.health = (hal_health_t){
         .adc_ic = 0x1234U, .late_ticks = 0x01020304U, .load_pct = 250U, .tick_lost = true};
     serial.stream.lost = 0x0A0B0C0DU;
@@ -356,7 +366,6 @@ TEST(test_a_message_of_a_wrong_length_or_no_type_is_refused_and_does_nothing)
     static const uint8_t none[] = {0U, LINK_AGAIN + 1U, 0x7FU, 0x80U, 0xC0U, 0xFFU};
     uint8_t body[10] = {1U, 0U, 1U};
 
-    hello();
     for (uint32_t k = 0U; k < (sizeof right / sizeof right[0]); k++) {
         for (uint32_t length = 0U; length < sizeof body; length++) {
             if (length != right[k].length) {
@@ -379,7 +388,6 @@ TEST(test_a_message_of_a_wrong_length_or_no_type_is_refused_and_does_nothing)
 
 TEST(test_a_command_reaches_the_drive_as_a_whole)
 {
-    hello();
     assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, EXAMPLE_SPEED_STEP);
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, app.drive.state);
     TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, app.in.command.target);
@@ -398,7 +406,6 @@ TEST(test_a_command_that_is_refused_changes_nothing)
     const char *const too_fast = "the speed is beyond that of the motor";
     const char *const request = "the requests are 0, stop, 1, run, and 2, clear";
 
-    hello();
     assert_command("", 0U, DRIVE_MODE_SPEED, 77);
     assert_command(too_fast, DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, EXAMPLE_SPEED_STEP + 1);
     assert_command(too_fast, DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, -EXAMPLE_SPEED_STEP - 1);
@@ -417,7 +424,6 @@ TEST(test_a_command_that_is_refused_changes_nothing)
 
 TEST(test_a_latched_fault_is_not_run_and_is_cleared_by_a_command)
 {
-    hello();
     fail();
     assert_command("a fault is latched; clear it first", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 0);
     assert_command("", DRIVE_REQUEST_CLEAR, DRIVE_MODE_SPEED, 0);
@@ -427,7 +433,6 @@ TEST(test_a_latched_fault_is_not_run_and_is_cleared_by_a_command)
 
 TEST(test_while_the_motor_is_measured_only_a_stop_is_taken)
 {
-    hello();
     assert_line("identify");
     TEST_ASSERT_TRUE(identify_is_busy(&serial.console.identify));
     assert_command("the motor is being measured; stop ends that", DRIVE_REQUEST_RUN,
@@ -440,7 +445,6 @@ TEST(test_while_the_motor_is_measured_only_a_stop_is_taken)
 
 TEST(test_a_line_is_done_by_the_console_whose_answer_comes_as_text)
 {
-    hello();
     assert_line("speed 1000");
     TEST_ASSERT_EQUAL_STRING("ok\r\n", line_said());
     TEST_ASSERT_EQUAL_STRING("", line.text + line.text_length);
@@ -454,7 +458,6 @@ TEST(test_a_line_is_done_by_the_console_whose_answer_comes_as_text)
 
 TEST(test_a_change_of_state_is_said_in_frames)
 {
-    hello();
     fail();
     hear(SHORT_WHILE);
     TEST_ASSERT_NOT_NULL(strstr(line_said(), "FAULT by BREAK"));
@@ -477,7 +480,6 @@ static void read_words(uint32_t first, uint32_t count, uint32_t expected)
 
 TEST(test_the_block_in_force_is_read_as_far_as_it_goes)
 {
-    hello();
     for (uint32_t first = 0U; first < CONFIG_BLOCK_WORDS; first += LINK_READ_WORDS_MAX) {
         const uint32_t left = CONFIG_BLOCK_WORDS - first;
 
@@ -516,7 +518,6 @@ TEST(test_a_gain_is_changed_while_the_motor_runs_and_the_image_comes_back)
 {
     drive_cfg_t settings = live.in_force->cfg;
 
-    hello();
     assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 1000000);
     settings.observer.kappa_p++;
     TEST_ASSERT_EQUAL_STRING("", change_to(&settings));
@@ -530,7 +531,6 @@ TEST(test_a_setting_that_cannot_change_in_run_is_named)
 {
     drive_cfg_t settings = live.in_force->cfg;
 
-    hello();
     assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 1000000);
     settings.speed_shift++;
     TEST_ASSERT_EQUAL_STRING("speed_shift cannot change while the drive runs; stop the drive first",
@@ -542,7 +542,6 @@ TEST(test_the_block_in_force_is_stored)
 {
     drive_cfg_t settings = live.in_force->cfg;
 
-    hello();
     settings.observer.kappa_p++;
     TEST_ASSERT_EQUAL_STRING("", change_to(&settings));
     const config_block_t wanted = *live.in_force;
@@ -556,7 +555,6 @@ TEST(test_words_beyond_the_block_are_refused_by_their_verdict)
 {
     static const uint32_t first[] = {CONFIG_BLOCK_WORDS - 1U, 0xFFFFU};
 
-    hello();
     for (uint32_t k = 0U; k < 2U; k++) {
         const uint8_t body[11] = {(uint8_t)(first[k] & 0xFFU), (uint8_t)(first[k] >> 8U), 2U};
 
@@ -566,7 +564,6 @@ TEST(test_words_beyond_the_block_are_refused_by_their_verdict)
 
 TEST(test_a_stream_of_short_messages_has_as_many_entries_as_were_asked_for_at_most)
 {
-    hello();
     assert_stream("", 5U);
     hear(300U);
     TEST_ASSERT_NOT_NULL(line_find(LINK_FRAMES));
@@ -579,7 +576,6 @@ TEST(test_a_stream_of_short_messages_has_as_many_entries_as_were_asked_for_at_mo
 
 TEST(test_a_stream_sends_segments_and_frames_until_it_is_ended)
 {
-    hello();
     assert_stream("", 1U);
     hear(1000U);
     TEST_ASSERT_NOT_NULL(line_find(LINK_SEGMENT));
@@ -591,7 +587,6 @@ TEST(test_a_stream_sends_segments_and_frames_until_it_is_ended)
 
 TEST(test_a_stream_ends_with_the_link_and_a_fault_is_recorded_again)
 {
-    hello();
     assert_stream("", 1U);
     TEST_ASSERT_NOT_NULL(ask(LINK_BYE, NULL, 0U));
     TEST_ASSERT_FALSE(serial.stream.on);
@@ -608,7 +603,6 @@ TEST(test_a_recording_of_a_fault_is_kept_and_no_stream_begins_before_it_is_given
 {
     const char *const kept = "the recording of a fault is kept until it is read";
 
-    hello();
     fail();
     passes(1U); /* before it is frozen, too */
     assert_stream(kept, 1U);
@@ -625,7 +619,6 @@ TEST(test_a_question_that_comes_again_is_done_once_and_answered_as_before)
 {
     uint8_t body[6];
 
-    hello();
     fail();
     passes(SHORT_WHILE);
     put_command(body, DRIVE_REQUEST_CLEAR, DRIVE_MODE_SPEED, 0);
@@ -646,7 +639,6 @@ TEST(test_no_stream_begins_while_a_dump_is_under_way)
 {
     const uint8_t on = 1U;
 
-    hello();
     line.room = 0U;
     line_ask(LINK_LINE, 1U, "dump", 4U);
     passes(SHORT_WHILE);
@@ -667,7 +659,6 @@ TEST(test_no_block_is_changed_while_a_dump_is_under_way)
 
     words_put(crc, live.in_force->cfg.crc);
     words_put(&word[3], config_block_word(live.in_force, 30U));
-    hello();
     line_ask(LINK_LINE, 1U, "dump", 4U);
     line_ask(LINK_WRITE, 2U, word, sizeof word);
     line_ask(LINK_APPLY, 3U, crc, sizeof crc);
@@ -689,7 +680,6 @@ TEST(test_a_segments_state_is_read_in_pieces)
     recorder_view_t view = {0};
     drive_t copy = {0};
 
-    hello();
     for (uint32_t first = 0U; first < drive_words_count(); first += LINK_READ_WORDS_MAX) {
         const uint32_t number = recorder_newest(&recorder);
 
@@ -713,7 +703,6 @@ TEST(test_a_segment_that_is_not_there_has_no_state_and_no_entries)
 {
     uint8_t body[7] = {0xFFU, 0xFFU, 0xFFU, 0x7FU, 0U, 0U, 9U};
 
-    hello();
     TEST_ASSERT_EQUAL_UINT32(9U, ask(LINK_STATE, body, 7U)->length);
     TEST_ASSERT_EQUAL_UINT32(9U, ask(LINK_AGAIN, body, 7U)->length);
 }
@@ -723,7 +712,6 @@ TEST(test_entries_are_sent_again)
     uint8_t body[7] = {0U, 0U, 0U, 0U, 0U, 0U, 9U};
     recorder_entry_t decoded[FRAME_CODE_ENTRIES_MAX];
 
-    hello();
     words_put(body, recorder_newest(&recorder) - 1U);
     line_ask(LINK_AGAIN, 1U, body, sizeof body);
     link_step(&serial);
@@ -743,7 +731,6 @@ static void with_timeout(uint32_t timeout)
 
 TEST(test_a_silent_pc_brings_the_motor_to_rest_when_the_configuration_says_so)
 {
-    hello();
     with_timeout(500U);
     assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 1000000);
     passes(400U - SHORT_WHILE);
@@ -756,7 +743,6 @@ TEST(test_a_silent_pc_brings_the_motor_to_rest_when_the_configuration_says_so)
 
 TEST(test_without_a_timeout_a_motor_runs_on_when_the_pc_is_gone)
 {
-    hello();
     assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 1000000);
     passes(2U * TICKS_OF_PAUSE);
     TEST_ASSERT_EQUAL_INT32(1000000, command_mailbox_take(&app.mailbox).target);
@@ -765,7 +751,6 @@ TEST(test_without_a_timeout_a_motor_runs_on_when_the_pc_is_gone)
 
 static void lose_the_pc_in_run(void)
 {
-    hello();
     with_timeout(TICKS_OF_PAUSE + 5000U);
     assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 1000000);
     hear(TICKS_OF_PAUSE + SHORT_WHILE);
@@ -794,7 +779,6 @@ TEST(test_a_line_that_does_not_command_the_drive_leaves_it_watched)
 
 TEST(test_a_question_waits_while_a_frame_is_on_its_way)
 {
-    hello();
     line.room = 0U;
     line_ask(LINK_PING, 1U, NULL, 0U);
     passes(2U);
