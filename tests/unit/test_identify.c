@@ -217,46 +217,35 @@ TEST(test_a_run_that_was_asked_for_is_not_asked_for_again_at_the_end)
     TEST_ASSERT_EQUAL_UINT8(0U, command_mailbox_take(&app.mailbox).request);
 }
 
-/* It ends with open gates before its line is said. */
-static void expect_ended_for_its_time(void)
-{
-    TEST_ASSERT_TRUE(app.out.gate_enable);
-    identify.began = app.drive.tick - (120000U * MS);
-    identify.said = identify.phase;
-    text.length = 1U; /* nobody reads the line */
-    identify_step(&identify, &text);
-    TEST_ASSERT_EQUAL(DRIVE_STATE_PROBE, app.drive.state);
-    TEST_ASSERT_NULL(identify.why);
-    tick(1U);
-    identify_step(&identify, &text);
-    TEST_ASSERT_EQUAL_UINT32(1U, text.length);
-    TEST_ASSERT_TRUE(identify_is_busy(&identify));
-    assert_given_back();
-    TEST_ASSERT_EQUAL(DRIVE_STATE_READY, app.drive.state);
-    tick(100U);
-    identify_step(&identify, &text);
-    TEST_ASSERT_TRUE(identify_is_busy(&identify));
-    TEST_ASSERT_EQUAL_STRING(TOO_LONG, pass());
-    assert_ended();
-}
-
+/* They begin with it. It ends with open gates before its line is said. */
 TEST(test_after_two_minutes_it_ends_whatever_it_waits_for)
 {
     for (uint32_t wait = 0U; wait <= (uint32_t)IDENTIFY_MEASURING; wait++) {
         setUp();
+        app.drive.tick = 130000U * MS;
         begin();
+        TEST_ASSERT_NULL(identify.why);
         tick(100U);
+        TEST_ASSERT_TRUE(app.out.gate_enable);
         identify.wait = (identify_wait_t)wait;
-        expect_ended_for_its_time();
+        identify.began = app.drive.tick - (120000U * MS);
+        identify.said = identify.phase;
+        text.length = 1U; /* nobody reads the line */
+        identify_step(&identify, &text);
+        TEST_ASSERT_EQUAL(DRIVE_STATE_PROBE, app.drive.state);
+        TEST_ASSERT_NULL(identify.why);
+        tick(1U);
+        identify_step(&identify, &text);
+        TEST_ASSERT_EQUAL_UINT32(1U, text.length);
+        TEST_ASSERT_TRUE(identify_is_busy(&identify));
+        assert_given_back();
+        TEST_ASSERT_EQUAL(DRIVE_STATE_READY, app.drive.state);
+        tick(100U);
+        identify_step(&identify, &text);
+        TEST_ASSERT_TRUE(identify_is_busy(&identify));
+        TEST_ASSERT_EQUAL_STRING(TOO_LONG, pass());
+        assert_ended();
     }
-}
-
-TEST(test_its_two_minutes_begin_with_it)
-{
-    tick(100U);
-    app.drive.tick = 130000U * MS;
-    begin();
-    TEST_ASSERT_NULL(identify.why);
 }
 
 /* Nothing has been asked of the drive then. */
