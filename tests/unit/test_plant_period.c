@@ -1,16 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* The coupled plant, period by period: timing, voltages, bus, snapshots. */
-#include "plant.h"
+#include "plant_rig.h"
 #include "seeded.h"
-#include "testing.h"
 
-#include <math.h>
-#include <stddef.h>
 #include <string.h>
 
-#define COUNTS 4250U
-#define PERIOD_S 1.0e-4
-#define BUS_V 310.0
 #define DEAD_S 2.0e-6
 #define DROP_V 1.2
 #define INDUCTANCE_H 0.01
@@ -52,37 +46,13 @@ static plant_cfg_t drive_cfg(void)
     return cfg;
 }
 
-static plant_t plant;
-static plant_view_t view;
-
-static void start(const plant_cfg_t *cfg)
-{
-    const char *bad = NULL;
-
-    TEST_ASSERT_TRUE_MESSAGE(plant_init(&plant, cfg, &bad), bad);
-    plant_set_gates(&plant, true);
-}
-
-static void write_compare(uint32_t a, uint32_t b, uint32_t c)
-{
-    const uint32_t compare[PLANT_LEGS] = {a, b, c};
-
-    plant_write_compare(&plant, compare);
-}
-
-static void look(void)
-{
-    plant_view(&plant, &view);
-}
-
 /* Mean phase voltages over the next period, from the coil's currents. */
 static void mean_phase_voltages(double v[PLANT_LEGS])
 {
     plant_view_t before;
 
     plant_view(&plant, &before);
-    plant_step(&plant);
-    look();
+    run(1);
     for (int leg = 0; leg < PLANT_LEGS; leg++) {
         v[leg] = INDUCTANCE_H * (view.i_abc_a[leg] - before.i_abc_a[leg]) / PERIOD_S;
     }
@@ -135,9 +105,7 @@ static void voltages_under_current(const plant_cfg_t *cfg, double v[PLANT_LEGS])
 {
     start(cfg);
     write_compare(3000, 1500, 1500);
-    for (int k = 0; k < 11; k++) {
-        plant_step(&plant); /* to about 7 A */
-    }
+    run(11); /* to about 7 A */
     write_compare(2200, 2000, 2100);
     plant_step(&plant);
     mean_phase_voltages(v);
@@ -146,49 +114,28 @@ static void voltages_under_current(const plant_cfg_t *cfg, double v[PLANT_LEGS])
     TEST_ASSERT_TRUE(view.i_abc_a[2] < -1.0);
 }
 
-static void check_leg_shift(const plant_cfg_t *cfg, double shift_v)
+static void check_leg_shift(double dead_time_s, double drop_v, double shift_v)
 {
+    plant_cfg_t cfg = COIL;
     double ideal[PLANT_LEGS];
     double real[PLANT_LEGS];
 
+    cfg.inverter.dead_time_s = dead_time_s;
+    cfg.supply.device_drop_v = drop_v;
     voltages_under_current(&COIL, ideal);
-    voltages_under_current(cfg, real);
+    voltages_under_current(&cfg, real);
     /* Legs shift by -x, +x, +x; the star point follows with a third of the sum, x/3. */
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_V, -4.0 / 3.0 * shift_v, real[0] - ideal[0]);
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_V, 2.0 / 3.0 * shift_v, real[1] - ideal[1]);
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_V, 2.0 / 3.0 * shift_v, real[2] - ideal[2]);
 }
 
-TEST(test_dead_time_costs_its_share_of_the_bus_against_the_current)
-{
-    plant_cfg_t cfg = COIL;
-
-    cfg.inverter.dead_time_s = DEAD_S;
-    check_leg_shift(&cfg, DEAD_S / PERIOD_S * BUS_V);
-}
-
-TEST(test_device_drop_costs_its_voltage_against_the_current)
-{
-    plant_cfg_t cfg = COIL;
-
-    cfg.supply.device_drop_v = DROP_V;
-    check_leg_shift(&cfg, DROP_V);
-}
-
 /* The diode of a dead time drops as the switch before it: the two effects add. */
-TEST(test_dead_time_and_drop_add)
+TEST(test_dead_time_costs_its_share_of_the_bus_and_drop_its_voltage_against_the_current)
 {
-    plant_cfg_t cfg = COIL;
-    double ideal[PLANT_LEGS];
-    double real[PLANT_LEGS];
-    const double share = DEAD_S / PERIOD_S;
-
-    cfg.inverter.dead_time_s = DEAD_S;
-    cfg.supply.device_drop_v = DROP_V;
-    voltages_under_current(&COIL, ideal);
-    voltages_under_current(&cfg, real);
-    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_V, -4.0 / 3.0 * (share * BUS_V + DROP_V),
-                              real[0] - ideal[0]);
+    check_leg_shift(DEAD_S, 0.0, DEAD_S / PERIOD_S * BUS_V);
+    check_leg_shift(0.0, DROP_V, DROP_V);
+    check_leg_shift(DEAD_S, DROP_V, DEAD_S / PERIOD_S * BUS_V + DROP_V);
 }
 
 TEST(test_equal_legs_leave_a_standing_motor_without_current)
@@ -199,8 +146,7 @@ TEST(test_equal_legs_leave_a_standing_motor_without_current)
     start(&cfg);
     write_compare(2125, 2125, 2125);
     for (int k = 0; k < 100; k++) {
-        plant_step(&plant);
-        look();
+        run(1);
         TEST_ASSERT_TRUE(view.i_abc_a[0] == 0.0 && view.i_abc_a[1] == 0.0);
         TEST_ASSERT_TRUE(view.omega_mech_rad_s == 0.0);
     }
@@ -215,10 +161,7 @@ TEST(test_dead_time_swallows_a_small_voltage)
     cfg.inverter.dead_time_s = DEAD_S;
     start(&cfg);
     write_compare(2125 + 20, 2125, 2125); /* 40 ticks = 0.47 us < dead time */
-    for (int k = 0; k < 2000; k++) {
-        plant_step(&plant);
-    }
-    look();
+    run(2000);
     const double without_dead_time_a = 2.0 / 3.0 * BUS_V * 20.0 / COUNTS; /* 0.97 A */
     TEST_ASSERT_TRUE(fabs(view.i_abc_a[0]) < 0.05 * without_dead_time_a);
 }
@@ -230,22 +173,15 @@ TEST(test_gates_act_at_once_and_off_lets_the_current_die)
     cfg.motor.inertia_kg_m2 = 1.0;
     start(&cfg);
     write_compare(2300, 2000, 2000);
-    for (int k = 0; k < 50; k++) {
-        plant_step(&plant);
-    }
-    look();
+    run(50);
     const double before = view.i_abc_a[0];
     TEST_ASSERT_TRUE(fabs(before) > 1.0);
     plant_set_gates(&plant, false);
-    plant_step(&plant);
-    look();
+    run(1);
     TEST_ASSERT_TRUE(fabs(view.i_abc_a[0]) < 0.9 * fabs(before));
+    run(50);
     for (int k = 0; k < 50; k++) {
-        plant_step(&plant);
-    }
-    for (int k = 0; k < 50; k++) {
-        plant_step(&plant);
-        look();
+        run(1);
         TEST_ASSERT_TRUE(view.i_abc_a[0] == 0.0 && view.i_abc_a[1] == 0.0);
     }
 }
@@ -257,31 +193,21 @@ TEST(test_load_torque_opposes_positive_rotation)
     start(&cfg);
     plant_set_gates(&plant, false);
     plant_set_load_torque(&plant, 0.3);
-    plant_step(&plant);
-    look();
+    run(1);
     const double friction = 0.05 + 0.001 * 40.0;
     /* Viscous friction hardly changes in a period: 4e-5 of it. */
     TEST_ASSERT_DOUBLE_WITHIN(1.0e-6, 40.0 - (0.3 + friction) / 0.003 * PERIOD_S,
                               view.omega_mech_rad_s);
 }
 
-TEST(test_bus_ripples_as_a_sine_of_time)
+/* Of the bus with a ripple of 300 Hz. */
+static double rippling_v(double time_s)
 {
-    plant_cfg_t cfg = COIL;
-
-    cfg.supply.ripple_fraction = 0.05;
-    cfg.supply.ripple_hz = 300.0;
-    start(&cfg);
-    for (int k = 0; k < 1000; k++) {
-        look();
-        TEST_ASSERT_DOUBLE_WITHIN(PERIOD_S * 1.0e-6, PERIOD_S * k, view.time_s);
-        const double wanted = BUS_V * (1.0 + 0.05 * sin(2.0 * PLANT_PI * 300.0 * PERIOD_S * k));
-        TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_V, wanted, view.bus_v);
-        plant_step(&plant);
-    }
+    return BUS_V * (1.0 + 0.05 * sin(2.0 * PLANT_PI * 300.0 * time_s));
 }
 
-TEST(test_the_bus_in_the_middle_of_a_period_makes_its_voltage)
+/* That in the middle of a period makes its voltage. */
+TEST(test_bus_ripples_as_a_sine_of_time)
 {
     plant_cfg_t cfg = COIL;
     double v[PLANT_LEGS];
@@ -289,13 +215,18 @@ TEST(test_the_bus_in_the_middle_of_a_period_makes_its_voltage)
     cfg.supply.ripple_fraction = 0.05;
     cfg.supply.ripple_hz = 300.0;
     start(&cfg);
+    for (int k = 0; k < 1000; k++) {
+        look();
+        TEST_ASSERT_DOUBLE_WITHIN(PERIOD_S * 1.0e-6, PERIOD_S * k, view.time_s);
+        TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_V, rippling_v(PERIOD_S * k), view.bus_v);
+        plant_step(&plant);
+    }
+    start(&cfg);
     write_compare(COUNTS, 0, 0);
     plant_step(&plant);
     for (int k = 1; k <= 50; k++) {
-        const double middle_s = PERIOD_S * (k + 0.5);
-        const double bus_v = BUS_V * (1.0 + 0.05 * sin(2.0 * PLANT_PI * 300.0 * middle_s));
         mean_phase_voltages(v);
-        TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_V, 2.0 / 3.0 * bus_v, v[0]);
+        TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_V, 2.0 / 3.0 * rippling_v(PERIOD_S * (k + 0.5)), v[0]);
     }
 }
 
@@ -304,10 +235,7 @@ TEST(test_sample_reads_the_present_currents_and_bus)
     plant_adc_t adc;
 
     write_compare(2400, 2125, 1900);
-    for (int k = 0; k < 10; k++) {
-        plant_step(&plant);
-    }
-    look();
+    run(10);
     plant_sample(&plant, &adc);
     TEST_ASSERT_EQUAL_UINT16(2048.0 + floor(view.i_abc_a[0] * 102.4 + 0.5), adc.ia);
     TEST_ASSERT_EQUAL_UINT16(2048.0 + floor(view.i_abc_a[1] * 102.4 + 0.5), adc.ib);
@@ -329,10 +257,7 @@ TEST(test_sensors_lag_behind_the_current_of_the_plant)
     cfg.sensor.current_bandwidth_hz = corner_hz;
     start(&cfg);
     write_compare(0, 0, 0);
-    for (int k = 0; k < 2000; k++) { /* 75 time constants of the sensors, 36 of the winding */
-        plant_step(&plant);
-    }
-    look();
+    run(2000); /* 75 time constants of the sensors, 36 of the winding */
     const double beta = (view.i_abc_a[1] - view.i_abc_a[2]) / sqrt(3.0);
     const double length = hypot(view.i_abc_a[0], beta);
     const double angle = atan2(beta, view.i_abc_a[0]) - 0.25 * PLANT_PI;
@@ -382,10 +307,7 @@ TEST(test_view_is_consistent)
 
     start(&cfg);
     write_compare(2300, 2125, 2000);
-    for (int k = 0; k < 777; k++) {
-        plant_step(&plant);
-    }
-    look();
+    run(777);
     const double c = cos(view.theta_el_rad);
     const double s = sin(view.theta_el_rad);
     const double tolerance = 1.0e-12;
@@ -420,36 +342,31 @@ static uint64_t eventful_run(plant_t *p, int periods)
     return sum;
 }
 
-TEST(test_two_runs_give_the_same_bytes)
+/* Of an eventful run from the start. */
+static uint64_t sum_of_run(const plant_cfg_t *cfg, int periods)
 {
-    const plant_cfg_t cfg = drive_cfg();
-
-    start(&cfg);
-    const uint64_t first_sum = eventful_run(&plant, 2000);
-    const plant_t first = plant;
-    start(&cfg);
-    const uint64_t second_sum = eventful_run(&plant, 2000);
-    TEST_ASSERT_TRUE(first_sum == second_sum);
-    TEST_ASSERT_EQUAL_MEMORY(&first, &plant, sizeof plant);
+    start(cfg);
+    return eventful_run(&plant, periods);
 }
 
-TEST(test_another_seed_gives_another_run)
+TEST(test_two_runs_give_the_same_bytes_and_another_seed_gives_another_run)
 {
     plant_cfg_t cfg = drive_cfg();
+    const uint64_t sum = sum_of_run(&cfg, 2000);
+    const plant_t first = plant;
 
-    start(&cfg);
-    const uint64_t first_sum = eventful_run(&plant, 100);
+    TEST_ASSERT_TRUE(sum == sum_of_run(&cfg, 2000));
+    TEST_ASSERT_EQUAL_MEMORY(&first, &plant, sizeof plant);
+    const uint64_t short_sum = sum_of_run(&cfg, 100);
     cfg.sensor.seed = 2;
-    start(&cfg);
-    TEST_ASSERT_FALSE(first_sum == eventful_run(&plant, 100));
+    TEST_ASSERT_FALSE(short_sum == sum_of_run(&cfg, 100));
 }
 
 TEST(test_a_copy_goes_on_as_the_original)
 {
     const plant_cfg_t cfg = drive_cfg();
 
-    start(&cfg);
-    (void)eventful_run(&plant, 612);
+    (void)sum_of_run(&cfg, 612);
     plant_t copy = plant;
     const uint64_t sum = eventful_run(&plant, 612);
     TEST_ASSERT_TRUE(sum == eventful_run(&copy, 612));
@@ -463,8 +380,8 @@ TEST(test_random_operation_stays_within_physical_bounds)
     plant_cfg_t cfg = drive_cfg();
     seeded_t seeded = {2463534242U};
 
-    for (int run = 0; run < 20; run++) {
-        cfg.motor.inductance_q_h = 0.0116 * (0.5 + 0.1 * run);
+    for (int pass = 0; pass < 20; pass++) {
+        cfg.motor.inductance_q_h = 0.0116 * (0.5 + 0.1 * pass);
         cfg.motor.initial_speed_mech_rad_s = seeded_in(&seeded, -300, 300);
         start(&cfg);
         bool on = true;
@@ -474,8 +391,7 @@ TEST(test_random_operation_stays_within_physical_bounds)
                           seeded_u32(&seeded) % (top + 1U));
             on = ((seeded_u32(&seeded) % 50U) == 0U) ? !on : on;
             plant_set_gates(&plant, on);
-            plant_step(&plant);
-            look();
+            run(1);
             const double emf_v = fabs(view.omega_mech_rad_s) * 2.0 * 0.387;
             const double limit_a = (1.05 * BUS_V + 2.0 * DROP_V + 2.0 * emf_v) / 2.125;
             for (int leg = 0; leg < PLANT_LEGS; leg++) {
@@ -487,32 +403,18 @@ TEST(test_random_operation_stays_within_physical_bounds)
     }
 }
 
-static void check_rejected(const plant_cfg_t *cfg, const char *field)
-{
-    const char *bad = NULL;
-
-    TEST_ASSERT_FALSE(plant_init(&plant, cfg, &bad));
-    TEST_ASSERT_EQUAL_STRING(field, bad);
-}
-
 TEST(test_init_names_the_field_that_is_out_of_range)
 {
-    plant_cfg_t cfg = COIL;
-    cfg.motor.inductance_d_h = 0.0;
-    check_rejected(&cfg, "motor.inductance_d_h");
-    cfg = COIL;
-    cfg.inverter.timer_counts = 0;
-    check_rejected(&cfg, "inverter.timer_counts");
-    cfg = COIL;
-    cfg.sensor.adc_bits = 4;
-    check_rejected(&cfg, "sensor.adc_bits");
-    cfg = COIL;
-    cfg.supply.voltage_v = 0.0;
-    check_rejected(&cfg, "supply.voltage_v");
-    cfg = COIL;
-    cfg.supply.ripple_fraction = 1.0;
-    check_rejected(&cfg, "supply.ripple_fraction");
-    cfg = COIL;
-    cfg.supply.device_drop_v = 155.0;
-    check_rejected(&cfg, "supply.device_drop_v");
+    copy_of(&COIL)->motor.inductance_d_h = 0.0;
+    check_rejected("motor.inductance_d_h");
+    copy_of(&COIL)->inverter.timer_counts = 0;
+    check_rejected("inverter.timer_counts");
+    copy_of(&COIL)->sensor.adc_bits = 4;
+    check_rejected("sensor.adc_bits");
+    copy_of(&COIL)->supply.voltage_v = 0.0;
+    check_rejected("supply.voltage_v");
+    copy_of(&COIL)->supply.ripple_fraction = 1.0;
+    check_rejected("supply.ripple_fraction");
+    copy_of(&COIL)->supply.device_drop_v = 155.0;
+    check_rejected("supply.device_drop_v");
 }
