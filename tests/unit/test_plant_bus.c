@@ -1,14 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The bus with a capacitor: what the bridge takes and gives back, what the rectifier feeds. */
-#include "plant.h"
-#include "testing.h"
+#include "plant_rig.h"
 
-#include <math.h>
-#include <stddef.h>
-
-#define COUNTS 4250U
-#define PERIOD_S 1.0e-4
-#define BUS_V 310.0
 #define CAPACITANCE_F 470.0e-6
 #define INERTIA 0.003
 #define INDUCTANCE_H 0.0116
@@ -34,18 +27,6 @@ static const plant_cfg_t LOSSLESS = {
     .sensor = {.adc_bits = 12, .current_full_scale_a = 20.0, .bus_full_scale_v = 450.0, .seed = 1},
 };
 
-static plant_t plant;
-static plant_view_t view;
-
-static void start(const plant_cfg_t *cfg)
-{
-    const char *bad = NULL;
-
-    TEST_ASSERT_TRUE_MESSAGE(plant_init(&plant, cfg, &bad), bad);
-    plant_set_gates(&plant, true);
-    plant_view(&plant, &view);
-}
-
 static uint32_t compare_of(double phase_v)
 {
     return (uint32_t)((0.5 + phase_v / view.bus_v) * COUNTS + 0.5);
@@ -69,8 +50,7 @@ static void control(double i_q_wanted_a)
     };
 
     plant_write_compare(&plant, compare);
-    plant_step(&plant);
-    plant_view(&plant, &view);
+    run(1);
 }
 
 static double capacitor_j(void)
@@ -170,10 +150,7 @@ TEST(test_an_open_bridge_charges_the_capacitor_until_it_meets_the_emf)
     start(&cfg);
     plant_set_gates(&plant, false);
     const double before_j = capacitor_j() + machine_j();
-    for (int k = 0; k < 2000; k++) {
-        plant_step(&plant);
-        plant_view(&plant, &view);
-    }
+    run(2000);
     TEST_ASSERT_TRUE(view.bus_v > 370.0);
     TEST_ASSERT_DOUBLE_WITHIN(CHARGE_ERROR * before_j, before_j, capacitor_j() + machine_j());
 }
@@ -183,7 +160,6 @@ TEST(test_the_source_resistance_drops_its_voltage_under_load)
 {
     const double ohm = 10.0;
     const double source_ohm = 4.0;
-    const uint32_t compare[PLANT_LEGS] = {3187U, 1062U, 1062U}; /* d = 1/2 */
     const double share = 2125.0 / COUNTS;
     plant_cfg_t cfg = LOSSLESS;
 
@@ -194,11 +170,8 @@ TEST(test_the_source_resistance_drops_its_voltage_under_load)
                                     .inertia_kg_m2 = 1.0e9};
     cfg.supply.resistance_ohm = source_ohm;
     start(&cfg);
-    for (int k = 0; k < 5000; k++) { /* 50 L/R, 266 R_s C */
-        plant_write_compare(&plant, compare);
-        plant_step(&plant);
-    }
-    plant_view(&plant, &view);
+    write_compare(3187U, 1062U, 1062U); /* d = 1/2 */
+    run(5000);                          /* 50 L/R, 266 R_s C */
     const double expected = BUS_V / (1.0 + source_ohm * 2.0 / 3.0 * share * share / ohm);
     /* Ripple of the coil: T R / L of the current, squared. The energy of a period is given while the bus
      * sags within it, by a charge that is larger by sag / 2 v; the source makes up for it. */
@@ -221,8 +194,7 @@ TEST(test_the_rectifier_holds_the_peak_of_the_ripple)
     plant_set_gates(&plant, false);
     double last_v = view.bus_v;
     for (int k = 0; k < 100; k++) {
-        plant_step(&plant);
-        plant_view(&plant, &view);
+        run(1);
         TEST_ASSERT_TRUE(view.bus_v >= last_v);
         last_v = view.bus_v;
     }
@@ -237,33 +209,30 @@ TEST(test_a_supply_that_falls_leaves_the_capacitor_charged_and_one_that_rises_fi
     start(&cfg);
     plant_set_gates(&plant, false);
     plant_set_supply(&plant, 200.0);
-    plant_step(&plant);
-    plant_view(&plant, &view);
+    run(1);
     TEST_ASSERT_TRUE(view.bus_v == BUS_V);
     plant_set_supply(&plant, 350.0);
-    plant_view(&plant, &view);
+    look();
     TEST_ASSERT_TRUE(view.bus_v == 350.0);
     cfg.supply.capacitance_f = 0.0;
     start(&cfg);
     plant_set_supply(&plant, 200.0);
-    plant_view(&plant, &view);
+    look();
     TEST_ASSERT_TRUE(view.bus_v == 200.0);
 }
 
 /* A capacitor far too small for a period: its energy is gone, and no more than that. */
 TEST(test_a_bus_that_is_drained_stays_at_zero_or_above)
 {
-    const uint32_t compare[PLANT_LEGS] = {COUNTS, 0U, 0U};
     plant_cfg_t cfg = LOSSLESS;
 
     cfg.supply.capacitance_f = 1.0e-9;
     cfg.supply.resistance_ohm = 1000.0;
     cfg.motor.initial_speed_mech_rad_s = 0.0;
     start(&cfg);
+    write_compare(COUNTS, 0U, 0U);
     for (int k = 0; k < 1000; k++) {
-        plant_write_compare(&plant, compare);
-        plant_step(&plant);
-        plant_view(&plant, &view);
+        run(1);
         TEST_ASSERT_TRUE(view.bus_v >= 0.0 && view.bus_v < 2.0 * BUS_V);
     }
 }
@@ -280,7 +249,7 @@ TEST(test_a_copy_goes_on_as_the_original)
     }
     const plant_t first = plant;
     plant = copy;
-    plant_view(&plant, &view);
+    look();
     for (int k = 0; k < 50; k++) {
         control(BRAKING_A);
     }
@@ -289,14 +258,8 @@ TEST(test_a_copy_goes_on_as_the_original)
 
 TEST(test_init_names_the_field_that_is_out_of_range)
 {
-    const char *bad = NULL;
-    plant_cfg_t cfg = LOSSLESS;
-
-    cfg.supply.capacitance_f = -1.0;
-    TEST_ASSERT_FALSE(plant_init(&plant, &cfg, &bad));
-    TEST_ASSERT_EQUAL_STRING("supply.capacitance_f", bad);
-    cfg = LOSSLESS;
-    cfg.supply.resistance_ohm = HUGE_VAL;
-    TEST_ASSERT_FALSE(plant_init(&plant, &cfg, &bad));
-    TEST_ASSERT_EQUAL_STRING("supply.resistance_ohm", bad);
+    copy_of(&LOSSLESS)->supply.capacitance_f = -1.0;
+    check_rejected("supply.capacitance_f");
+    copy_of(&LOSSLESS)->supply.resistance_ohm = HUGE_VAL;
+    check_rejected("supply.resistance_ohm");
 }

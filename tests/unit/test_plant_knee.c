@@ -1,15 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Soft commutation of the simulated bridge: the charge of the output capacitance, the energy, and its limits. */
 #include "knee.h"
-#include "plant.h"
-#include "testing.h"
+#include "plant_rig.h"
 
-#include <math.h>
-#include <stddef.h>
-
-#define COUNTS 4250U
-#define PERIOD_S 1.0e-4
-#define BUS_V 310.0
 #define DEAD_S 2.0e-6
 #define DROP_V 1.2
 #define KNEE_A 0.3
@@ -37,16 +30,6 @@ static const plant_motor_cfg_t MOTOR = {
     .inertia_kg_m2 = 1.0e9,
 };
 
-static plant_t plant;
-
-static void start(const plant_cfg_t *cfg)
-{
-    const char *bad = NULL;
-
-    TEST_ASSERT_TRUE_MESSAGE(plant_init(&plant, cfg, &bad), bad);
-    plant_set_gates(&plant, true);
-}
-
 static double i_a(const plant_motor_t *motor)
 {
     return plant_motor_current(motor).alpha;
@@ -70,12 +53,9 @@ static double lost_vs(double current_a)
 /* Mean voltage of phase a over a period at equal duty, with i_a and half of it back in b and c. */
 static double mean_voltage(const plant_cfg_t *cfg, double current_a)
 {
-    const uint32_t compare[PLANT_LEGS] = {COUNTS / 2U, COUNTS / 2U, COUNTS / 2U};
-
     start(cfg);
-    plant_write_compare(&plant, compare);
-    plant_step(&plant);
-    plant_step(&plant);
+    write_compare(COUNTS / 2U, COUNTS / 2U, COUNTS / 2U);
+    run(2);
     plant.motor.now.flux_d_wb = CHOKE_H * current_a;
     plant_step(&plant);
     return CHOKE_H * (i_a(&plant.motor) - current_a) / PERIOD_S;
@@ -280,24 +260,21 @@ TEST(test_without_gates_the_diodes_let_the_current_die)
     start(&cfg);
     plant.motor.now.flux_d_wb += MOTOR.inductance_d_h * 0.5;
     plant_set_gates(&plant, false);
-    plant_step(&plant);
-    plant_step(&plant);
+    run(2);
     TEST_ASSERT_TRUE(i_a(&plant.motor) == 0.0);
 }
 
 /* The level is reached in the first period. The rest of it is of the diodes: the bus takes the current to zero. */
 TEST(test_after_a_trip_the_diodes_let_the_current_die)
 {
-    const uint32_t compare[PLANT_LEGS] = {COUNTS, 0, 0};
     plant_cfg_t cfg = CHOKE;
 
     cfg.motor = MOTOR;
     cfg.motor.resistance_ohm = 0.0;
     cfg.trip_a = 0.5;
     start(&cfg);
-    plant_write_compare(&plant, compare);
-    plant_step(&plant);
-    plant_step(&plant);
+    write_compare(COUNTS, 0, 0);
+    run(2);
     TEST_ASSERT_TRUE(plant_take_trip(&plant));
     TEST_ASSERT_TRUE(i_a(&plant.motor) == 0.0);
 }
@@ -305,18 +282,15 @@ TEST(test_after_a_trip_the_diodes_let_the_current_die)
 TEST(test_a_knee_that_takes_too_many_steps_is_refused)
 {
     plant_cfg_t cfg = CHOKE;
-    const char *bad = NULL;
 
     cfg.motor = MOTOR;
     const double least_a = plant_least_knee(&cfg);
     /* Six dead times of half the bus on the inductance, 1000 steps of a half. */
     TEST_ASSERT_DOUBLE_WITHIN(1.0e-12, 0.5 * 155.0 * 6.0 * DEAD_S / 0.0116 / 500.0, least_a);
     cfg.supply.commutation_knee_a = 1.01 * least_a;
-    TEST_ASSERT_TRUE(plant_init(&plant, &cfg, &bad));
-    cfg.supply.commutation_knee_a = 0.99 * least_a;
-    TEST_ASSERT_FALSE(plant_init(&plant, &cfg, &bad));
-    TEST_ASSERT_EQUAL_STRING("supply.commutation_knee_a", bad);
-    cfg.supply.commutation_knee_a = -1.0;
-    TEST_ASSERT_FALSE(plant_init(&plant, &cfg, &bad));
-    TEST_ASSERT_EQUAL_STRING("supply.commutation_knee_a", bad);
+    start(&cfg);
+    copy_of(&cfg)->supply.commutation_knee_a = 0.99 * least_a;
+    check_rejected("supply.commutation_knee_a");
+    copy_of(&cfg)->supply.commutation_knee_a = -1.0;
+    check_rejected("supply.commutation_knee_a");
 }
