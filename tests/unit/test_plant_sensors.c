@@ -40,45 +40,34 @@ static void convert(double i_a, double i_b, double bus_v)
     plant_sensors_convert(&sensors, i_a, i_b, bus_v, &adc);
 }
 
+static void check_counts(uint16_t ia, uint16_t ib, uint16_t bus)
+{
+    TEST_ASSERT_EQUAL_UINT16(ia, adc.ia);
+    TEST_ASSERT_EQUAL_UINT16(ib, adc.ib);
+    TEST_ASSERT_EQUAL_UINT16(bus, adc.bus);
+}
+
 void setUp(void)
 {
     start(&CLEAN);
 }
 
-TEST(test_zero_current_reads_half_scale)
-{
-    convert(0.0, 0.0, 0.0);
-    TEST_ASSERT_EQUAL_UINT16(2048, adc.ia);
-    TEST_ASSERT_EQUAL_UINT16(2048, adc.ib);
-    TEST_ASSERT_EQUAL_UINT16(0, adc.bus);
-}
-
-TEST(test_counts_are_rounded_to_nearest)
+TEST(test_counts_are_rounded_to_nearest_from_half_scale_and_clipped_at_both_ends)
 {
     const double lsb = 20.0 / 2048.0;
 
+    convert(0.0, 0.0, 0.0);
+    check_counts(2048, 2048, 0);
     convert(0.49 * lsb, -0.49 * lsb, 0.049);
-    TEST_ASSERT_EQUAL_UINT16(2048, adc.ia);
-    TEST_ASSERT_EQUAL_UINT16(2048, adc.ib);
-    TEST_ASSERT_EQUAL_UINT16(0, adc.bus);
+    check_counts(2048, 2048, 0);
     convert(0.51 * lsb, -0.51 * lsb, 0.051);
-    TEST_ASSERT_EQUAL_UINT16(2049, adc.ia);
-    TEST_ASSERT_EQUAL_UINT16(2047, adc.ib);
-    TEST_ASSERT_EQUAL_UINT16(1, adc.bus);
-}
-
-TEST(test_range_is_clipped_at_both_ends)
-{
+    check_counts(2049, 2047, 1);
     convert(19.99, -20.0, 409.5);
-    TEST_ASSERT_EQUAL_UINT16(4095, adc.ia);
-    TEST_ASSERT_EQUAL_UINT16(0, adc.ib);
-    TEST_ASSERT_EQUAL_UINT16(4095, adc.bus);
+    check_counts(4095, 0, 4095);
     convert(1.0e6, -1.0e6, 1.0e6);
-    TEST_ASSERT_EQUAL_UINT16(4095, adc.ia);
-    TEST_ASSERT_EQUAL_UINT16(0, adc.ib);
-    TEST_ASSERT_EQUAL_UINT16(4095, adc.bus);
+    check_counts(4095, 0, 4095);
     convert(0.0, 0.0, -5.0);
-    TEST_ASSERT_EQUAL_UINT16(0, adc.bus);
+    check_counts(2048, 2048, 0);
 }
 
 TEST(test_sixteen_bits_use_the_whole_word)
@@ -88,9 +77,7 @@ TEST(test_sixteen_bits_use_the_whole_word)
     cfg.adc_bits = 16;
     start(&cfg);
     convert(100.0, 0.0, 1000.0);
-    TEST_ASSERT_EQUAL_UINT16(65535, adc.ia);
-    TEST_ASSERT_EQUAL_UINT16(32768, adc.ib);
-    TEST_ASSERT_EQUAL_UINT16(65535, adc.bus);
+    check_counts(65535, 32768, 65535);
 }
 
 TEST(test_offset_shifts_each_phase_on_its_own)
@@ -101,9 +88,7 @@ TEST(test_offset_shifts_each_phase_on_its_own)
     cfg.offset_lsb[1] = -7.0;
     start(&cfg);
     convert(0.0, 0.0, 100.0);
-    TEST_ASSERT_EQUAL_UINT16(2053, adc.ia);
-    TEST_ASSERT_EQUAL_UINT16(2041, adc.ib);
-    TEST_ASSERT_EQUAL_UINT16(1000, adc.bus);
+    check_counts(2053, 2041, 1000);
 }
 
 TEST(test_gain_error_scales_the_current_and_not_the_zero)
@@ -114,11 +99,9 @@ TEST(test_gain_error_scales_the_current_and_not_the_zero)
     cfg.gain_error[1] = -0.01;
     start(&cfg);
     convert(10.0, 10.0, 0.0); /* 1024 counts +-10.24 */
-    TEST_ASSERT_EQUAL_UINT16(2048 + 1034, adc.ia);
-    TEST_ASSERT_EQUAL_UINT16(2048 + 1014, adc.ib);
+    check_counts(2048 + 1034, 2048 + 1014, 0);
     convert(0.0, 0.0, 0.0);
-    TEST_ASSERT_EQUAL_UINT16(2048, adc.ia);
-    TEST_ASSERT_EQUAL_UINT16(2048, adc.ib);
+    check_counts(2048, 2048, 0);
 }
 
 TEST(test_noise_has_no_mean_and_the_stated_rms)
@@ -271,16 +254,7 @@ TEST(test_conversion_takes_what_the_low_pass_shows)
     plant_sensors_follow(&sensors, 1.0, to, to);
     plant_sensors_follow(&sensors, 0.0, from, never);
     convert(0.0, 0.0, 0.0);
-    TEST_ASSERT_EQUAL_UINT16(2048 + 1024, adc.ia);
-    TEST_ASSERT_EQUAL_UINT16(2048 - 1024, adc.ib);
-}
-
-static void check_rejected(const plant_sensor_cfg_t *cfg, const char *field)
-{
-    const char *bad = NULL;
-
-    TEST_ASSERT_FALSE(plant_sensors_init(&sensors, cfg, &bad));
-    TEST_ASSERT_EQUAL_STRING(field, bad);
+    check_counts(2048 + 1024, 2048 - 1024, 0);
 }
 
 static void check_temperature(double temperature_c, uint16_t expected)
@@ -300,15 +274,19 @@ TEST(test_temperature_is_linear_between_its_ends_and_clipped_beyond)
     check_temperature(200.0, 4095);
 }
 
-TEST(test_temperature_may_count_down)
+TEST(test_temperature_may_count_down_and_reads_0_without_a_sensor)
 {
     plant_sensor_cfg_t cfg = CLEAN;
+
     cfg.temperature[0].share = 1.0;
     cfg.temperature[1].share = 0.0;
     start(&cfg);
     check_temperature(154.8, 0);
     check_temperature(79.8, 1500);
     check_temperature(-50.0, 4095);
+    cfg.temperature_points = 0;
+    start(&cfg);
+    check_temperature(25.0, 0);
 }
 
 TEST(test_a_bent_line_is_linear_from_each_point_to_the_next_and_on_beyond_the_ends)
@@ -328,17 +306,9 @@ TEST(test_a_bent_line_is_linear_from_each_point_to_the_next_and_on_beyond_the_en
     check_temperature(110.0, 3277); /* 3072 and 204.8 */
 }
 
-TEST(test_without_a_temperature_sensor_its_channel_reads_0)
-{
-    plant_sensor_cfg_t cfg = CLEAN;
-    cfg.temperature_points = 0;
-    start(&cfg);
-    check_temperature(25.0, 0);
-}
-
 TEST(test_the_angle_is_told_in_65536_of_a_turn_and_wraps)
 {
-    const double turn = 6.283185307179586;
+    const double turn = PLANT_TWO_PI;
 
     TEST_ASSERT_EQUAL_UINT16(0, plant_sensors_angle(&sensors, 0.0));
     TEST_ASSERT_EQUAL_UINT16(0x4000, plant_sensors_angle(&sensors, 0.25 * turn));
@@ -363,39 +333,45 @@ TEST(test_the_angle_has_the_steps_of_its_sensor)
     TEST_ASSERT_EQUAL_UINT16(21845, plant_sensors_angle(&sensors, 0.3 * turn));
 }
 
+static plant_sensor_cfg_t wrong;
+
+/* A new copy of the clean one. */
+static plant_sensor_cfg_t *clean(void)
+{
+    wrong = CLEAN;
+    return &wrong;
+}
+
+static void check_rejected(const char *field)
+{
+    const char *bad = NULL;
+
+    TEST_ASSERT_FALSE(plant_sensors_init(&sensors, &wrong, &bad));
+    TEST_ASSERT_EQUAL_STRING(field, bad);
+}
+
 TEST(test_init_names_the_field_that_is_out_of_range)
 {
-    plant_sensor_cfg_t cfg = CLEAN;
-    cfg.adc_bits = 17;
-    check_rejected(&cfg, "sensor.adc_bits");
-    cfg = CLEAN;
-    cfg.current_full_scale_a = 0.0;
-    check_rejected(&cfg, "sensor.current_full_scale_a");
-    cfg = CLEAN;
-    cfg.noise_lsb_rms = -1.0;
-    check_rejected(&cfg, "sensor.noise_lsb_rms");
-    cfg = CLEAN;
-    cfg.current_bandwidth_hz = -1.0;
-    check_rejected(&cfg, "sensor.current_bandwidth_hz");
-    cfg = CLEAN;
-    cfg.gain_error[1] = -1.0;
-    check_rejected(&cfg, "sensor.gain_error[1]");
-    cfg = CLEAN;
-    cfg.temperature[0].celsius = -HUGE_VAL;
-    check_rejected(&cfg, "sensor.temperature");
-    cfg = CLEAN;
-    cfg.temperature[1].share = HUGE_VAL;
-    check_rejected(&cfg, "sensor.temperature");
-    cfg = CLEAN;
-    cfg.temperature[1].celsius = cfg.temperature[0].celsius;
-    check_rejected(&cfg, "sensor.temperature");
-    cfg = CLEAN;
-    cfg.temperature_points = 1;
-    check_rejected(&cfg, "sensor.temperature");
-    cfg = CLEAN;
-    cfg.temperature_points = PLANT_SENSOR_POINTS_MAX + 1;
-    check_rejected(&cfg, "sensor.temperature");
-    cfg = CLEAN;
-    cfg.angle_counts = 65537;
-    check_rejected(&cfg, "sensor.angle_counts");
+    clean()->adc_bits = 17;
+    check_rejected("sensor.adc_bits");
+    clean()->current_full_scale_a = 0.0;
+    check_rejected("sensor.current_full_scale_a");
+    clean()->noise_lsb_rms = -1.0;
+    check_rejected("sensor.noise_lsb_rms");
+    clean()->current_bandwidth_hz = -1.0;
+    check_rejected("sensor.current_bandwidth_hz");
+    clean()->gain_error[1] = -1.0;
+    check_rejected("sensor.gain_error[1]");
+    clean()->temperature[0].celsius = -HUGE_VAL;
+    check_rejected("sensor.temperature");
+    clean()->temperature[1].share = HUGE_VAL;
+    check_rejected("sensor.temperature");
+    clean()->temperature[1].celsius = CLEAN.temperature[0].celsius;
+    check_rejected("sensor.temperature");
+    clean()->temperature_points = 1;
+    check_rejected("sensor.temperature");
+    clean()->temperature_points = PLANT_SENSOR_POINTS_MAX + 1;
+    check_rejected("sensor.temperature");
+    clean()->angle_counts = 65537;
+    check_rejected("sensor.angle_counts");
 }
