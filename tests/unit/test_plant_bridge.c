@@ -221,10 +221,6 @@ static void check_rectified_energy(plant_motor_cfg_t cfg)
 TEST(test_rectified_energy_is_conserved)
 {
     check_rectified_energy(ROUND_ROTOR);
-}
-
-TEST(test_rectified_energy_of_a_real_motor_is_conserved)
-{
     check_rectified_energy(with_harmonics());
 }
 
@@ -318,10 +314,6 @@ static void check_independence_of_cuts(plant_motor_cfg_t cfg)
 TEST(test_result_does_not_depend_on_how_segments_are_cut)
 {
     check_independence_of_cuts(ROUND_ROTOR);
-}
-
-TEST(test_result_of_a_real_motor_does_not_depend_on_how_segments_are_cut)
-{
     check_independence_of_cuts(with_harmonics());
     check_independence_of_cuts(with_saturation());
 }
