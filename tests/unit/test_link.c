@@ -226,22 +226,6 @@ TEST(test_a_board_whose_flash_cannot_be_read_says_that_it_cannot_store)
     TEST_ASSERT_EQUAL_HEX8(LINK_CAN_STREAM, hello()->bytes[3]);
 }
 
-/* A pass between any two of its bytes. */
-TEST(test_a_frame_may_come_in_pieces)
-{
-    const size_t first = line.in_length;
-
-    line_ask(LINK_PING, 9U, NULL, 0U);
-    const size_t end = line.in_length;
-    for (size_t at = line.in_at; at <= end; at++) {
-        line.in_length = at;
-        pass();
-    }
-    hear(SHORT_WHILE);
-    TEST_ASSERT_GREATER_THAN_size_t(first, end);
-    TEST_ASSERT_NOT_NULL(line_find(LINK_PING + LINK_ANSWER));
-}
-
 /* The last frame goes out whole before a person is written to. */
 TEST(test_an_answer_to_a_bye_is_whole_on_a_slow_line)
 {
