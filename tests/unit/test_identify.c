@@ -302,21 +302,6 @@ TEST(test_another_request_than_its_own_is_left_to_the_user)
     }
 }
 
-/* The speed that was asked for once it has ended is not that of before. */
-TEST(test_its_end_is_no_command_once_the_users_is_there_again)
-{
-    const drive_command_t later = {.target = 7, .mode = (uint8_t)DRIVE_MODE_SPEED};
-
-    begin();
-    identify_aim_refusal(&identify, "of this");
-    text.length = 1U;
-    identify_step(&identify, &text);
-    command_mailbox_post(&app.mailbox, &later);
-    (void)next_line();
-    TEST_ASSERT_FALSE(identify_is_busy(&identify));
-    TEST_ASSERT_EQUAL_INT32(7, command_mailbox_take(&app.mailbox).target);
-}
-
 static void assert_says_of(identify_phase_t phase, const char *line)
 {
     identify_aim_phase(&identify, phase);
