@@ -15,8 +15,8 @@ sys.path += [str(generated.ROOT / "tools"), str(generated.ROOT / "tools/evidence
 import bounds  # pylint: disable=wrong-import-position
 from bench.image import Image  # pylint: disable=wrong-import-position
 
-LEAST = 512  # bytes of a part that the page names
-MARGIN = 0.02  # as a share: what the page shows need not follow each change
+LEAST = 1024  # bytes of a part that the page names
+MARGIN = 0.05  # as a share: what the page shows need not follow each change
 PAGE = "docs/board_bring_up.md"
 KINDS = {"T": "code", "W": "code", "R": "constants", "D": "initialised variables", "B": "variables"}
 FLASH, RAM = (".vectors", ".text", ".rodata", ".note.gnu.build-id", ".data"), (".stack", ".data", ".bss")
