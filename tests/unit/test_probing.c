@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* PROBE: when it begins and ends, what protects the drive in it, and what a motor shows of its words. */
-#include "drive.h"
-#include "example_cfg.h"
-#include "example_motor.h"
+#include "driven_motor.h"
 #include "fault_frames.h"
 #include "probing.h"
 #include "seeded.h"
@@ -12,59 +10,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MID_COUNTS (2048U) /* zero current */
-#define BUS_COUNTS (2822U) /* 310 V */
-#define CALIBRATION_TICKS (256U)
-#define STEPS_PER_RPM (14316.56) /* 2 pole pairs, 10 kHz */
-#define SPEED_MAX (536870912)    /* 2^29 */
+#define SPEED_MAX (536870912) /* 2^29 */
 #define STALE (77)
-#define CURRENT (5504)  /* 6.719 A, continuous */
-#define FLUX_WB (0.387) /* of motor A */
-#define PAIRS (2.0)
+#define CURRENT (5504)   /* 6.719 A, continuous */
+#define FLUX_WB (0.387)  /* of motor A */
 #define CURRENT_A (40.0) /* I_b */
 #define VOLTAGE_V (450.0)
 #define SPEED_RAD (981.748)
-
-static drive_cfg_t cfg;
-static drive_t drive;
-static drive_in_t in;
-static drive_out_t out;
-static example_motor_t motor;
-static double load_nm;
-
-static void power_on(void)
-{
-    cfg.crc = config_guard_crc(&cfg);
-    memset(&drive, 0, sizeof drive);
-    TEST_ASSERT_NULL(drive_init(&drive, &cfg));
-    in = (drive_in_t){.adc_ia = MID_COUNTS, .adc_ib = MID_COUNTS, .adc_bus = BUS_COUNTS};
-    memset(&out, 0xA5, sizeof out);
-    motor = example_motor_at(0.0, 0.0);
-    load_nm = 0.0;
-    for (uint32_t k = 0U; k <= CALIBRATION_TICKS; k++) {
-        drive_step(&drive, &in, &out);
-    }
-    TEST_ASSERT_EQUAL(DRIVE_STATE_READY, drive.state);
-}
 
 void setUp(void)
 {
     cfg = example_drive_cfg();
     power_on();
-}
-
-static void tick(void)
-{
-    example_motor_measure(&motor, &in);
-    drive_step(&drive, &in, &out);
-    example_motor_tick(&motor, &out, load_nm);
-}
-
-static void ticks(uint32_t count)
-{
-    for (uint32_t k = 0U; k < count; k++) {
-        tick();
-    }
 }
 
 static void request(uint8_t what)
@@ -86,26 +43,26 @@ static void word(probe_word_t which, int32_t value)
     tick();
 }
 
-static void assert_gates_open(void)
-{
-    TEST_ASSERT_FALSE(out.gate_enable);
-    for (int32_t p = 0; p < 3; p++) {
-        TEST_ASSERT_EQUAL_UINT16(4250U, out.compare.phase[p]); /* half of 8500 */
-    }
-}
-
-/* The gains of example_cfg.h: 500 Hz. */
-static void tune(void)
+/* With the gains of example_cfg.h, 500 Hz. */
+static void begin_with(int32_t current)
 {
     const int32_t proportional = (13 << 16) | 26537;
     const int32_t integral = (7 << 16) | 26678;
 
+    begin();
     word(PROBE_GAIN_D, proportional);
     word(PROBE_GAIN_Q, proportional);
     word(PROBE_INTEGRAL_D, integral);
     word(PROBE_INTEGRAL_Q, integral);
     word(PROBE_RESISTANCE, 1547);
     word(PROBE_REACTANCE, 8293);
+    word(PROBE_CURRENT, current);
+}
+
+static void turn(int32_t ramp, int32_t speed)
+{
+    word(PROBE_RAMP, ramp);
+    word(PROBE_SPEED, speed);
 }
 
 /* ---- begin and end ---- */
@@ -166,48 +123,48 @@ TEST(test_no_other_state_obeys_the_request_to_probe)
 
 TEST(test_it_begins_with_no_word_no_current_and_nothing_that_a_run_has_left)
 {
+    static const struct {
+        const char *name;
+        void *word; /* of 32 bits */
+    } words[] = {
+        {"attempts", &drive.attempts},
+        {"late", &drive.supervision.late},
+        {"unexplained", &drive.supervision.unexplained},
+        {"halves", &drive.oscillation.halves},
+        {"step", &drive.vector.step},
+        {"current_mean.d", &drive.vector.current_mean.d},
+        {"current_mean.q", &drive.vector.current_mean.q},
+        {"current_ref.d", &drive.signals.current_ref.d},
+        {"current_ref.q", &drive.signals.current_ref.q},
+        {"voltage.d", &drive.signals.voltage.d},
+        {"voltage.q", &drive.signals.voltage.q},
+        {"ratio_ab.alpha", &drive.signals.ratio_ab.alpha},
+        {"ratio_ab.beta", &drive.signals.ratio_ab.beta},
+        {"constant.d", &drive.current_loop.constant.d},
+        {"constant.q", &drive.current_loop.constant.q},
+        {"reactance.d", &drive.current_loop.reactance_q14.d},
+        {"reactance.q", &drive.current_loop.reactance_q14.q},
+        {"pi_d", &drive.current_loop.pi_d.integral_q26},
+        {"pi_q", &drive.current_loop.pi_q.integral_q26},
+    };
+    static const int32_t stale = STALE;
+    static const int32_t zero = 0;
     probe_t fresh;
 
     probe_reset(&fresh);
     memset(&drive.probe, 0x55, sizeof drive.probe);
-    drive.attempts = STALE;
-    drive.supervision.late = STALE;
-    drive.supervision.unexplained = STALE;
-    drive.oscillation.halves = STALE;
     drive.vector.position.turns_q32 = STALE;
-    drive.vector.step = STALE;
-    drive.vector.current_mean = (dq_t){STALE, STALE};
-    drive.signals.current_ref = (dq_t){STALE, STALE};
-    drive.signals.voltage = (dq_t){STALE, STALE};
-    drive.signals.ratio_ab = (ab_t){STALE, STALE};
-    pi_reset(&drive.current_loop.pi_d, STALE);
-    pi_reset(&drive.current_loop.pi_q, STALE);
-    drive.current_loop.constant = (dq_t){STALE, STALE};
-    drive.current_loop.reactance_q14 = (dq_t){STALE, STALE};
+    for (size_t k = 0U; k < COUNT(words); k++) {
+        memcpy(words[k].word, &stale, sizeof stale);
+    }
     in.command.mode = (uint8_t)PROBE_CURRENT; /* of the first tick with a current */
     in.command.target = STALE;
     begin();
     TEST_ASSERT_EQUAL_MEMORY(&fresh, &drive.probe, sizeof fresh);
-    TEST_ASSERT_EQUAL_UINT32(0U, drive.attempts);
-    TEST_ASSERT_EQUAL_UINT32(0U, drive.supervision.late);
-    TEST_ASSERT_EQUAL_UINT32(0U, drive.supervision.unexplained);
-    TEST_ASSERT_EQUAL_UINT32(0U, drive.oscillation.halves);
     TEST_ASSERT_EQUAL_INT64(0, drive.vector.position.turns_q32);
-    TEST_ASSERT_EQUAL_INT32(0, drive.vector.step);
-    TEST_ASSERT_EQUAL_INT32(0, drive.vector.current_mean.d);
-    TEST_ASSERT_EQUAL_INT32(0, drive.vector.current_mean.q);
-    TEST_ASSERT_EQUAL_INT32(0, drive.signals.current_ref.d);
-    TEST_ASSERT_EQUAL_INT32(0, drive.signals.current_ref.q);
-    TEST_ASSERT_EQUAL_INT32(0, drive.signals.voltage.d);
-    TEST_ASSERT_EQUAL_INT32(0, drive.signals.voltage.q);
-    TEST_ASSERT_EQUAL_INT32(0, drive.signals.ratio_ab.alpha);
-    TEST_ASSERT_EQUAL_INT32(0, drive.signals.ratio_ab.beta);
-    TEST_ASSERT_EQUAL_INT32(0, pi_output(&drive.current_loop.pi_d));
-    TEST_ASSERT_EQUAL_INT32(0, pi_output(&drive.current_loop.pi_q));
-    TEST_ASSERT_EQUAL_INT32(0, drive.current_loop.constant.d);
-    TEST_ASSERT_EQUAL_INT32(0, drive.current_loop.constant.q);
-    TEST_ASSERT_EQUAL_INT32(0, drive.current_loop.reactance_q14.d);
-    TEST_ASSERT_EQUAL_INT32(0, drive.current_loop.reactance_q14.q);
+    for (size_t k = 0U; k < COUNT(words); k++) {
+        TEST_ASSERT_EQUAL_MEMORY_MESSAGE(&zero, words[k].word, sizeof zero, words[k].name);
+    }
 }
 
 /* The current of a voltage drive is compared with its mean: the last run's is no reference of this one. */
@@ -225,37 +182,37 @@ TEST(test_after_a_run_of_the_voltage_drive_no_current_is_missed)
 
 TEST(test_each_fault_opens_the_gates_in_its_tick)
 {
-    static const struct {
-        void (*make)(drive_in_t *frame);
-        fault_id_t id;
-    } faults[] = {{make_break, FAULT_BREAK},
-                  {make_overcurrent, FAULT_OVERCURRENT},
-                  {make_overvoltage, FAULT_OVERVOLTAGE},
-                  {make_undervoltage, FAULT_UNDERVOLTAGE}};
-
-    for (uint32_t k = 0U; k < 4U; k++) {
+    for (uint32_t k = 0U; k < COUNT(FAULT_FRAMES); k++) {
         setUp();
         begin();
         ticks(10U);
         TEST_ASSERT_TRUE(out.gate_enable);
-        faults[k].make(&in);
+        FAULT_FRAMES[k].make(&in);
         drive_step(&drive, &in, &out);
         TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, drive.state);
-        TEST_ASSERT_EQUAL(faults[k].id, drive.fault.id);
+        TEST_ASSERT_EQUAL(FAULT_FRAMES[k].id, drive.fault.id);
         assert_gates_open();
     }
+}
+
+/* A fault ends PROBE and opens the gates, which are on until then, in its tick. */
+static void assert_ends_with(fault_id_t id)
+{
+    for (uint32_t k = 0U; (k < 2000U) && (drive.state == DRIVE_STATE_PROBE); k++) {
+        TEST_ASSERT_TRUE(out.gate_enable);
+        tick();
+    }
+    TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, drive.state);
+    TEST_ASSERT_EQUAL(id, drive.fault.id);
+    assert_gates_open();
 }
 
 TEST(test_late_ticks_are_a_fault_as_ever)
 {
     begin();
+    tick();
     in.flags = DRIVE_FLAG_LATE;
-    for (uint32_t k = 0U; (k < 100U) && (drive.state == DRIVE_STATE_PROBE); k++) {
-        tick();
-    }
-    TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, drive.state);
-    TEST_ASSERT_EQUAL(FAULT_LATE, drive.fault.id);
-    assert_gates_open();
+    assert_ends_with(FAULT_LATE);
 }
 
 /* Found by the slow schedule, after the compare values are there. */
@@ -264,32 +221,26 @@ TEST(test_a_fault_of_the_slow_part_opens_the_gates_in_its_tick)
     begin();
     ticks(10U);
     in.adc_temperature = 4000U;
-    for (uint32_t k = 0U; (k < 2000U) && (drive.state == DRIVE_STATE_PROBE); k++) {
-        TEST_ASSERT_TRUE(out.gate_enable);
-        tick();
-    }
-    TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, drive.state);
-    TEST_ASSERT_EQUAL(FAULT_OVERTEMPERATURE, drive.fault.id);
-    assert_gates_open();
+    assert_ends_with(FAULT_OVERTEMPERATURE);
 }
 
 /* A step of i²t in each round of the checks, as in RUN. */
-TEST(test_the_heat_of_the_imposed_current_is_counted)
+static int32_t heating_with(int32_t current)
 {
     int32_t before;
 
-    begin();
-    tune();
-    word(PROBE_CURRENT, CURRENT);
+    word(PROBE_CURRENT, current);
     ticks(500U);
     before = drive.derating.heat_q24;
     ticks(4U * cfg.slow_ticks);
-    TEST_ASSERT_GREATER_THAN_INT32(before, drive.derating.heat_q24);
-    word(PROBE_CURRENT, 0);
-    ticks(500U);
-    before = drive.derating.heat_q24;
-    ticks(4U * cfg.slow_ticks);
-    TEST_ASSERT_LESS_THAN_INT32(before, drive.derating.heat_q24);
+    return drive.derating.heat_q24 - before;
+}
+
+TEST(test_the_heat_of_the_imposed_current_is_counted)
+{
+    begin_with(CURRENT);
+    TEST_ASSERT_GREATER_THAN_INT32(0, heating_with(CURRENT));
+    TEST_ASSERT_LESS_THAN_INT32(0, heating_with(0));
 }
 
 /* ---- words ---- */
@@ -322,13 +273,16 @@ TEST(test_the_sample_of_the_tick_with_its_word_is_the_first_of_a_window)
     TEST_ASSERT_EQUAL_INT32(2 * (drive.signals.bus / 4), drive.probe.sums.bus);
 }
 
+static void assert_dq(dq_t expected, dq_t value)
+{
+    TEST_ASSERT_EQUAL_INT32(expected.d, value.d);
+    TEST_ASSERT_EQUAL_INT32(expected.q, value.q);
+}
+
 TEST(test_the_samples_of_a_window_are_what_the_drive_has_measured)
 {
-    begin();
-    tune();
-    word(PROBE_CURRENT, CURRENT);
-    word(PROBE_RAMP, 1000);
-    word(PROBE_SPEED, (int32_t)(100.0 * STEPS_PER_RPM));
+    begin_with(CURRENT);
+    turn(1000, (int32_t)(100.0 * STEPS_PER_RPM));
     ticks(50U);
     for (uint32_t k = 0U; k < 5U; k++) {
         const dq_t demanded = drive.signals.voltage;
@@ -337,15 +291,12 @@ TEST(test_the_samples_of_a_window_are_what_the_drive_has_measured)
         const int32_t phase_b = drive.signals.phase_b;
 
         word(PROBE_WINDOW, ((int32_t)(k + 1U) << PROBE_WINDOW_BITS) | 1);
-        TEST_ASSERT_EQUAL_INT32(demanded.d, drive.probe.sums.voltage.d);
-        TEST_ASSERT_EQUAL_INT32(demanded.q, drive.probe.sums.voltage.q);
-        TEST_ASSERT_EQUAL_INT32(drive.signals.current_frame.d, drive.probe.sums.current.d);
-        TEST_ASSERT_EQUAL_INT32(drive.signals.current_frame.q, drive.probe.sums.current.q);
+        assert_dq(demanded, drive.probe.sums.voltage);
+        assert_dq(drive.signals.current_frame, drive.probe.sums.current);
         TEST_ASSERT_EQUAL_INT32(abs(drive.signals.phase_a - phase_a), drive.probe.sums.noise_a);
         TEST_ASSERT_EQUAL_INT32(abs(drive.signals.phase_b - phase_b), drive.probe.sums.noise_b);
         TEST_ASSERT_EQUAL_INT32(turns, drive.probe.start_q16);
-        TEST_ASSERT_EQUAL_INT32(drive.signals.current_frame.d, drive.signals.current.d);
-        TEST_ASSERT_EQUAL_INT32(drive.signals.current_frame.q, drive.signals.current.q);
+        assert_dq(drive.signals.current_frame, drive.signals.current);
         ticks(2U);
     }
 }
@@ -358,8 +309,7 @@ TEST(test_pulses_ride_on_what_the_control_demands_without_an_error)
     pi_reset(&drive.current_loop.pi_d, 1000);
     pi_reset(&drive.current_loop.pi_q, -300);
     word(PROBE_WINDOW, 8);
-    TEST_ASSERT_EQUAL_INT32(1000 + 3000, drive.signals.voltage.d);
-    TEST_ASSERT_EQUAL_INT32(-300, drive.signals.voltage.q);
+    assert_dq((dq_t){1000 + 3000, -300}, drive.signals.voltage);
 }
 
 /* The voltage of the last demand less the model: R·i* of the plan; its reactances are 0. Torque: e·i over the speed. */
@@ -370,8 +320,7 @@ TEST(test_the_emf_is_the_demand_less_what_the_model_needs)
 
     begin();
     tick();
-    word(PROBE_RAMP, SPEED_MAX);
-    word(PROBE_SPEED, 3000000);
+    turn(SPEED_MAX, 3000000);
     speed = 3000000 / 2048;
     in.adc_ia = MID_COUNTS + 300U;
     in.adc_ib = MID_COUNTS - 20U;
@@ -390,8 +339,7 @@ TEST(test_the_emf_is_the_demand_less_what_the_model_needs)
 TEST(test_the_vector_turns_with_its_speed_and_is_the_position)
 {
     begin();
-    word(PROBE_RAMP, SPEED_MAX);
-    word(PROBE_SPEED, 3000000);
+    turn(SPEED_MAX, 3000000);
     for (int64_t k = 1; k < 1000; k++) {
         TEST_ASSERT_EQUAL_INT64(3000000 * k, drive.vector.position.turns_q32);
         TEST_ASSERT_EQUAL_INT64(3000000 * k, drive.position.turns_q32);
@@ -411,11 +359,8 @@ TEST(test_dead_time_is_not_compensated_and_the_voltage_is_turned_for_its_period)
 {
     cfg.modulator = example_modulator_cfg_with_dead_time();
     power_on();
-    begin();
-    tune();
-    word(PROBE_CURRENT, CURRENT);
-    word(PROBE_RAMP, SPEED_MAX);
-    word(PROBE_SPEED, 3000001);
+    begin_with(CURRENT);
+    turn(SPEED_MAX, 3000001);
     for (uint32_t k = 0U; k < 100U; k++) {
         const ab_t before = drive.signals.ratio_ab;
         const uint32_t middle =
@@ -428,10 +373,8 @@ TEST(test_dead_time_is_not_compensated_and_the_voltage_is_turned_for_its_period)
         ratio = modulator_ratio(&drive.modulator, drive.signals.voltage);
         expected = transforms_park_inverse(ratio, trig_sincos(middle));
         modulator_compare(&cfg.modulator, expected, &plain);
-        TEST_ASSERT_EQUAL_INT32(expected.alpha, drive.signals.ratio_ab.alpha);
-        TEST_ASSERT_EQUAL_INT32(expected.beta, drive.signals.ratio_ab.beta);
-        TEST_ASSERT_EQUAL_INT32(before.alpha, drive.ratio_acting.alpha);
-        TEST_ASSERT_EQUAL_INT32(before.beta, drive.ratio_acting.beta);
+        TEST_ASSERT_EQUAL_MEMORY(&expected, &drive.signals.ratio_ab, sizeof expected);
+        TEST_ASSERT_EQUAL_MEMORY(&before, &drive.ratio_acting, sizeof before);
         TEST_ASSERT_EQUAL_MEMORY(&plain, &out.compare, sizeof plain);
     }
 }
@@ -441,9 +384,7 @@ TEST(test_dead_time_is_not_compensated_and_the_voltage_is_turned_for_its_period)
 /* The converter has 8 LSB a count; the integral holds its mean to that. */
 TEST(test_the_current_becomes_what_its_word_says_and_the_rotor_rests_on_it)
 {
-    begin();
-    tune();
-    word(PROBE_CURRENT, CURRENT);
+    begin_with(CURRENT);
     ticks(2000U);
     TEST_ASSERT_INT32_WITHIN(16, CURRENT, drive.signals.current_frame.d);
     TEST_ASSERT_INT32_WITHIN(16, 0, drive.signals.current_frame.q);
@@ -459,9 +400,7 @@ TEST(test_along_pulses_the_control_holds_its_voltage)
     dq_t held;
     int32_t integral;
 
-    begin();
-    tune();
-    word(PROBE_CURRENT, CURRENT / 2);
+    begin_with(CURRENT / 2);
     ticks(2000U);
     word(PROBE_PULSE_D, 3000);
     word(PROBE_PULSE_TICKS, 4);
@@ -496,18 +435,16 @@ TEST(test_a_load_shows_as_lag_and_torque_in_both_directions)
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         const double speed = 300.0 * EXAMPLE_PI / 30.0;
         const double torque = 2.0 + (0.001 * speed);
-        const double share = torque / (1.5 * PAIRS * FLUX_WB * (CURRENT / 32768.0) * CURRENT_A);
+        const double share =
+            torque / (1.5 * POLE_PAIRS * FLUX_WB * (CURRENT / 32768.0) * CURRENT_A);
         double found;
 
         setUp();
-        begin();
-        tune();
-        word(PROBE_CURRENT, CURRENT);
+        begin_with(CURRENT);
         ticks(500U);
         word(PROBE_EMF, 300);
         word(PROBE_DAMPING, 20000000);
-        word(PROBE_RAMP, 500);
-        word(PROBE_SPEED, sign * (int32_t)(300.0 * STEPS_PER_RPM));
+        turn(500, sign * (int32_t)(300.0 * STEPS_PER_RPM));
         ticks(15000U);
         load_nm = sign * 2.0;
         ticks(15000U);
@@ -516,8 +453,8 @@ TEST(test_a_load_shows_as_lag_and_torque_in_both_directions)
         word(PROBE_WINDOW, 1000);
         ticks(1002U);
         TEST_ASSERT_TRUE(probe_is_done(&drive.probe, 1000));
-        found = drive.probe.sums.torque / 1000.0 / 32768.0 * 1.5 * PAIRS * VOLTAGE_V * CURRENT_A /
-                SPEED_RAD;
+        found = drive.probe.sums.torque / 1000.0 / 32768.0 * 1.5 * POLE_PAIRS * VOLTAGE_V *
+                CURRENT_A / SPEED_RAD;
         TEST_ASSERT_DOUBLE_WITHIN(0.03 * torque, sign * torque, found);
     }
 }
