@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The voltage drive within the drive: starts, changes over and back without a jump, protection, any frame. */
-#include "drive.h"
-#include "example_cfg.h"
-#include "example_motor.h"
+#include "driven_motor.h"
 #include "fault_frames.h"
 #include "seeded.h"
 #include "testing.h"
@@ -11,60 +9,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MID_COUNTS (2048U) /* zero current */
-#define BUS_COUNTS (2822U) /* 310 V */
-#define CALIBRATION_TICKS (256U)
-#define STEPS_PER_RPM (14316.56) /* 2 pole pairs, 10 kHz */
 #define RAD_S_PER_RPM (2.0 * EXAMPLE_PI / 30.0)
 #define PATIENCE_TICKS (40000U)
 #define SETTLED_TICKS \
     (10000U) /* 0.6 s of ramp to 600 rpm, the 0.1 s of the change-over, and their transients */
-#define POLE_PAIRS (2.0)
 
-static drive_cfg_t cfg;
-static drive_t drive;
-static drive_in_t in;
-static drive_out_t out;
-static example_motor_t motor;
-static double measured_angle; /* θ of the last tick */
-
-static void measure(void)
+static void loaded_ticks(uint32_t count, double load)
 {
-    const double turns = motor.angle / (2.0 * EXAMPLE_PI) / POLE_PAIRS;
-
-    measured_angle = motor.angle;
-    example_motor_measure(&motor, &in);
-    in.angle = (uint16_t)((uint32_t)lround((turns - floor(turns)) * 65536.0) & 0xFFFFU);
-}
-
-static void loaded_ticks(uint32_t count, double load_nm)
-{
-    for (uint32_t k = 0U; k < count; k++) {
-        measure();
-        drive_step(&drive, &in, &out);
-        example_motor_tick(&motor, &out, load_nm);
-    }
-}
-
-static void ticks(uint32_t count)
-{
-    loaded_ticks(count, 0.0);
-}
-
-static void tick(void)
-{
-    ticks(1U);
+    load_nm = load;
+    ticks(count);
+    load_nm = 0.0;
 }
 
 static void begin(double angle, double rpm)
 {
     cfg.voltage_drive = example_voltage_drive_cfg();
     example_supervise_nothing(&cfg);
-    TEST_ASSERT_NULL(drive_init(&drive, &cfg));
-    in = (drive_in_t){.adc_ia = MID_COUNTS, .adc_ib = MID_COUNTS, .adc_bus = BUS_COUNTS};
-    motor = example_motor_at(angle, rpm * RAD_S_PER_RPM);
-    ticks(CALIBRATION_TICKS + 1U);
-    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
+    power_on_at(angle, rpm * RAD_S_PER_RPM);
 }
 
 static void begin_with_sensor(double angle, double rpm)
@@ -102,12 +63,12 @@ static double true_rpm(void)
     return motor.speed / RAD_S_PER_RPM;
 }
 
-/* θ̂ − θ in degrees, gates open: θ̂ is that of the last tick. */
+/* θ̂ − θ in degrees, gates open: both are of the last tick. */
 static double angle_error(void)
 {
-    const double estimate = (double)rotor_position_angle(&drive.position) / 4294967296.0 * 360.0;
+    const double estimate = (double)rotor_position_angle(&drive.position) / 4294967296.0;
 
-    return remainder(estimate - (measured_angle * 180.0 / EXAMPLE_PI), 360.0);
+    return 360.0 * remainder(estimate - (in.angle * POLE_PAIRS / 65536.0), 1.0);
 }
 
 /* ---- with a sensor ---- */
@@ -149,15 +110,20 @@ TEST(test_both_directions_reach_their_speed_without_i_d)
     }
 }
 
+static void run_with_little_current(uint32_t count)
+{
+    for (uint32_t k = 0U; k < count; k++) {
+        tick();
+        TEST_ASSERT_TRUE(hypot(motor.d, motor.q) < 1.0);
+    }
+}
+
 /* One PWM period without voltage lets the EMF drive e·T/L: 0.42 A at 600 rpm, then the EMF is fed forward. */
 TEST(test_a_turning_rotor_is_taken_as_it_is)
 {
     begin_with_sensor(2.0, 600.0);
     run_at(600.0);
-    for (uint32_t k = 0U; k < 3000U; k++) {
-        tick();
-        TEST_ASSERT_TRUE(hypot(motor.d, motor.q) < 1.0);
-    }
+    run_with_little_current(3000U);
     TEST_ASSERT_DOUBLE_WITHIN(12.0, 600.0, true_rpm());
 }
 
@@ -170,21 +136,10 @@ TEST(test_a_second_run_starts_afresh_where_the_rotor_is)
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
     TEST_ASSERT_DOUBLE_WITHIN(0.1, 0.0, angle_error());
     run_at(600.0);
-    for (uint32_t k = 0U; k < 2000U; k++) {
-        tick();
-        TEST_ASSERT_TRUE(hypot(motor.d, motor.q) < 1.0);
-    }
+    run_with_little_current(2000U);
 }
 
 /* ---- changing over ---- */
-
-/* The largest change of the demand from one tick to the next, before and after the tick that changes over. */
-static int32_t jump(dq_t before)
-{
-    const dq_t now = drive.signals.voltage;
-
-    return fx_max(abs(now.d - before.d), abs(now.q - before.q));
-}
 
 /* To the tick that changes over to `driven`, or back; returns how far its voltage jumps, and the next one's. */
 static int32_t jump_at_change(bool driven)
@@ -198,8 +153,10 @@ static int32_t jump_at_change(bool driven)
     }
     TEST_ASSERT_TRUE(drive.voltage_drive.active == driven);
     for (uint32_t k = 0U; k < 3U; k++) {
-        largest = fx_max(largest, jump(before));
-        before = drive.signals.voltage;
+        const dq_t now = drive.signals.voltage;
+
+        largest = fx_max(largest, fx_max(abs(now.d - before.d), abs(now.q - before.q)));
+        before = now;
         tick();
     }
     return largest;
@@ -262,13 +219,18 @@ TEST(test_no_change_before_the_speed_is_reached)
     TEST_ASSERT_TRUE(true_rpm() > (600.0 * 31.0 / 32.0));
 }
 
+static void run_without_it(uint32_t count, double load)
+{
+    for (uint32_t k = 0U; k < count; k++) {
+        loaded_ticks(1U, load);
+        TEST_ASSERT_FALSE(drive.voltage_drive.active);
+    }
+}
+
 TEST(test_below_its_lowest_speed_current_control_stays)
 {
     run_at(230.0); /* of 240 */
-    for (uint32_t k = 0U; k < PATIENCE_TICKS; k++) {
-        tick();
-        TEST_ASSERT_FALSE(drive.voltage_drive.active);
-    }
+    run_without_it(PATIENCE_TICKS, 0.0);
 }
 
 /* With 1° of lag and hardly any braking current within it. */
@@ -285,8 +247,8 @@ TEST(test_a_load_that_drives_is_held_by_current_control)
     TEST_ASSERT_DOUBLE_WITHIN(6.0, 600.0, true_rpm());
 }
 
-/* With a least current of 1.22 A, under a load that takes 1.72 A. */
-static void run_above_the_current_floor(void)
+/* A least current of 1.22 A; a load takes 1.72 A, and the friction 0.05 A. */
+TEST(test_a_current_that_falls_below_its_floor_is_given_back_and_then_kept)
 {
     cfg.current_reference.floor = 1000;
     cfg.current_reference.floor_shift = 0U;
@@ -295,12 +257,7 @@ static void run_above_the_current_floor(void)
     run_at(600.0);
     loaded_ticks(PATIENCE_TICKS, 2.0);
     TEST_ASSERT_TRUE(drive.voltage_drive.active);
-}
-
-TEST(test_a_current_that_falls_below_its_floor_is_given_back_and_then_kept)
-{
-    run_above_the_current_floor();
-    ticks(PATIENCE_TICKS); /* 0.05 A of friction */
+    ticks(PATIENCE_TICKS);
     TEST_ASSERT_FALSE(drive.voltage_drive.active);
     TEST_ASSERT_INT32_WITHIN(100, 1000, drive.signals.current_ref.d);
     TEST_ASSERT_DOUBLE_WITHIN(6.0, 600.0, true_rpm());
@@ -312,10 +269,7 @@ TEST(test_a_lead_beyond_its_end_is_left_to_current_control)
     cfg.voltage_drive.compensator.lead_max = 11930465; /* 1° */
     cfg.crc = config_guard_crc(&cfg);
     run_at(600.0);
-    for (uint32_t k = 0U; k < PATIENCE_TICKS; k++) {
-        loaded_ticks(1U, 3.0);
-        TEST_ASSERT_FALSE(drive.voltage_drive.active);
-    }
+    run_without_it(PATIENCE_TICKS, 3.0);
     TEST_ASSERT_DOUBLE_WITHIN(6.0, 600.0, true_rpm());
 }
 
@@ -325,10 +279,7 @@ TEST(test_no_change_while_currents_are_not_where_they_are_asked_for)
     cfg.voltage_drive.compensator.current_min = 1;
     cfg.crc = config_guard_crc(&cfg);
     run_at(600.0);
-    for (uint32_t k = 0U; k < PATIENCE_TICKS; k++) {
-        tick();
-        TEST_ASSERT_FALSE(drive.voltage_drive.active);
-    }
+    run_without_it(PATIENCE_TICKS, 0.0);
 }
 
 TEST(test_more_than_the_torque_range_gives_back_at_once)
@@ -352,10 +303,7 @@ TEST(test_a_drive_that_is_not_asked_to_never_changes_over)
     cfg.voltage_drive.enabled = 0U;
     cfg.crc = config_guard_crc(&cfg);
     run_at(600.0);
-    for (uint32_t k = 0U; k < 10000U; k++) {
-        tick();
-        TEST_ASSERT_FALSE(drive.voltage_drive.active);
-    }
+    run_without_it(10000U, 0.0);
     TEST_ASSERT_DOUBLE_WITHIN(6.0, 600.0, true_rpm());
 }
 
@@ -374,20 +322,27 @@ static drive_t after_a_bump(drive_t from, const drive_cfg_t *with, drive_out_t *
     return from;
 }
 
+/* The voltage that one frame of this makes with the virtual resistance, and without it. */
 typedef struct {
-    drive_t with; /* the virtual resistance */
-    drive_t without;
+    dq_t current;
+    dq_t with;
+    dq_t without;
 } bumped_t;
 
 static bumped_t after_a_bump_with_and_without(void)
 {
     drive_cfg_t bare = cfg;
-    bumped_t after;
+    drive_t after = after_a_bump(drive, &cfg, &out);
+    bumped_t bumped = {.current = after.signals.current, .with = after.signals.voltage};
 
     bare.voltage_drive.damping.resistance_q15 = 0;
-    after.with = after_a_bump(drive, &cfg, &out);
-    after.without = after_a_bump(drive, &bare, &out);
-    return after;
+    bumped.without = after_a_bump(drive, &bare, &out).signals.voltage;
+    return bumped;
+}
+
+static double length(dq_t vector)
+{
+    return hypot(vector.d, vector.q);
 }
 
 /* Not in the last tick of a slow period, in which the magnitude changes too. */
@@ -410,14 +365,11 @@ TEST(test_a_change_of_the_current_meets_the_virtual_resistance)
     run_loaded_until_settled();
     after = after_a_bump_with_and_without();
     change = virtual_resistance_mean(&drive.voltage_drive.damping);
-    change =
-        (dq_t){after.with.signals.current.d - change.d, after.with.signals.current.q - change.q};
-    TEST_ASSERT_TRUE(hypot(change.d, change.q) > 350.0); /* of 410 */
+    change = (dq_t){after.current.d - change.d, after.current.q - change.q};
+    TEST_ASSERT_TRUE(length(change) > 350.0); /* of 410 */
     /* R_v·i of 0.175 U_b/I_b, rounded down in both */
-    TEST_ASSERT_DOUBLE_WITHIN(2.0, 0.175 * change.d,
-                              after.without.signals.voltage.d - after.with.signals.voltage.d);
-    TEST_ASSERT_DOUBLE_WITHIN(2.0, 0.175 * change.q,
-                              after.without.signals.voltage.q - after.with.signals.voltage.q);
+    TEST_ASSERT_DOUBLE_WITHIN(2.0, 0.175 * change.d, after.without.d - after.with.d);
+    TEST_ASSERT_DOUBLE_WITHIN(2.0, 0.175 * change.q, after.without.q - after.with.q);
 }
 
 /* What the network is given as the voltage that acts is this ratio, two ticks later. */
@@ -431,7 +383,7 @@ TEST(test_the_observer_is_told_of_the_virtual_resistances_part)
     run_loaded_until_settled();
     with = after_a_bump(drive, &cfg, &out);
     ratio = hypot(with.signals.ratio_ab.alpha, with.signals.ratio_ab.beta);
-    demand = hypot(with.signals.voltage.d, with.signals.voltage.q);
+    demand = length(with.signals.voltage);
     /* The reciprocal of the bus is good to 2^-11, the products to an LSB in each axis. */
     TEST_ASSERT_DOUBLE_WITHIN((demand / bus / 2048.0) + 3.0, demand / bus, ratio);
     drive = with;
@@ -450,17 +402,13 @@ TEST(test_the_magnitude_leaves_room_for_the_virtual_resistance)
     drive.voltage_drive.magnitude = FX_Q15_MAX;
     limit = modulator_limit(&cfg.modulator, drive.signals.bus);
     after = after_a_bump_with_and_without();
-    TEST_ASSERT_DOUBLE_WITHIN(
-        2.0, limit, hypot(after.without.signals.voltage.d, after.without.signals.voltage.q));
-    TEST_ASSERT_TRUE(hypot(after.with.signals.voltage.d, after.with.signals.voltage.q) <=
-                     (limit + 2.0));
-    TEST_ASSERT_TRUE(hypot(after.with.signals.voltage.d, after.with.signals.voltage.q) >
-                     (limit - (2.0 * 0.175 * 1.42 * 420.0)));
+    TEST_ASSERT_DOUBLE_WITHIN(2.0, limit, length(after.without));
+    TEST_ASSERT_TRUE(length(after.with) <= (limit + 2.0));
+    TEST_ASSERT_TRUE(length(after.with) > (limit - (2.0 * 0.175 * 1.42 * 420.0)));
     for (int32_t sign = -1; sign <= 1; sign += 2) { /* with the voltage and against it */
         virtual_resistance_start(&drive.voltage_drive.damping, (dq_t){0, sign * 4000});
-        after.with = after_a_bump(drive, &cfg, &out);
-        TEST_ASSERT_TRUE(hypot(after.with.signals.voltage.d, after.with.signals.voltage.q) <=
-                         (limit + 2.0));
+        after = after_a_bump_with_and_without();
+        TEST_ASSERT_TRUE(length(after.with) <= (limit + 2.0));
     }
 }
 
@@ -492,21 +440,16 @@ TEST(test_the_dead_time_is_compensated_by_the_current_of_the_tick)
 
 TEST(test_protection_stays_in_force)
 {
-    static void (*const make[])(drive_in_t *frame) = {make_break, make_overcurrent,
-                                                      make_overvoltage, make_undervoltage};
-    static const fault_id_t id[] = {FAULT_BREAK, FAULT_OVERCURRENT, FAULT_OVERVOLTAGE,
-                                    FAULT_UNDERVOLTAGE};
-
-    for (uint32_t k = 0U; k < 4U; k++) {
+    for (uint32_t k = 0U; k < COUNT(FAULT_FRAMES); k++) {
         begin_with_sensor(0.0, 0.0);
         run_at(600.0);
         ticks(SETTLED_TICKS);
         TEST_ASSERT_TRUE(drive.voltage_drive.active);
         measure();
-        make[k](&in);
+        FAULT_FRAMES[k].make(&in);
         drive_step(&drive, &in, &out);
         TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
-        TEST_ASSERT_EQUAL_INT(id[k], drive.fault.id);
+        TEST_ASSERT_EQUAL_INT(FAULT_FRAMES[k].id, drive.fault.id);
         TEST_ASSERT_FALSE(out.gate_enable);
     }
 }
@@ -533,7 +476,7 @@ TEST(test_the_voltage_stays_within_the_circle_whatever_the_frame)
                 /* two parts, both rounded down */
                 const int32_t limit = modulator_limit(&cfg.modulator, drive.signals.bus) + 1;
 
-                TEST_ASSERT_TRUE(hypot(v->d, v->q) <= (limit + 1.0));
+                TEST_ASSERT_TRUE(length(*v) <= (limit + 1.0));
             }
         }
     }
