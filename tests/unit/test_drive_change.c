@@ -2,10 +2,8 @@
 /* Another configuration while the drive runs: what it keeps, what it computes anew, and when it begins anew. */
 #include "config_change.h"
 #include "config_check.h"
-#include "drive.h"
 #include "drive_words.h"
-#include "example_cfg.h"
-#include "example_motor.h"
+#include "driven_motor.h"
 #include "model.h"
 #include "seeded.h"
 #include "testing.h"
@@ -16,11 +14,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
-#define MID_COUNTS (2048U) /* zero current */
-#define BUS_COUNTS (2822U) /* 310 V */
-#define CALIBRATION_TICKS (256U)
-#define STEPS_PER_RPM (14316.56) /* 2 pole pairs, 10 kHz */
 #define FAST_RPM (600.0)
 #define LOAD_NM (4.0)
 #define PATIENCE_TICKS (40000U) /* 4 s: more than any state lasts here */
@@ -61,51 +54,21 @@ static const row_t RUN_ROWS[] = {
 #include "cfg.def"
 };
 
-static drive_cfg_t cfg;
 static drive_cfg_t other;
-static drive_t drive;
-static drive_in_t in;
-static drive_out_t out;
-static example_motor_t motor;
-static double load_nm;
 static seeded_t seed;
 
 static void begin(void)
 {
-    cfg.crc = config_guard_crc(&cfg);
-    TEST_ASSERT_NULL(drive_init(&drive, &cfg));
-    in = (drive_in_t){.adc_ia = MID_COUNTS, .adc_ib = MID_COUNTS, .adc_bus = BUS_COUNTS};
-    memset(&out, 0, sizeof out);
-    motor = example_motor_at(0.0, 0.0);
-    load_nm = 0.0;
-    for (uint32_t k = 0U; k <= CALIBRATION_TICKS; k++) {
-        drive_step(&drive, &in, &out);
-    }
-    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
+    power_on();
     other = cfg;
 }
 
 void setUp(void)
 {
     seed = (seeded_t){0xC4A6EU};
-    memset(&drive, 0, sizeof drive);
     cfg = example_drive_cfg_with_startup();
     cfg.modulator = example_modulator_cfg(); /* the inverter of example_motor.h has no dead time */
     begin();
-}
-
-static void tick(void)
-{
-    example_motor_measure(&motor, &in);
-    drive_step(&drive, &in, &out);
-    example_motor_tick(&motor, &out, load_nm);
-}
-
-static void ticks(uint32_t count)
-{
-    for (uint32_t k = 0U; k < count; k++) {
-        tick();
-    }
 }
 
 /* To the tick that enters `state`. */
@@ -358,6 +321,12 @@ static next_t next_tick_of(drive_t copy)
  */
 #define NETWORK_MAX (42)
 
+static void assert_near(int32_t limit, dq_t expected, dq_t value)
+{
+    TEST_ASSERT_INT32_WITHIN(limit, expected.d, value.d);
+    TEST_ASSERT_INT32_WITHIN(limit, expected.q, value.q);
+}
+
 static void assert_no_jump(double factor)
 {
     next_t before;
@@ -368,10 +337,8 @@ static void assert_no_jump(double factor)
     scale_motor(factor);
     change();
     after = next_tick_of(drive);
-    TEST_ASSERT_INT32_WITHIN(JUMP_MAX, before.voltage.d, after.voltage.d);
-    TEST_ASSERT_INT32_WITHIN(JUMP_MAX, before.voltage.q, after.voltage.q);
-    TEST_ASSERT_INT32_WITHIN(NETWORK_MAX, before.current.d, after.current.d);
-    TEST_ASSERT_INT32_WITHIN(NETWORK_MAX, before.current.q, after.current.q);
+    assert_near(JUMP_MAX, before.voltage, after.voltage);
+    assert_near(NETWORK_MAX, before.current, after.current);
 }
 
 TEST(test_with_other_values_of_the_motor_voltage_and_network_do_not_jump)
@@ -383,32 +350,26 @@ TEST(test_with_other_values_of_the_motor_voltage_and_network_do_not_jump)
 
 TEST(test_with_another_saliency_the_network_does_not_jump)
 {
-    next_t before;
-    next_t after;
+    dq_t before;
 
     run_loaded();
-    before = next_tick_of(drive);
+    before = next_tick_of(drive).current;
     other.observer.saliency_q13 = scaled(8192, 1.05);
     other.observer.iq_gain_q14 = scaled(16384, 1.0 / 1.05);
     change();
-    after = next_tick_of(drive);
-    TEST_ASSERT_INT32_WITHIN(NETWORK_MAX, before.current.d, after.current.d);
-    TEST_ASSERT_INT32_WITHIN(NETWORK_MAX, before.current.q, after.current.q);
+    assert_near(NETWORK_MAX, before, next_tick_of(drive).current);
 }
 
 TEST(test_an_imposed_current_does_not_jump)
 {
-    next_t before;
-    next_t after;
+    dq_t before;
 
     go_to(DRIVE_STATE_IF_RAMP);
     ticks(100U);
-    before = next_tick_of(drive);
+    before = next_tick_of(drive).voltage;
     scale_motor(1.1);
     change();
-    after = next_tick_of(drive);
-    TEST_ASSERT_INT32_WITHIN(JUMP_MAX, before.voltage.d, after.voltage.d);
-    TEST_ASSERT_INT32_WITHIN(JUMP_MAX, before.voltage.q, after.voltage.q);
+    assert_near(JUMP_MAX, before, next_tick_of(drive).voltage);
 }
 
 /* A filter that comes into force holds the torque current of now, not that of the beginning of RUN. */
@@ -452,8 +413,7 @@ TEST(test_a_voltage_drive_goes_back_to_current_control)
     TEST_ASSERT_FALSE(drive.voltage_drive.active);
     tick();
     /* the proportional part: 1/8 A off its mean, 100 LSB, times ω_c·L of 3.2 U_b/I_b */
-    TEST_ASSERT_INT32_WITHIN(400, voltage.d, drive.signals.voltage.d);
-    TEST_ASSERT_INT32_WITHIN(400, voltage.q, drive.signals.voltage.q);
+    assert_near(400, voltage, drive.signals.voltage);
     ticks(SETTLED_TICKS);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
     TEST_ASSERT_TRUE(drive.voltage_drive.active);
@@ -544,16 +504,9 @@ static int64_t within(int64_t lo, int64_t hi)
     const uint64_t any = (high << 32U) | seeded_u32(&seed);
     const uint64_t span = ((uint64_t)hi - (uint64_t)lo) + 1U;
     const int32_t choice = seeded_in(&seed, 0, 7);
-    int64_t value = (int64_t)((uint64_t)lo + ((span == 0U) ? any : (any % span)));
+    const int64_t inside = (int64_t)((uint64_t)lo + ((span == 0U) ? any : (any % span)));
 
-    if (choice == 0) {
-        value = lo;
-    } else if (choice == 1) {
-        value = hi;
-    } else {
-        /* inside */
-    }
-    return value;
+    return (choice == 0) ? lo : ((choice == 1) ? hi : inside);
 }
 
 static void choose_state(void)
@@ -589,22 +542,14 @@ static void choose_change(void)
     other.crc = config_guard_crc(&other);
 }
 
+/* The low bytes come first. Narrow words have a sign unless their range is above that of int32_t or is a byte. */
 static int64_t word_of(const word_t *word)
 {
-    int64_t wide;
-    int32_t narrow;
-    uint8_t byte;
-    int64_t value;
+    int64_t value = 0;
 
-    if (word->size == sizeof wide) {
-        memcpy(&wide, (char *)&drive + word->offset, sizeof wide);
-        value = wide;
-    } else if (word->size == sizeof byte) {
-        memcpy(&byte, (char *)&drive + word->offset, sizeof byte);
-        value = byte;
-    } else {
-        memcpy(&narrow, (char *)&drive + word->offset, sizeof narrow);
-        value = (word->hi > INT32_MAX) ? (int64_t)(uint32_t)narrow : narrow;
+    memcpy(&value, (char *)&drive + word->offset, word->size);
+    if ((word->size == sizeof(int32_t)) && (word->hi <= INT32_MAX)) {
+        value = (int32_t)(uint32_t)value;
     }
     return value;
 }
