@@ -66,16 +66,19 @@ static void go_to(align_phase_t phase)
 
 /* ---- phases ---- */
 
-TEST(test_phases_follow_each_other_and_take_their_ticks)
+/* Pulse and step act and are seen later. */
+static uint32_t inductance_ticks(void)
+{
+    return (4U * cfg.inductance.pulse_ticks) + 2U + cfg.inductance.step_ticks + 2U;
+}
+
+static void assert_phases(void)
 {
     TEST_ASSERT_EQUAL_UINT32(cfg.pull_ticks, ticks_of(ALIGN_PULL));
-    TEST_ASSERT_EQUAL_UINT32(512U, ticks_of(ALIGN_MEASURE_HIGH));
-    /* Pulse and step act and are seen later. */
-    TEST_ASSERT_EQUAL_UINT32((4U * cfg.inductance.pulse_ticks) + 2U + cfg.inductance.step_ticks +
-                                 2U,
-                             ticks_of(ALIGN_INDUCTANCE));
+    TEST_ASSERT_EQUAL_UINT32(1U << cfg.measure_log2, ticks_of(ALIGN_MEASURE_HIGH));
+    TEST_ASSERT_EQUAL_UINT32(inductance_ticks(), ticks_of(ALIGN_INDUCTANCE));
     TEST_ASSERT_EQUAL_UINT32(cfg.settle_ticks, ticks_of(ALIGN_SETTLE));
-    TEST_ASSERT_EQUAL_UINT32(512U, ticks_of(ALIGN_MEASURE_LOW));
+    TEST_ASSERT_EQUAL_UINT32(1U << cfg.measure_log2, ticks_of(ALIGN_MEASURE_LOW));
     TEST_ASSERT_EQUAL_UINT32(1U, ticks_of(ALIGN_EVALUATE));
     for (int32_t k = 0; k < 1000; k++) {
         TEST_ASSERT_EQUAL_INT(ALIGN_DONE, align.phase);
@@ -83,19 +86,18 @@ TEST(test_phases_follow_each_other_and_take_their_ticks)
     }
 }
 
-TEST(test_shortest_phases_take_their_ticks_too)
+/* At its shortest too. */
+TEST(test_phases_follow_each_other_and_take_their_ticks)
 {
+    assert_phases();
+    setUp();
     cfg.sweep_ticks = 1U;
     cfg.pull_ticks = 1U;
     cfg.settle_ticks = 1U;
     cfg.measure_log2 = 6U;
     cfg.inductance.pulse_ticks = 1U;
     cfg.inductance.step_ticks = 2U;
-    TEST_ASSERT_EQUAL_UINT32(1U, ticks_of(ALIGN_PULL));
-    TEST_ASSERT_EQUAL_UINT32(64U, ticks_of(ALIGN_MEASURE_HIGH));
-    TEST_ASSERT_EQUAL_UINT32(10U, ticks_of(ALIGN_INDUCTANCE));
-    TEST_ASSERT_EQUAL_UINT32(1U, ticks_of(ALIGN_SETTLE));
-    TEST_ASSERT_EQUAL_UINT32(64U, ticks_of(ALIGN_MEASURE_LOW));
+    assert_phases();
 }
 
 TEST(test_reset_forgets_what_was_there_before)
@@ -161,8 +163,7 @@ TEST(test_control_rests_from_the_end_of_the_first_mean_for_the_ticks_of_pulse_an
             rests++;
         }
     }
-    TEST_ASSERT_EQUAL_UINT32(
-        (4U * cfg.inductance.pulse_ticks) + 2U + cfg.inductance.step_ticks + 1U, rests);
+    TEST_ASSERT_EQUAL_UINT32(inductance_ticks() - 1U, rests);
 }
 
 /* sweep_speed is rounded: half a step for each tick of the sweep. */
@@ -208,6 +209,14 @@ TEST(test_a_rotor_already_held_is_not_swept_and_rests_for_the_remaining_pull)
 
 /* ---- means ---- */
 
+static void assert_means(align_point_t high, align_point_t low)
+{
+    TEST_ASSERT_EQUAL_INT32(64 * high.current, align.high.current);
+    TEST_ASSERT_EQUAL_INT32(64 * high.voltage, align.high.voltage);
+    TEST_ASSERT_EQUAL_INT32(64 * low.current, align.low.current);
+    TEST_ASSERT_EQUAL_INT32(64 * low.voltage, align.low.voltage);
+}
+
 TEST(test_means_are_64_times_what_was_measured_for_every_length)
 {
     static const int32_t values[] = {0, 1, -1, 12345, -12345, 32767, -32767};
@@ -217,18 +226,14 @@ TEST(test_means_are_64_times_what_was_measured_for_every_length)
     cfg.settle_ticks = 1U;
     for (uint32_t log2 = 6U; log2 <= 16U; log2 += 5U) {
         for (uint32_t i = 0U; i < 7U; i++) {
-            const int32_t current = values[i];
-            const int32_t voltage = values[6U - i];
+            const align_point_t point = {.current = values[i], .voltage = values[6U - i]};
 
             cfg.measure_log2 = log2;
             align_reset(&align, false);
             while (align.phase != ALIGN_DONE) {
-                step(current, voltage);
+                step(point.current, point.voltage);
             }
-            TEST_ASSERT_EQUAL_INT32(64 * current, align.high.current);
-            TEST_ASSERT_EQUAL_INT32(64 * voltage, align.high.voltage);
-            TEST_ASSERT_EQUAL_INT32(64 * current, align.low.current);
-            TEST_ASSERT_EQUAL_INT32(64 * voltage, align.low.voltage);
+            assert_means(point, point);
         }
     }
 }
@@ -240,10 +245,8 @@ TEST(test_each_mean_holds_its_own_phase_and_no_other)
     while (align.phase != ALIGN_DONE) {
         step(of_phase[align.phase], 2 * of_phase[align.phase]);
     }
-    TEST_ASSERT_EQUAL_INT32(64 * 300, align.high.current);
-    TEST_ASSERT_EQUAL_INT32(64 * 600, align.high.voltage);
-    TEST_ASSERT_EQUAL_INT32(64 * 100, align.low.current);
-    TEST_ASSERT_EQUAL_INT32(64 * 200, align.low.voltage);
+    assert_means((align_point_t){.current = 300, .voltage = 600},
+                 (align_point_t){.current = 100, .voltage = 200});
 }
 
 /* ---- R and L of a circuit ---- */
@@ -288,24 +291,6 @@ static void measure(const circuit_t *circuit)
  */
 #define R_TOLERANCE (0.0004 + 0.0021 + 0.0005 + 0.0001 + 0.0007)
 
-TEST(test_resistance_is_measured_whatever_the_offset_voltage_and_the_inductance)
-{
-    static const double offsets_v[] = {0.0, 6.2, 15.0};
-    static const double inductances[] = {0.7, 1.0, 1.3};
-    static const double resistances[] = {0.7, 1.0, 1.3, 1.8};
-
-    for (uint32_t i = 0U; i < 36U; i++) {
-        const double ratio = resistances[i / 9U];
-        const circuit_t circuit = {ratio * RESISTANCE, inductances[(i / 3U) % 3U] * INDUCTANCE,
-                                   offsets_v[i % 3U]};
-
-        align_reset(&align, (i % 2U) != 0U);
-        measure(&circuit);
-        TEST_ASSERT_DOUBLE_WITHIN(R_TOLERANCE * RESISTANCE_Q13 * fmax(ratio, 1.0),
-                                  ratio * RESISTANCE_Q13, found().resistance_q13);
-    }
-}
-
 /*
  * V0 = v_high − 2.5·(v_high − v_low), R·i apart: the means of the voltage are off by up to ½ LSB each, 0.5 + 2.5·1, and
  * those of the current by ½ at 0.19 LSB of voltage per LSB of current, 0.19·(0.5 + 2.5·1). What the regulator has left
@@ -314,40 +299,52 @@ TEST(test_resistance_is_measured_whatever_the_offset_voltage_and_the_inductance)
  */
 #define LOST_TOLERANCE (3.0 + (0.19 * 3.0) + (2.5 * 0.0005 * 495.0) + (495.0 / 1024.0) + 1.0)
 
-TEST(test_voltage_that_dead_time_and_drop_take_is_what_is_left_at_zero_current)
+/*
+ * Rounding: two currents ½ each and the ripple of the regulator, 1 of 2582/1.3; step_response ½ of 2582; R as measured, of
+ * which R·t/(2·L) = 0.07 at most counts; the trapezoid of R·i (R·T/L)²/12; step_voltage and the results 1/16384 each.
+ */
+#define L_TOLERANCE \
+    ((2.0 / 1986.0) + (0.5 / 2582.0) + (0.07 * R_TOLERANCE * 1.3) + 0.0001 + (4.0 / 16384.0))
+
+/* Dead time and drop take the offset voltage; nothing flows across. */
+TEST(test_resistance_inductance_and_lost_voltage_are_measured_whatever_the_others_are)
 {
     static const double offsets_v[] = {-8.0, 0.0, 1.0, 6.2, 15.0};
     static const double resistances[] = {0.7, 1.0, 1.3, 1.8};
+    static const double inductances[] = {0.7, 0.85, 1.0, 1.15, 1.3};
 
-    for (uint32_t i = 0U; i < 20U; i++) {
-        const double ratio = resistances[i / 5U];
-        const circuit_t circuit = {ratio * RESISTANCE, INDUCTANCE, offsets_v[i % 5U]};
+    for (uint32_t i = 0U; i < 100U; i++) {
+        const double r = resistances[i / 25U];
+        const double l = inductances[(i / 5U) % 5U];
+        const circuit_t circuit = {r * RESISTANCE, l * INDUCTANCE, offsets_v[i % 5U]};
+        align_found_t measured;
 
-        align_reset(&align, false);
+        align_reset(&align, (i % 2U) != 0U);
         measure(&circuit);
-        TEST_ASSERT_DOUBLE_WITHIN(LOST_TOLERANCE * fmax(ratio, 1.0),
-                                  circuit.offset_v / VOLTAGE_LSB_V, found().lost_voltage);
+        measured = found();
+        TEST_ASSERT_DOUBLE_WITHIN(R_TOLERANCE * RESISTANCE_Q13 * fmax(r, 1.0), r * RESISTANCE_Q13,
+                                  measured.resistance_q13);
+        TEST_ASSERT_DOUBLE_WITHIN(LOST_TOLERANCE * fmax(r, 1.0), circuit.offset_v / VOLTAGE_LSB_V,
+                                  measured.lost_voltage);
+        TEST_ASSERT_DOUBLE_WITHIN(L_TOLERANCE * l, l, measured.inductance.ratio_q14 / 16384.0);
+        TEST_ASSERT_EQUAL_INT32(ALIGN_UNKNOWN, measured.inductance.saliency_q13);
     }
 }
 
-TEST(test_no_lost_voltage_without_two_currents)
+static int32_t lost_of(int32_t v_high, int32_t i_high, int32_t v_low, int32_t i_low)
 {
-    align.high = (align_point_t){.voltage = 64 * 1000, .current = 64 * 500};
-    align.low = align.high;
-    TEST_ASSERT_EQUAL_INT32(0, found().lost_voltage);
-    align.low.current = 64 * 600;
-    TEST_ASSERT_EQUAL_INT32(0, found().lost_voltage);
-    align.high.current = -64;
-    align.low.current = -128;
-    TEST_ASSERT_EQUAL_INT32(0, found().lost_voltage);
+    align.high = (align_point_t){.voltage = 64 * v_high, .current = 64 * i_high};
+    align.low = (align_point_t){.voltage = 64 * v_low, .current = 64 * i_low};
+    return found().lost_voltage;
 }
 
 /* Two currents so close to each other say nothing about zero: the voltage at four times their distance counts. */
 TEST(test_lost_voltage_of_two_close_currents_is_not_extrapolated_further_than_four_times)
 {
-    align.high = (align_point_t){.voltage = 64 * 1000, .current = 64 * 1000};
-    align.low = (align_point_t){.voltage = 64 * 900, .current = 64 * 999};
-    TEST_ASSERT_INT32_WITHIN(1, 1000 - (4 * 100), found().lost_voltage);
+    TEST_ASSERT_INT32_WITHIN(1, 1000 - (4 * 100), lost_of(1000, 1000, 900, 999));
+    TEST_ASSERT_EQUAL_INT32(0, lost_of(1000, 500, 1000, 500));
+    TEST_ASSERT_EQUAL_INT32(0, lost_of(1000, 500, 1000, 600));
+    TEST_ASSERT_EQUAL_INT32(0, lost_of(1000, -1, 1000, -2));
 }
 
 /* ---- whether the rotor rests ---- */
@@ -419,6 +416,13 @@ TEST(test_a_rotor_that_swings_is_measured_once_it_has_calmed_down)
     TEST_ASSERT_EQUAL_INT32(64 * (cfg.current_high + 7), align.low.current);
 }
 
+static void assert_given_up(uint32_t times, align_phase_t phase, const int32_t *swings,
+                            uint32_t count)
+{
+    TEST_ASSERT_EQUAL_UINT32(times, measured_with(phase, swings, count));
+    TEST_ASSERT_FALSE(align_is_at_rest(&align, &cfg));
+}
+
 TEST(test_a_rotor_that_slips_does_not_calm_down)
 {
     static const int32_t slips[] = {800};
@@ -426,21 +430,12 @@ TEST(test_a_rotor_that_slips_does_not_calm_down)
     static const int32_t grows[] = {800, 700, 750, 704};
 
     cfg.swing_max = 400;
-    TEST_ASSERT_EQUAL_UINT32(3, measured_with(ALIGN_MEASURE_HIGH, slips, 1U));
-    TEST_ASSERT_FALSE(align_is_at_rest(&align, &cfg));
-    TEST_ASSERT_EQUAL_UINT32(3, measured_with(ALIGN_MEASURE_LOW, hardly, 3U));
-    TEST_ASSERT_FALSE(align_is_at_rest(&align, &cfg));
-    TEST_ASSERT_EQUAL_UINT32(4, measured_with(ALIGN_MEASURE_LOW, grows, 4U));
-    TEST_ASSERT_FALSE(align_is_at_rest(&align, &cfg));
-}
-
-/* The limit falls for the smallest swings too. */
-TEST(test_no_swing_however_small_is_waited_for_without_end)
-{
+    assert_given_up(3U, ALIGN_MEASURE_HIGH, slips, 1U);
+    assert_given_up(3U, ALIGN_MEASURE_LOW, hardly, 3U);
+    assert_given_up(4U, ALIGN_MEASURE_LOW, grows, 4U);
+    cfg.swing_max = 1; /* the limit falls for the smallest swings too */
     for (int32_t swing = 2; swing <= 17; swing++) {
-        cfg.swing_max = 1;
-        TEST_ASSERT_EQUAL_UINT32(3, measured_with(ALIGN_MEASURE_HIGH, &swing, 1U));
-        TEST_ASSERT_FALSE(align_is_at_rest(&align, &cfg));
+        assert_given_up(3U, ALIGN_MEASURE_HIGH, &swing, 1U);
     }
 }
 
@@ -453,8 +448,8 @@ TEST(test_with_a_fifth_of_the_current_across_a_rotor_is_not_waited_for)
 
     cfg.swing_max = 400;
     TEST_ASSERT_EQUAL_UINT32(2, measured_with(ALIGN_MEASURE_HIGH, calms, 2U));
-    TEST_ASSERT_EQUAL_UINT32(1, measured_with(ALIGN_MEASURE_HIGH, slips, 2U));
-    TEST_ASSERT_EQUAL_UINT32(1, measured_with(ALIGN_MEASURE_LOW, slips, 2U));
+    assert_given_up(1U, ALIGN_MEASURE_HIGH, slips, 2U);
+    assert_given_up(1U, ALIGN_MEASURE_LOW, slips, 2U);
 }
 
 TEST(test_swing_while_the_rotor_is_pulled_in_does_not_count)
@@ -464,59 +459,33 @@ TEST(test_swing_while_the_rotor_is_pulled_in_does_not_count)
     TEST_ASSERT_TRUE(rests_with(ALIGN_SETTLE, cfg.current_high));
 }
 
-/*
- * Rounding: two currents ½ each and the ripple of the regulator, 1 of 2582/1.3; step_response ½ of 2582; R as measured, of
- * which R·t/(2·L) = 0.07 at most counts; the trapezoid of R·i (R·T/L)²/12; step_voltage and the results 1/16384 each.
- */
-#define L_TOLERANCE \
-    ((2.0 / 1986.0) + (0.5 / 2582.0) + (0.07 * R_TOLERANCE * 1.3) + 0.0001 + (4.0 / 16384.0))
-
-TEST(test_inductance_is_measured_whatever_the_offset_voltage_and_the_resistance)
-{
-    static const double offsets_v[] = {0.0, 6.2, 15.0};
-    static const double resistances[] = {0.7, 1.0, 1.3};
-    static const double inductances[] = {0.7, 0.85, 1.0, 1.15, 1.3};
-
-    for (uint32_t i = 0U; i < 45U; i++) {
-        const double l = inductances[i / 9U];
-        const circuit_t circuit = {resistances[(i / 3U) % 3U] * RESISTANCE, l * INDUCTANCE,
-                                   offsets_v[i % 3U]};
-
-        align_reset(&align, false);
-        measure(&circuit);
-        TEST_ASSERT_DOUBLE_WITHIN(L_TOLERANCE * l, l, found().inductance.ratio_q14 / 16384.0);
-        /* Nothing flows across. */
-        TEST_ASSERT_EQUAL_INT32(ALIGN_UNKNOWN, found().inductance.saliency_q13);
-    }
-}
-
 /* ---- what cannot be told ---- */
+
+static int32_t resistance_of(int32_t voltage_change, int32_t current_change)
+{
+    align.low = (align_point_t){.voltage = -64 * 32767, .current = 67890};
+    align.high = (align_point_t){.voltage = align.low.voltage + voltage_change,
+                                 .current = align.low.current + current_change};
+    return found().resistance_q13;
+}
 
 TEST(test_resistance_is_unknown_without_a_difference_in_current_or_voltage)
 {
-    static const align_point_t points[] = {{1000, 0},  {0, 1000},   {0, 0},
-                                           {1000, 15}, {-1, 10000}, {1000, -16}};
-
-    for (uint32_t i = 0U; i < 6U; i++) {
-        align.low = (align_point_t){12345, 67890};
-        align.high = (align_point_t){12345 + points[i].voltage, 67890 + points[i].current};
-        TEST_ASSERT_EQUAL_INT32(ALIGN_UNKNOWN, found().resistance_q13);
-    }
-    align.high = (align_point_t){12345 + 1, 67890 + 16};
-    TEST_ASSERT_EQUAL_INT32(512, found().resistance_q13);
+    TEST_ASSERT_EQUAL_INT32(ALIGN_UNKNOWN, resistance_of(1000, 0));
+    TEST_ASSERT_EQUAL_INT32(ALIGN_UNKNOWN, resistance_of(0, 1000));
+    TEST_ASSERT_EQUAL_INT32(ALIGN_UNKNOWN, resistance_of(0, 0));
+    TEST_ASSERT_EQUAL_INT32(ALIGN_UNKNOWN, resistance_of(1000, 15));
+    TEST_ASSERT_EQUAL_INT32(ALIGN_UNKNOWN, resistance_of(-1, 10000));
+    TEST_ASSERT_EQUAL_INT32(ALIGN_UNKNOWN, resistance_of(1000, -16));
+    TEST_ASSERT_EQUAL_INT32(512, resistance_of(1, 16));
 }
 
+/* Up to the ends of what a mean can be. */
 TEST(test_resistance_saturates_to_15_bits)
 {
-    align.low = (align_point_t){0, 0};
-    align.high = (align_point_t){63, 16};
-    TEST_ASSERT_EQUAL_INT32(32256, found().resistance_q13);
-    align.high = (align_point_t){64, 16};
-    TEST_ASSERT_EQUAL_INT32(32767, found().resistance_q13);
-    /* The ends of what a mean can be. */
-    align.low.voltage = -64 * 32767;
-    align.high.voltage = 64 * 32767;
-    TEST_ASSERT_EQUAL_INT32(32767, found().resistance_q13);
+    TEST_ASSERT_EQUAL_INT32(32256, resistance_of(63, 16));
+    TEST_ASSERT_EQUAL_INT32(32767, resistance_of(64, 16));
+    TEST_ASSERT_EQUAL_INT32(32767, resistance_of(128 * 32767, 16));
 }
 
 /* ---- any measurement ---- */
