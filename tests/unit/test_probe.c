@@ -17,6 +17,9 @@
 static probe_t probe;
 static probe_sample_t sample;
 
+static const dq_t AHEAD = {-3000, 4000}; /* of an EMF: a lag of -19660 */
+static const dq_t BEHIND = {3000, 4000};
+
 void setUp(void)
 {
     memset(&probe, 0xA5, sizeof probe);
@@ -34,6 +37,12 @@ static void note(uint32_t count)
     for (uint32_t k = 0U; k < count; k++) {
         probe_note(&probe, &sample);
     }
+}
+
+static void assert_dq(dq_t expected, dq_t value)
+{
+    TEST_ASSERT_EQUAL_INT32(expected.d, value.d);
+    TEST_ASSERT_EQUAL_INT32(expected.q, value.q);
 }
 
 /* ---- words ---- */
@@ -261,10 +270,8 @@ TEST(test_voltage_current_and_a_quarter_of_the_bus_are_summed_up)
         note(1U);
     }
     note(DELAY);
-    TEST_ASSERT_EQUAL_INT32(600, probe.sums.voltage.d);
-    TEST_ASSERT_EQUAL_INT32(-60, probe.sums.voltage.q);
-    TEST_ASSERT_EQUAL_INT32(-6000, probe.sums.current.d);
-    TEST_ASSERT_EQUAL_INT32(42, probe.sums.current.q);
+    assert_dq((dq_t){600, -60}, probe.sums.voltage);
+    assert_dq((dq_t){-6000, 42}, probe.sums.current);
     TEST_ASSERT_EQUAL_INT32(8191 + 1 + 0, probe.sums.bus);
 }
 
@@ -363,13 +370,9 @@ TEST(test_the_torque_is_the_power_of_the_emf_over_the_speed_to_the_nearest)
     }
 }
 
-TEST(test_a_vector_at_rest_has_no_torque)
-{
-    TEST_ASSERT_EQUAL_INT32(0, torque((dq_t){1000, 1000}, (dq_t){1000, 1000}, 0));
-}
-
 TEST(test_torque_saturates_as_emf_current_and_quotient_do)
 {
+    TEST_ASSERT_EQUAL_INT32(0, torque((dq_t){1000, 1000}, (dq_t){1000, 1000}, 0));
     TEST_ASSERT_EQUAL_INT32(32767, torque((dq_t){32767, 0}, (dq_t){16383, 0}, 1));
     TEST_ASSERT_EQUAL_INT32(-32768, torque((dq_t){32767, 0}, (dq_t){16383, 0}, -1));
     TEST_ASSERT_EQUAL_INT32(32766, torque((dq_t){2, 0}, (dq_t){34400, 0}, 1));
@@ -473,8 +476,8 @@ TEST(test_pulses_are_one_quarter_up_two_down_one_up_again_and_again)
             note(1U);
             TEST_ASSERT_TRUE(probe_pulses(&probe));
             voltage = probe_voltage(&probe, (dq_t){500 + (int32_t)k, -200 - (int32_t)k});
-            TEST_ASSERT_EQUAL_INT32(500 + (int32_t)k + (sign * 1000), voltage.d);
-            TEST_ASSERT_EQUAL_INT32(-200 - (int32_t)k + (sign * 30), voltage.q);
+            assert_dq((dq_t){500 + (int32_t)k + (sign * 1000), -200 - (int32_t)k + (sign * 30)},
+                      voltage);
         }
         note(1U);
         TEST_ASSERT_FALSE(probe_pulses(&probe));
@@ -498,21 +501,20 @@ TEST(test_pulses_are_added_in_a_window_with_a_pulse_voltage_only)
 
 static void check_voltage(int32_t steady, int32_t first, int32_t second)
 {
-    for (uint32_t axis = 0U; axis < 2U; axis++) {
-        const bool along = axis == 0U;
-        dq_t voltage;
-
-        setUp();
-        set(along ? PROBE_PULSE_D : PROBE_PULSE_Q, 10000);
-        set(PROBE_WINDOW, 4);
-        note(1U);
-        voltage = probe_voltage(&probe, along ? (dq_t){steady, 5} : (dq_t){5, steady});
-        TEST_ASSERT_EQUAL_INT32(first, along ? voltage.d : voltage.q);
-        TEST_ASSERT_EQUAL_INT32(5, along ? voltage.q : voltage.d);
-        note(1U);
-        voltage = probe_voltage(&probe, along ? (dq_t){steady, 5} : (dq_t){5, steady});
-        TEST_ASSERT_EQUAL_INT32(second, along ? voltage.d : voltage.q);
-    }
+    setUp();
+    set(PROBE_PULSE_D, 10000);
+    set(PROBE_WINDOW, 4);
+    note(1U);
+    assert_dq((dq_t){first, 5}, probe_voltage(&probe, (dq_t){steady, 5}));
+    note(1U);
+    assert_dq((dq_t){second, 5}, probe_voltage(&probe, (dq_t){steady, 5}));
+    setUp();
+    set(PROBE_PULSE_Q, 10000);
+    set(PROBE_WINDOW, 4);
+    note(1U);
+    assert_dq((dq_t){5, first}, probe_voltage(&probe, (dq_t){5, steady}));
+    note(1U);
+    assert_dq((dq_t){5, second}, probe_voltage(&probe, (dq_t){5, steady}));
 }
 
 TEST(test_the_control_sees_its_reference_along_the_pulses_and_the_current_across)
@@ -523,13 +525,11 @@ TEST(test_the_control_sees_its_reference_along_the_pulses_and_the_current_across
 
     set(PROBE_PULSE_D, 1);
     seen = probe_controlled(&probe, reference, measured);
-    TEST_ASSERT_EQUAL_INT32(100, seen.d);
-    TEST_ASSERT_EQUAL_INT32(-20, seen.q);
+    assert_dq((dq_t){100, -20}, seen);
     set(PROBE_PULSE_D, 0);
     set(PROBE_PULSE_Q, 1);
     seen = probe_controlled(&probe, reference, measured);
-    TEST_ASSERT_EQUAL_INT32(130, seen.d);
-    TEST_ASSERT_EQUAL_INT32(7, seen.q);
+    assert_dq((dq_t){130, 7}, seen);
 }
 
 TEST(test_the_voltage_of_pulses_saturates)
@@ -569,8 +569,7 @@ static void check_changes(uint32_t ticks, uint32_t quarter, bool along)
         sample.current = current[k];
         note(1U);
     }
-    TEST_ASSERT_EQUAL_INT32(change.d, probe.sums.change.d);
-    TEST_ASSERT_EQUAL_INT32(change.q, probe.sums.change.q);
+    assert_dq(change, probe.sums.change);
 }
 
 TEST(test_changes_of_the_current_count_with_the_sign_of_the_pulse_two_ticks_before)
@@ -619,8 +618,7 @@ TEST(test_sums_of_the_pulses_end_likewise)
     set(PROBE_PULSE_D, 1);
     sample.current = (dq_t){3, 4};
     note(1U);
-    TEST_ASSERT_EQUAL_INT32(SUM_MAX + 3, probe.sums.change.d);
-    TEST_ASSERT_EQUAL_INT32(-SUM_MAX + 4, probe.sums.change.q);
+    assert_dq((dq_t){SUM_MAX + 3, -SUM_MAX + 4}, probe.sums.change);
 }
 
 /* ---- a vector at rest ---- */
@@ -647,7 +645,7 @@ TEST(test_a_vector_at_rest_goes_the_short_way_to_its_angle_at_its_rate)
     for (uint32_t k = 0U; k < COUNT(ways); k++) {
         set(PROBE_ANGLE, (int32_t)ways[k].to);
         set(PROBE_RATE, ways[k].rate);
-        TEST_ASSERT_EQUAL_INT32(ways[k].step, probe_turn(&probe, ways[k].from, (dq_t){3000, 4000}));
+        TEST_ASSERT_EQUAL_INT32(ways[k].step, probe_turn(&probe, ways[k].from, BEHIND));
         TEST_ASSERT_EQUAL_INT32(0, probe.lag_q15);
         TEST_ASSERT_EQUAL_INT32(0, probe.own_speed);
     }
@@ -709,13 +707,13 @@ TEST(test_a_vector_that_is_stopped_ramps_down_and_then_goes_to_its_angle)
     set(PROBE_ANGLE, 0x12345678 + 1000);
     set(PROBE_RAMP, 100);
     set(PROBE_SPEED, 100);
-    TEST_ASSERT_EQUAL_INT32(100, turn((dq_t){3000, 4000}));
+    TEST_ASSERT_EQUAL_INT32(100, turn(BEHIND));
     set(PROBE_RAMP, 60);
     set(PROBE_SPEED, 0);
-    TEST_ASSERT_EQUAL_INT32(40, turn((dq_t){3000, 4000}));
+    TEST_ASSERT_EQUAL_INT32(40, turn(BEHIND));
     TEST_ASSERT_TRUE(probe.lag_q15 != 0);
     TEST_ASSERT_TRUE(probe.mean_lag_q29 != 0);
-    TEST_ASSERT_EQUAL_INT32(7, turn((dq_t){3000, 4000}));
+    TEST_ASSERT_EQUAL_INT32(7, turn(BEHIND));
     TEST_ASSERT_EQUAL_INT32(0, probe.lag_q15);
     TEST_ASSERT_EQUAL_INT32(0, probe.mean_lag_q29);
 }
@@ -724,7 +722,7 @@ TEST(test_a_vector_that_is_to_turn_has_a_lag_before_it_does)
 {
     set(PROBE_RATE, 7);
     set(PROBE_SPEED, -100);
-    TEST_ASSERT_EQUAL_INT32(0, turn((dq_t){3000, 4000}));
+    TEST_ASSERT_EQUAL_INT32(0, turn(BEHIND));
     TEST_ASSERT_EQUAL_INT32(19660, probe.lag_q15);
 }
 
@@ -776,9 +774,9 @@ TEST(test_what_the_legs_lose_is_no_lag_while_a_current_flows)
 {
     begin_to_turn(1000);
     set(PROBE_LOSS, 1000);
-    TEST_ASSERT_EQUAL_INT32(19660, lag((dq_t){3000, 4000}));
+    TEST_ASSERT_EQUAL_INT32(19660, lag(BEHIND));
     set(PROBE_CURRENT, 1);
-    TEST_ASSERT_EQUAL_INT32(14654, lag((dq_t){3000, 4000}));
+    TEST_ASSERT_EQUAL_INT32(14654, lag(BEHIND));
     set(PROBE_LOSS, 32767);
     TEST_ASSERT_EQUAL_INT32(-32767, lag((dq_t){-32768, 0}));
 }
@@ -787,26 +785,42 @@ TEST(test_an_emf_below_the_full_one_counts_less)
 {
     begin_to_turn(1000);
     set(PROBE_EMF, 10000);
-    TEST_ASSERT_EQUAL_INT32(9830, lag((dq_t){3000, 4000}));
+    TEST_ASSERT_EQUAL_INT32(9830, lag(BEHIND));
     set(PROBE_EMF, 5001);
-    TEST_ASSERT_EQUAL_INT32(19656, lag((dq_t){3000, 4000}));
+    TEST_ASSERT_EQUAL_INT32(19656, lag(BEHIND));
     set(PROBE_EMF, 5000);
-    TEST_ASSERT_EQUAL_INT32(19660, lag((dq_t){3000, 4000}));
+    TEST_ASSERT_EQUAL_INT32(19660, lag(BEHIND));
     set(PROBE_EMF, 4999);
-    TEST_ASSERT_EQUAL_INT32(19660, lag((dq_t){3000, 4000}));
+    TEST_ASSERT_EQUAL_INT32(19660, lag(BEHIND));
 }
 
 #define K_1 (0x100000) /* 2^20: 16 steps for an LSB of the lag */
 #define SPEED (1000000)
 
+static step_t turn_for(uint32_t count, dq_t emf)
+{
+    step_t step = 0;
+
+    for (uint32_t k = 0U; k < count; k++) {
+        step = turn(emf);
+    }
+    return step;
+}
+
+static step_t first_step(step_t speed, int32_t damping, dq_t emf)
+{
+    begin_to_turn(speed);
+    set(PROBE_DAMPING, damping);
+    return turn(emf);
+}
+
 /* floor(K·lag/2^16) of the lag less its mean, which the first tick finds at 0 and the second at 19660/2^14, 1.2. */
 TEST(test_the_vector_is_damped_by_what_the_lag_is_off_its_mean)
 {
-    begin_to_turn(SPEED);
-    set(PROBE_DAMPING, K_1);
-    TEST_ASSERT_EQUAL_INT32(SPEED - (16 * 19660), turn((dq_t){3000, 4000}));
+    TEST_ASSERT_EQUAL_INT32(-SPEED + (16 * 19660), first_step(-SPEED, K_1, BEHIND));
+    TEST_ASSERT_EQUAL_INT32(SPEED - (16 * 19660), first_step(SPEED, K_1, BEHIND));
     TEST_ASSERT_EQUAL_INT32(19660, probe.mean_lag_q29);
-    TEST_ASSERT_EQUAL_INT32(SPEED - (16 * (19660 - 1)), turn((dq_t){3000, 4000}));
+    TEST_ASSERT_EQUAL_INT32(SPEED - (16 * (19660 - 1)), turn(BEHIND));
     TEST_ASSERT_EQUAL_INT32(19660 + 19660 - 2, probe.mean_lag_q29);
     TEST_ASSERT_EQUAL_INT32(SPEED, probe.own_speed);
 }
@@ -826,44 +840,21 @@ TEST(test_the_mean_lag_counts_to_the_nearest)
     TEST_ASSERT_EQUAL_INT32(SPEED - 16, turn((dq_t){0, 4000}));
 }
 
-TEST(test_damping_is_of_the_same_size_backwards)
-{
-    begin_to_turn(-SPEED);
-    set(PROBE_DAMPING, K_1);
-    TEST_ASSERT_EQUAL_INT32(-SPEED + (16 * 19660), turn((dq_t){3000, 4000}));
-}
-
 /* To an LSB of the lag, 16 steps: below 2^14 of its own the mean no longer moves. */
 TEST(test_a_constant_lag_does_not_slow_the_vector_down)
 {
-    step_t step = 0;
-
     begin_to_turn(SPEED);
     set(PROBE_DAMPING, K_1);
-    for (uint32_t k = 0U; k < 200000U; k++) {
-        step = turn((dq_t){3000, 4000});
-    }
-    TEST_ASSERT_INT32_WITHIN(16, SPEED, step);
+    TEST_ASSERT_INT32_WITHIN(16, SPEED, turn_for(200000U, BEHIND));
     TEST_ASSERT_INT32_WITHIN(16384, 16384 * 19660, probe.mean_lag_q29);
 }
 
 TEST(test_damping_takes_or_adds_half_of_the_speed_at_most)
 {
-    static const dq_t ahead = {-3000, 4000};
-    static const dq_t behind = {3000, 4000};
-
-    begin_to_turn(1000001);
-    set(PROBE_DAMPING, SPEED_MAX);
-    TEST_ASSERT_EQUAL_INT32(1000001 - 500000, turn(behind));
-    begin_to_turn(1000001);
-    set(PROBE_DAMPING, SPEED_MAX);
-    TEST_ASSERT_EQUAL_INT32(1000001 + 500000, turn(ahead));
-    begin_to_turn(-1000001);
-    set(PROBE_DAMPING, SPEED_MAX);
-    TEST_ASSERT_EQUAL_INT32(-1000001 + 500000, turn(behind));
-    begin_to_turn(-1000001);
-    set(PROBE_DAMPING, SPEED_MAX);
-    TEST_ASSERT_EQUAL_INT32(-1000001 - 500000, turn(ahead));
+    TEST_ASSERT_EQUAL_INT32(1000001 - 500000, first_step(1000001, SPEED_MAX, BEHIND));
+    TEST_ASSERT_EQUAL_INT32(1000001 + 500000, first_step(1000001, SPEED_MAX, AHEAD));
+    TEST_ASSERT_EQUAL_INT32(-1000001 + 500000, first_step(-1000001, SPEED_MAX, BEHIND));
+    TEST_ASSERT_EQUAL_INT32(-1000001 - 500000, first_step(-1000001, SPEED_MAX, AHEAD));
 }
 
 /* 3·2^14 ticks bring the mean to 0.95 of 32767. Against it the lag is −1.95, which counts as −1: 2^16·(−1). */
@@ -871,9 +862,7 @@ TEST(test_a_lag_that_is_off_its_mean_by_more_than_one_counts_as_one)
 {
     begin_to_turn(SPEED);
     set(PROBE_DAMPING, 0x10000);
-    for (uint32_t k = 0U; k < (3U << 14U); k++) {
-        (void)turn((dq_t){4000, 0});
-    }
+    (void)turn_for(3U << 14U, (dq_t){4000, 0});
     TEST_ASSERT_EQUAL_INT32(SPEED + 32768, turn((dq_t){-4000, 0}));
 }
 
@@ -882,12 +871,12 @@ TEST(test_a_lag_that_is_off_its_mean_by_more_than_one_counts_as_one)
 TEST(test_tracking_moves_the_own_speed_by_the_whole_lag)
 {
     begin_to_turn(SPEED);
-    TEST_ASSERT_EQUAL_INT32(SPEED, turn((dq_t){3000, 4000})); /* a mean that is not 0 */
+    TEST_ASSERT_EQUAL_INT32(SPEED, turn(BEHIND)); /* a mean that is not 0 */
     set(PROBE_RAMP, 0);
     set(PROBE_TRACKING, K_1);
-    TEST_ASSERT_EQUAL_INT32(SPEED - (16 * 19660), turn((dq_t){3000, 4000}));
+    TEST_ASSERT_EQUAL_INT32(SPEED - (16 * 19660), turn(BEHIND));
     TEST_ASSERT_EQUAL_INT32(SPEED - (16 * 19660), probe.own_speed);
-    TEST_ASSERT_EQUAL_INT32(SPEED - (32 * 19660), turn((dq_t){3000, 4000}));
+    TEST_ASSERT_EQUAL_INT32(SPEED - (32 * 19660), turn(BEHIND));
     TEST_ASSERT_EQUAL_INT32(19660 + 19658 + 19657, probe.mean_lag_q29);
 }
 
@@ -895,26 +884,20 @@ TEST(test_tracking_moves_the_own_speed_by_the_whole_lag)
 TEST(test_tracking_damps_with_the_whole_lag)
 {
     begin_to_turn(SPEED);
-    for (uint32_t k = 0U; k < (1U << 15U); k++) {
-        (void)turn((dq_t){3000, 4000});
-    }
+    (void)turn_for(1U << 15U, BEHIND);
     set(PROBE_DAMPING, K_1);
     set(PROBE_RAMP, 0);
     set(PROBE_TRACKING, 1);
-    TEST_ASSERT_EQUAL_INT32(SPEED - (16 * 19660), turn((dq_t){3000, 4000}));
+    TEST_ASSERT_EQUAL_INT32(SPEED - (16 * 19660), turn(BEHIND));
 }
 
 /* Within 2^-15 of the whole lag, to which its steps no longer reach. */
 TEST(test_the_mean_of_a_lag_that_stays_is_that_lag)
 {
     begin_to_turn(SPEED);
-    for (uint32_t k = 0U; k < 400000U; k++) {
-        (void)turn((dq_t){4000, 0});
-    }
+    (void)turn_for(400000U, (dq_t){4000, 0});
     TEST_ASSERT_INT32_WITHIN(16384, 16384 * 32767, probe.mean_lag_q29);
-    for (uint32_t k = 0U; k < 400000U; k++) {
-        (void)turn((dq_t){-4000, 0});
-    }
+    (void)turn_for(400000U, (dq_t){-4000, 0});
     TEST_ASSERT_INT32_WITHIN(16384, -16384 * 32767, probe.mean_lag_q29);
     probe.mean_lag_q29 = (-16384 * 32767) + 1;
     (void)turn((dq_t){-4000, 0});
@@ -934,10 +917,7 @@ TEST(test_the_mean_is_the_longer_the_weaker_the_damping)
     };
 
     for (uint32_t k = 0U; k < COUNT(means); k++) {
-        setUp();
-        begin_to_turn(SPEED);
-        set(PROBE_DAMPING, means[k].damping);
-        (void)turn((dq_t){3000, 4000});
+        (void)first_step(SPEED, means[k].damping, BEHIND);
         TEST_ASSERT_EQUAL_INT32((19660 * 16384) >> means[k].bits, probe.mean_lag_q29);
     }
 }
