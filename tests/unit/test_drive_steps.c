@@ -81,7 +81,7 @@ void setUp(void)
 
 /* ---- what a start begins with ---- */
 
-TEST(test_a_reset_forgets_all_that_a_run_has_left)
+TEST(test_a_reset_forgets_all_that_a_run_has_left_and_is_at_rest_at_angle_0)
 {
     const drive_t fresh = drive;
 
@@ -106,10 +106,6 @@ TEST(test_a_reset_forgets_all_that_a_run_has_left)
     position_loop_reset(&drive.position_loop, QUARTER, 1);
     run_reset(&drive);
     TEST_ASSERT_EQUAL_MEMORY(&fresh, &drive, sizeof drive);
-}
-
-TEST(test_a_reset_is_at_rest_at_angle_0)
-{
     TEST_ASSERT_EQUAL_INT64(0, drive.position.turns_q32);
     TEST_ASSERT_EQUAL_INT64(0, drive.vector.position.turns_q32);
     TEST_ASSERT_EQUAL_INT64(0, drive.position_loop.profile_q32);
@@ -386,9 +382,16 @@ TEST(test_a_rotor_is_lost_when_periods_above_the_limit_outweigh_those_below)
 
 /* ---- the hand-back ---- */
 
-/* RUN, slow and with the imposed current faded in, the rotor at an eighth of a turn, all currents others than before. */
-static void before_the_hand_back(void)
+/*
+ * From RUN, slow and with the imposed current faded in, the rotor at an eighth of a turn, all currents others than before.
+ * They are as long as before, and in the frame, which has turned forwards from the rotor by the angle of the reference:
+ * that of the torque current that the speed loop has just set.
+ */
+TEST(test_the_hand_back_begins_with_what_flows_and_nothing_older)
 {
+    const dq_t *const current = &drive.signals.current_frame;
+    int64_t ahead;
+
     enter(DRIVE_STATE_RUN);
     drive.position.turns_q32 = QUARTER / 2;
     drive.signals.current_ref = (dq_t){cfg.startup.current_hold, 0};
@@ -400,35 +403,19 @@ static void before_the_hand_back(void)
     drive.supervision.unexplained = STALE;
     speed_loop_reset(&drive.speed_loop, 1000);
     drive.speed_reference = 1000;
-}
-
-TEST(test_the_hand_back_begins_with_what_flows_and_nothing_older)
-{
-    before_the_hand_back();
     slot(SLOT_SPEED);
     TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, drive.state);
     TEST_ASSERT_EQUAL_UINT32(SUPERVISION_PHASES, drive.supervision.absent);
     TEST_ASSERT_EQUAL_UINT32(0U, drive.supervision.absent_periods);
     TEST_ASSERT_EQUAL_UINT32(0U, drive.supervision.unexplained);
     TEST_ASSERT_EQUAL_INT32(drive.speed_loop.reference, drive.vector.step);
-    TEST_ASSERT_EQUAL_INT32(drive.signals.current_frame.d, drive.vector.current_mean.d);
-    TEST_ASSERT_EQUAL_INT32(drive.signals.current_frame.q, drive.vector.current_mean.q);
-}
-
-/* As long as before, and in the frame, which has turned forwards from the rotor by the angle of the reference. */
-TEST(test_the_hand_back_turns_the_currents_into_its_frame)
-{
-    int64_t along;
-    int64_t across;
-
-    before_the_hand_back();
-    slot(SLOT_SPEED);
-    /* The speed loop has set a torque current of its own: the frame's angle is that of the reference then. */
-    along = ((int64_t)drive.signals.current_frame.d * drive.signals.current_frame.d) +
-            ((int64_t)drive.signals.current_frame.q * drive.signals.current_frame.q);
-    TEST_ASSERT_INT64_WITHIN(2LL * 5000 * TURN_LSB, 25000000LL, along);
-    across = drive.vector.position.turns_q32 - drive.position.turns_q32;
-    TEST_ASSERT_TRUE((across > -QUARTER) && (across < QUARTER));
+    TEST_ASSERT_EQUAL_INT32(current->d, drive.vector.current_mean.d);
+    TEST_ASSERT_EQUAL_INT32(current->q, drive.vector.current_mean.q);
+    TEST_ASSERT_INT64_WITHIN(2LL * 5000 * TURN_LSB, 25000000LL,
+                             ((int64_t)current->d * current->d) +
+                                 ((int64_t)current->q * current->q));
+    ahead = drive.vector.position.turns_q32 - drive.position.turns_q32;
+    TEST_ASSERT_TRUE((ahead > -QUARTER) && (ahead < QUARTER));
     TEST_ASSERT_INT32_WITHIN(TURN_LSB, 0, drive.signals.current_ref.q);
     TEST_ASSERT_TRUE(drive.signals.current_ref.d >= (cfg.startup.current_hold - TURN_LSB));
 }
@@ -563,12 +550,12 @@ TEST(test_what_was_learned_of_j_is_forgotten_with_a_fault)
 
 /* ---- the estimate on a ramp ---- */
 
-static step_t estimate_after(step_t change, int32_t share_q14)
+static step_t estimate_after(step_t begun, step_t change, int32_t share_q14)
 {
     const int32_t full = cfg.derating.current_max;
 
     cfg.run.acceleration_q14 = share_q14;
-    drive.observer.speed = 500000;
+    drive.observer.speed = begun;
     ramp_under((torque_range_t){-full, full}, change);
     return drive.observer.speed;
 }
@@ -576,19 +563,13 @@ static step_t estimate_after(step_t change, int32_t share_q14)
 /* Within a quarter of the hand-over speed of the reference, which begins at 0, the rotor follows it. */
 TEST(test_the_estimate_of_a_rotor_that_is_elsewhere_is_left_alone)
 {
-    const int32_t full = cfg.derating.current_max;
     const step_t near = cfg.startup.handover_speed / 4;
     const step_t ramp = 4 * (cfg.speed_loop.ramp / 4);
 
-    cfg.run.acceleration_q14 = 16384;
-    for (step_t sign = -1; sign <= 1; sign += 2) {
-        drive.observer.speed = sign * near;
-        ramp_under((torque_range_t){-full, full}, ramp);
-        TEST_ASSERT_EQUAL_INT32((sign * near) + ramp, drive.observer.speed);
-        drive.observer.speed = sign * (near + 1);
-        ramp_under((torque_range_t){-full, full}, ramp);
-        TEST_ASSERT_EQUAL_INT32(sign * (near + 1), drive.observer.speed);
-    }
+    TEST_ASSERT_EQUAL_INT32(near + ramp, estimate_after(near, ramp, 16384));
+    TEST_ASSERT_EQUAL_INT32(near + 1, estimate_after(near + 1, ramp, 16384));
+    TEST_ASSERT_EQUAL_INT32(ramp - near, estimate_after(-near, ramp, 16384));
+    TEST_ASSERT_EQUAL_INT32(-near - 1, estimate_after(-near - 1, ramp, 16384));
 }
 
 /* The product has 14 bits behind the point, 4 steps. */
@@ -596,11 +577,11 @@ TEST(test_the_estimate_takes_on_its_share_of_what_the_reference_changes)
 {
     const step_t ramp = 4 * (cfg.speed_loop.ramp / 4);
 
-    TEST_ASSERT_EQUAL_INT32(500000 + ramp, estimate_after(ramp, 16384));
-    TEST_ASSERT_EQUAL_INT32(500000 - ramp, estimate_after(-ramp, 16384));
-    TEST_ASSERT_INT32_WITHIN(4, 500000 + (ramp / 4), estimate_after(ramp, 4096));
-    TEST_ASSERT_EQUAL_INT32(500000, estimate_after(ramp, 0));
-    TEST_ASSERT_EQUAL_INT32(500000, estimate_after(-ramp, 0));
+    TEST_ASSERT_EQUAL_INT32(500000 + ramp, estimate_after(500000, ramp, 16384));
+    TEST_ASSERT_EQUAL_INT32(500000 - ramp, estimate_after(500000, -ramp, 16384));
+    TEST_ASSERT_INT32_WITHIN(4, 500000 + (ramp / 4), estimate_after(500000, ramp, 4096));
+    TEST_ASSERT_EQUAL_INT32(500000, estimate_after(500000, ramp, 0));
+    TEST_ASSERT_EQUAL_INT32(500000, estimate_after(500000, -ramp, 0));
 }
 
 TEST(test_the_estimate_waits_with_a_ramp_that_waits)
@@ -710,13 +691,6 @@ static void end_alignment(int32_t swing, int32_t step_fall)
     for (uint32_t k = 0U; (k < 2U) && (drive.state == DRIVE_STATE_ALIGN); k++) {
         take(open_loop_step(&drive, &fault));
     }
-}
-
-TEST(test_an_alignment_is_believed_when_the_rotor_rested)
-{
-    end_alignment(cfg.startup.align.swing_max, 2000);
-    TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, drive.state);
-    TEST_ASSERT_TRUE(drive.identified);
 }
 
 TEST(test_an_alignment_without_an_inductance_leaves_the_model_and_is_not_repeated)
@@ -890,7 +864,7 @@ static int32_t dead_time_after_an_alignment_at(int64_t angle)
     cfg.modulator.dead_time_band_q15 = 245;
     drive.modulator.dead_time_q15 = 655;
     drive.vector.position.turns_q32 = angle;
-    end_alignment(0, 2000);
+    end_alignment(cfg.startup.align.swing_max, 2000);
     TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, drive.state);
     TEST_ASSERT_TRUE(drive.identified);
     return drive.modulator.dead_time_q15;
@@ -1366,20 +1340,6 @@ TEST(test_the_check_of_an_imposed_current_allows_the_whole_emf_in_either_directi
         TEST_ASSERT_EQUAL_INT32(cfg.supervision.voltage_max + emf + 1, drive.fault.value);
         TEST_ASSERT_EQUAL_INT32(cfg.supervision.voltage_max + emf, drive.fault.limit);
     }
-}
-
-TEST(test_the_torques_limits_follow_the_bus_of_this_tick)
-{
-    cfg.startup.current_hold = 0; /* no imposed current comes in */
-    enter(DRIVE_STATE_RUN);
-    drive.signals.bus = cfg.derating.bus_low.zero;
-    slot(SLOT_LIMITS);
-    TEST_ASSERT_EQUAL_INT32(0, drive.torque_range.upper);
-    drive.bus_before = drive.signals.bus;
-    drive.signals.bus = NOMINAL_BUS;
-    slot(SLOT_LIMITS);
-    TEST_ASSERT_EQUAL_INT32(cfg.derating.current_max, drive.torque_range.upper);
-    TEST_ASSERT_EQUAL_INT32(-cfg.derating.current_max, drive.torque_range.lower);
 }
 
 TEST(test_the_torques_limits_follow_the_rotor_where_it_runs_and_the_vector_where_it_is_dragged)
