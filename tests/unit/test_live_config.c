@@ -57,22 +57,33 @@ static void write_wanted(void)
 
 static void assert_verdict(const char *path, const char *why, live_config_verdict_t verdict)
 {
-    if (path == NULL) {
-        TEST_ASSERT_NULL(verdict.path);
-    } else {
-        TEST_ASSERT_EQUAL_STRING(path, verdict.path);
-    }
-    if (why == NULL) {
-        TEST_ASSERT_NULL(verdict.why);
-    } else {
-        TEST_ASSERT_EQUAL_STRING(why, verdict.why);
-    }
+    TEST_ASSERT_EQUAL_STRING(path, verdict.path);
+    TEST_ASSERT_EQUAL_STRING(why, verdict.why);
 }
 
 static void take(void)
 {
     tick_period();
     live_config_step(&live);
+}
+
+static live_config_verdict_t apply_wanted(void)
+{
+    write_wanted();
+    return live_config_apply(&live, wanted.cfg.crc);
+}
+
+static void bring_into_force(void)
+{
+    assert_verdict(NULL, NULL, apply_wanted());
+    take();
+    TEST_ASSERT_EQUAL_MEMORY(&wanted, live.in_force, sizeof wanted);
+}
+
+static void stop(void)
+{
+    commander_stop(&app);
+    tick_period();
 }
 
 static void run(void)
@@ -118,10 +129,7 @@ TEST(test_changes_follow_each_other_with_the_words_that_differ)
 {
     for (uint32_t k = 0U; k < 5U; k++) {
         want_gain();
-        write_wanted();
-        assert_verdict(NULL, NULL, live_config_apply(&live, wanted.cfg.crc));
-        take();
-        TEST_ASSERT_EQUAL_MEMORY(&wanted, live.in_force, sizeof wanted);
+        bring_into_force();
     }
 }
 
@@ -129,15 +137,11 @@ TEST(test_a_setting_that_cannot_change_in_run_is_named_and_changes_at_rest)
 {
     run();
     want_scale();
-    write_wanted();
-    assert_verdict("speed_shift", RUNNING, live_config_apply(&live, wanted.cfg.crc));
+    assert_verdict("speed_shift", RUNNING, apply_wanted());
     take();
     TEST_ASSERT_NOT_EQUAL_UINT32(wanted.cfg.crc, live.in_force->cfg.crc);
-    commander_stop(&app);
-    tick_period();
-    write_wanted();
-    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.cfg.crc));
-    take();
+    stop();
+    bring_into_force();
     TEST_ASSERT_EQUAL_UINT32(wanted.cfg.crc, live.in_force->cfg.crc);
 }
 
@@ -147,15 +151,11 @@ TEST(test_an_apply_that_is_asked_for_again_has_the_same_verdict_and_no_effect)
     assert_verdict(NULL, NO_BLOCK, live_config_apply(&live, live.in_force->cfg.crc));
     run();
     want_scale();
-    write_wanted();
-    assert_verdict("speed_shift", RUNNING, live_config_apply(&live, wanted.cfg.crc));
-    commander_stop(&app);
-    tick_period();
+    assert_verdict("speed_shift", RUNNING, apply_wanted());
+    stop();
     assert_verdict("speed_shift", RUNNING, live_config_apply(&live, wanted.cfg.crc));
     TEST_ASSERT_FALSE(app_changes(&app));
-    write_wanted();
-    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.cfg.crc));
-    take();
+    bring_into_force();
     assert_verdict(NULL, NULL, live_config_apply(&live, wanted.cfg.crc));
     TEST_ASSERT_FALSE(app_changes(&app));
 }
@@ -164,9 +164,7 @@ TEST(test_an_apply_that_is_asked_for_again_has_the_same_verdict_and_no_effect)
 TEST(test_only_the_crc_of_the_last_apply_has_its_verdict_again)
 {
     want_gain();
-    write_wanted();
-    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.cfg.crc));
-    take();
+    bring_into_force();
     assert_verdict(NULL, NO_BLOCK, live_config_apply(&live, wanted.cfg.crc ^ 1U));
     assert_verdict(NULL, NULL, live_config_apply(&live, wanted.cfg.crc));
     live_config_forget(&live);
@@ -176,9 +174,7 @@ TEST(test_only_the_crc_of_the_last_apply_has_its_verdict_again)
 TEST(test_after_the_configuration_of_the_image_no_verdict_of_before_is_repeated)
 {
     want_gain();
-    write_wanted();
-    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.cfg.crc));
-    take();
+    bring_into_force();
     assert_verdict(NULL, NULL, live_config_restore(&live));
     take();
     assert_verdict(NULL, NO_BLOCK, live_config_apply(&live, wanted.cfg.crc));
@@ -188,14 +184,10 @@ TEST(test_words_that_were_refused_are_not_part_of_what_is_prepared_next)
 {
     run();
     want_scale();
-    write_wanted();
-    (void)live_config_apply(&live, wanted.cfg.crc);
+    (void)apply_wanted();
     wanted = *live.in_force;
     want_gain();
-    write_wanted();
-    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.cfg.crc));
-    take();
-    TEST_ASSERT_EQUAL_MEMORY(&wanted, live.in_force, sizeof wanted);
+    bring_into_force();
 }
 
 TEST(test_another_crc_than_that_of_the_prepared_block_is_refused)
@@ -212,10 +204,7 @@ TEST(test_a_preparation_that_is_forgotten_begins_anew_with_the_block_in_force)
     (void)live_config_write(&live, 30U, 0xDEADBEEFU);
     live_config_forget(&live);
     want_gain();
-    write_wanted();
-    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.cfg.crc));
-    take();
-    TEST_ASSERT_EQUAL_MEMORY(&wanted, live.in_force, sizeof wanted);
+    bring_into_force();
 }
 
 TEST(test_a_damaged_block_and_a_bad_setting_are_refused)
@@ -226,15 +215,12 @@ TEST(test_a_damaged_block_and_a_bad_setting_are_refused)
     assert_verdict(NULL, "the block is damaged", live_config_apply(&live, wanted.cfg.crc));
     wanted.cfg.slow_ticks = 5U;
     seal();
-    write_wanted();
     assert_verdict("slow_ticks", "the block has a setting that the drive does not take",
-                   live_config_apply(&live, wanted.cfg.crc));
+                   apply_wanted());
     wanted = *live.in_force;
     wanted.identity.board++;
     seal();
-    write_wanted();
-    assert_verdict(NULL, "the block was made for another board",
-                   live_config_apply(&live, wanted.cfg.crc));
+    assert_verdict(NULL, "the block was made for another board", apply_wanted());
     take();
     TEST_ASSERT_EQUAL_MEMORY(&image_cfg, &live.in_force->cfg, sizeof image_cfg);
 }
@@ -249,8 +235,7 @@ TEST(test_a_word_beyond_the_block_is_refused)
 TEST(test_while_a_change_waits_for_its_tick_nothing_else_is_prepared)
 {
     want_gain();
-    write_wanted();
-    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.cfg.crc));
+    assert_verdict(NULL, NULL, apply_wanted());
     assert_verdict(NULL, PENDING, live_config_write(&live, 0U, 0U));
     assert_verdict(NULL, PENDING, live_config_apply(&live, wanted.cfg.crc));
     assert_verdict(NULL, PENDING, live_config_restore(&live));
@@ -271,8 +256,7 @@ TEST(test_without_a_tick_no_change_is_taken_up)
     assert_verdict(NULL, "the control tick does not run", live_config_apply(&live, wanted.cfg.crc));
     hardware.health.tick_lost = false;
     hardware.ticks = 0U;
-    write_wanted();
-    assert_verdict(NULL, "the control tick does not run", live_config_apply(&live, wanted.cfg.crc));
+    assert_verdict(NULL, "the control tick does not run", apply_wanted());
     TEST_ASSERT_FALSE(app_changes(&app));
 }
 
@@ -282,8 +266,7 @@ TEST(test_name_and_motor_of_the_block_in_force_are_those_of_about)
     wanted.about.speed_max_rpm = 1000;
     config_block_name(wanted.about.name, "another motor");
     want_gain();
-    write_wanted();
-    (void)live_config_apply(&live, wanted.cfg.crc);
+    (void)apply_wanted();
     TEST_ASSERT_EQUAL_STRING("a board", live.about.name);
     take();
     TEST_ASSERT_EQUAL_STRING("another motor", live.about.name);
@@ -298,9 +281,7 @@ TEST(test_a_speed_in_force_stays_within_the_new_limit)
     commander_set_speed(&app, -EXAMPLE_SPEED_STEP);
     wanted.about.speed_max_rpm = 1000;
     want_gain();
-    write_wanted();
-    (void)live_config_apply(&live, wanted.cfg.crc);
-    take();
+    bring_into_force();
     TEST_ASSERT_EQUAL_INT32(-14316558, command_mailbox_take(&app.mailbox).target);
     commander_set_speed(&app, EXAMPLE_SPEED_STEP);
     commander_limit_speed(&app, 14316558);
@@ -314,13 +295,10 @@ TEST(test_where_the_drive_begins_anew_no_target_is_left)
 
     command_mailbox_post(&app.mailbox, &position);
     want_gain();
-    write_wanted();
-    (void)live_config_apply(&live, wanted.cfg.crc);
-    take();
+    bring_into_force();
     TEST_ASSERT_EQUAL_INT32_MESSAGE(77, command_mailbox_take(&app.mailbox).target, "it goes on");
     want_scale();
-    write_wanted();
-    (void)live_config_apply(&live, wanted.cfg.crc);
+    (void)apply_wanted();
     TEST_ASSERT_EQUAL_INT32_MESSAGE(77, command_mailbox_take(&app.mailbox).target, "not taken");
     take();
     TEST_ASSERT_EQUAL_INT32(0, command_mailbox_take(&app.mailbox).target);
@@ -332,14 +310,11 @@ TEST(test_the_configuration_of_the_image_comes_back)
 {
     wanted.about.speed_max_rpm = 1000;
     want_scale();
-    write_wanted();
-    (void)live_config_apply(&live, wanted.cfg.crc);
-    take();
+    bring_into_force();
     calibrate(); /* the drive has begun anew */
     run();
     assert_verdict("speed_shift", RUNNING, live_config_restore(&live));
-    commander_stop(&app);
-    tick_period();
+    stop();
     assert_verdict(NULL, NULL, live_config_restore(&live));
     take();
     TEST_ASSERT_EQUAL_MEMORY(&image_cfg, &live.in_force->cfg, sizeof image_cfg);
@@ -352,14 +327,11 @@ TEST(test_the_configuration_of_the_image_comes_back)
 TEST(test_the_block_in_force_is_stored_at_rest_and_the_next_start_takes_it)
 {
     want_gain();
-    write_wanted();
-    (void)live_config_apply(&live, wanted.cfg.crc);
-    take();
+    bring_into_force();
     run();
     assert_verdict(NULL, "the drive does not rest with open gates; stop it first",
                    live_config_store(&live));
-    commander_stop(&app);
-    tick_period();
+    stop();
     assert_verdict(NULL, NULL, live_config_store(&live));
     live_config_init(&live, &app, &hardware, &of_image, &image_cfg);
     TEST_ASSERT_TRUE(live.stored.is_stored);
