@@ -75,6 +75,13 @@ static weakening_limits_t limits(void)
     return now;
 }
 
+static void assert_limits(int32_t lower, int32_t upper, int32_t reach, weakening_limits_t now)
+{
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(lower, now.lower, "lower");
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(upper, now.upper, "upper");
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(reach, now.reach, "reach");
+}
+
 /* Largest y = −i_d/I that the circle has on the ellipse, 0: all of it lies within. By bisection: the ellipse is left once. */
 static double circle_depth(const ellipse_t *e)
 {
@@ -117,17 +124,6 @@ static double torque_depth(const ellipse_t *e, double most)
 }
 
 /* ---- the ellipse ---- */
-
-/* In plain numbers: E = 12800 − 150, ω·φ = 16384, X = 1; √(12650² − 5000²) = 11620. */
-TEST(test_i_d_is_what_the_ellipse_leaves_above_i_q)
-{
-    TEST_ASSERT_INT32_WITHIN(4, 12650 - 16384, limits().upper);
-    in.reference = (dq_t){0, -5000};
-    TEST_ASSERT_INT32_WITHIN(4, 11620 - 16384, limits().upper);
-    in.reference = (dq_t){0, 0};
-    in.speed_q15 = 12000; /* X = 0.732 */
-    TEST_ASSERT_INT32_WITHIN(4, 888, limits().upper);
-}
 
 static void random_point(seeded_t *seed)
 {
@@ -204,30 +200,12 @@ TEST(test_it_ends_where_the_circle_meets_the_ellipse_or_at_the_most_torque_per_v
     TEST_ASSERT_GREATER_THAN_UINT32(20U, torques);
 }
 
-TEST(test_the_magnets_end_it_and_i_q_stays_on_the_ellipse_there)
-{
-    in.deepest = 5000;
-    /* √(12650² − (16384 − 5000)²) */
-    TEST_ASSERT_EQUAL_INT32(-5000, limits().lower);
-    TEST_ASSERT_INT32_WITHIN(8, 5516, limits().reach);
-}
-
 TEST(test_a_speed_that_no_current_reaches_leaves_no_torque)
 {
     in.speed_q15 = 32767;
     see_bus(6000);
     in.deepest = 8000;
-    TEST_ASSERT_EQUAL_INT32(-8000, limits().lower);
-    TEST_ASSERT_EQUAL_INT32(-8000, limits().upper);
-    TEST_ASSERT_EQUAL_INT32(0, limits().reach);
-}
-
-/* Of U_b: E = 296.5, ω·φ = 400, X·I = 244; (400² + 244² − 296.5²) / (2·244·400) = 0.674. A voltage is rounded to 1 of 122. */
-TEST(test_a_small_part_of_the_bases_is_enough)
-{
-    see_bus(300);
-    in.speed_q15 = 400;
-    TEST_ASSERT_INT32_WITHIN(150, -6740, limits().lower);
+    assert_limits(-8000, -8000, 0, limits());
 }
 
 TEST(test_a_speed_within_the_circle_asks_for_nothing)
@@ -275,14 +253,19 @@ TEST(test_the_deepest_i_d_takes_the_resistance_of_the_current_that_flows)
     TEST_ASSERT_INT32_WITHIN(8, -6047, limits().lower);
 }
 
-/* An i_q* that the voltage does not allow: its R·i would leave nothing of the ellipse, and all of it in the next period. */
-TEST(test_an_i_q_that_is_only_asked_for_leaves_i_q_its_place_on_the_ellipse)
+/*
+ * √(12650² − (16384 − 5000)²). An i_q* that the voltage does not allow is only asked for: its R·i
+ * would leave nothing of the ellipse.
+ */
+TEST(test_the_magnets_end_it_and_i_q_stays_on_the_ellipse_there)
 {
     in.deepest = 5000;
-    model.resistance_q13 = 8191; /* 1 of U_b/I_b: more than E at this i_q* */
-    in.reference = (dq_t){0, 13000};
-    TEST_ASSERT_EQUAL_INT32(-5000, limits().lower);
-    TEST_ASSERT_INT32_WITHIN(8, 5516, limits().reach);
+    for (int k = 0; k < 2; k++) {
+        TEST_ASSERT_EQUAL_INT32(-5000, limits().lower);
+        TEST_ASSERT_INT32_WITHIN(8, 5516, limits().reach);
+        model.resistance_q13 = 8191; /* 1 of U_b/I_b: more than E at this i_q* */
+        in.reference = (dq_t){0, 13000};
+    }
 }
 
 /* ---- to the last digit: voltages Q14 of U_b, I = 16384 ---- */
@@ -351,28 +334,36 @@ TEST(test_a_voltage_that_is_left_over_without_a_reactance_is_all_of_the_current)
 }
 
 /* R = 1. */
-TEST(test_the_resistance_takes_of_both_axes)
+static void resist(dq_t voltage, dq_t current)
 {
-    set_volts(16000, 10000, 16000, 0);
     model.resistance_q13 = 8192;
-    in.voltage = (dq_t){-6000, 8000};
-    in.reference = (dq_t){-5000, 2000}; /* (30 + 16)e6 / 1e4 = 4600 of 32768 */
-    in.current = in.reference;
-    /* (10000 − 2300 − 16000) / 16000 · 16384 = −8499.2 */
-    TEST_ASSERT_EQUAL_INT32(-8499, limits().upper);
+    in.voltage = voltage;
+    in.reference = current;
+    in.current = current;
 }
 
-TEST(test_the_resistance_counts_with_the_least_of_voltages)
+TEST(test_the_resistance_takes_along_the_voltage_what_there_is)
 {
-    set_volts(16000, 10000, 16000, 0);
-    model.resistance_q13 = 8192;
-    in.voltage = (dq_t){0, 0};
-    in.reference = (dq_t){0, 4000};
-    in.current = in.reference;
-    TEST_ASSERT_EQUAL_INT32(-6143, limits().upper); /* −6000 / 16000 · 16384 in 15 bits */
-    set_flux(10000);
-    in.voltage = (dq_t){0, 1};
-    TEST_ASSERT_EQUAL_INT32(-8191, limits().upper); /* 4000 of 32768 less: −8000 / 16000 · 16384 */
+    static const struct {
+        const char *name;
+        int32_t emf;
+        int32_t flux;
+        dq_t voltage;
+        dq_t current;
+        int32_t upper;
+    } cases[] = {
+        /* (30 + 16)e6 / 1e4 = 4600 of 32768: (10000 − 2300 − 16000) / 16000 · 16384 = −8499.2 */
+        {"both axes", 16000, 10000, {-6000, 8000}, {-5000, 2000}, -8499},
+        {"no voltage", 16000, 10000, {0, 0}, {0, 4000}, -6143},    /* −6000 / 16000, in 15 bits */
+        {"least voltage", 16000, 10000, {0, 1}, {0, 4000}, -8191}, /* −8000 / 16000: 2000 less */
+        {"more than there is", 8000, 1000, {12000, 0}, {4000, 0}, -8192}, /* 2000 of 1000 */
+    };
+
+    for (uint32_t k = 0U; k < (sizeof cases / sizeof cases[0]); k++) {
+        set_volts(cases[k].emf, cases[k].flux, 16000, (k == 3U) ? 16000 : 0);
+        resist(cases[k].voltage, cases[k].current);
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(cases[k].upper, limits().upper, cases[k].name);
+    }
 }
 
 /* √2 is 1: so i·v/|v| is 32768 here and not more, times R = 1/2. */
@@ -388,16 +379,6 @@ TEST(test_the_resistance_takes_at_most_its_voltage_at_a_whole_current)
     model.resistance_q13 = 4096;
     in.reference = (dq_t){-16384, -16384}; /* 8192 of 16000: 8388.6 */
     TEST_ASSERT_EQUAL_INT32(8388, limits().upper);
-}
-
-TEST(test_a_resistance_that_takes_more_than_there_is_leaves_nothing)
-{
-    set_volts(8000, 1000, 16000, 16000);
-    model.resistance_q13 = 8192;
-    in.voltage = (dq_t){12000, 0};
-    in.reference = (dq_t){4000, 0}; /* 2000 of 1000 */
-    in.current = in.reference;
-    TEST_ASSERT_EQUAL_INT32(-8192, limits().upper);
 }
 
 /* 8500 − 5000/2 = 6000 along leaves 8000 of 10000, over 16000. */
@@ -417,52 +398,35 @@ TEST(test_a_circle_that_just_fits_asks_for_nothing)
 }
 
 /* c / (b + √(b² + a·c)) · 16384 in whole numbers. */
-TEST(test_the_circle_meets_the_ellipse_also_with_a_few_digits)
+TEST(test_the_circle_meets_the_ellipse_or_ends_it_to_the_last_digit)
 {
-    set_volts(1, 1, 1, 1); /* 1 / (1 + 1) */
-    TEST_ASSERT_EQUAL_INT32(-8192, limits().lower);
-    set_volts(5, 5, 3, 3); /* 9 / 30 */
-    TEST_ASSERT_EQUAL_INT32(-4915, limits().lower);
-    set_volts(200, 250, 200, 200); /* 17500 / 80000: 16 bits, of which one goes */
-    TEST_ASSERT_EQUAL_INT32(-3584, limits().lower);
-    set_volts(400, 300, 200, 200); /* 110000 / 160000: more than 15 bits */
-    TEST_ASSERT_EQUAL_INT32(-11264, limits().lower);
-}
+    static const struct {
+        const char *name;
+        int32_t emf;
+        int32_t flux;
+        int32_t along;
+        int32_t across;
+        int32_t lower;
+    } cases[] = {
+        {"1 / (1 + 1)", 1, 1, 1, 1, -8192},
+        {"9 / 30", 5, 5, 3, 3, -4915},
+        {"17500 / 80000: 16 bits, of which one goes", 200, 250, 200, 200, -3584},
+        {"110000 / 160000: more than 15 bits", 400, 300, 200, 200, -11264},
+        {"4e6 / (3e6 + √36e12) = 4 / 9: 7281.8", 2000, 3000, 1500, 3000, -7282},
+        {"5.25e6 / (1.5e6 + √18e12): 14978.5", 1500, 1000, 1000, 2000, -14979},
+        {"2.25e6 / 3e6", 1500, 1000, 1000, 1000, -12288},
+        {"16383.97, of a share rounded to 1", 2500, 5, 2500, 2500, -CURRENT_END},
+        {"no root: 1 / (1 + √(1 − 1))", 1, 0, 1, 0, -CURRENT_END},
+        {"no root, 9 − 25: −φ / L_d is the deepest of use", 1, 0, 3, 2, -5461},
+        {"neither magnets nor saliency", 0, 100, 200, 200, 0},
+        {"no saliency: ω·φ / X_d = 5 / 20", 5, 18, 20, 20, -4096},
+        {"L_q below L_d: the same", 5, 18, 20, 19, -4096},
+    };
 
-TEST(test_the_circle_meets_the_ellipse_to_the_last_digit_of_15_bits)
-{
-    set_volts(2000, 3000, 1500, 3000); /* 4e6 / (3e6 + √36e12) = 4 / 9: 7281.8 */
-    TEST_ASSERT_EQUAL_INT32(-7282, limits().lower);
-    set_volts(1500, 1000, 1000, 2000); /* 5.25e6 / (1.5e6 + √18e12): 14978.5 */
-    TEST_ASSERT_EQUAL_INT32(-14979, limits().lower);
-    set_volts(1500, 1000, 1000, 1000); /* 2.25e6 / 3e6 */
-    TEST_ASSERT_EQUAL_INT32(-12288, limits().lower);
-    set_volts(2500, 5, 2500, 2500); /* (12.5e6 − 25) / 12.5e6: 16383.97, of a share rounded to 1 */
-    TEST_ASSERT_EQUAL_INT32(-CURRENT_END, limits().lower);
-}
-
-TEST(test_without_a_root_the_circle_ends_it)
-{
-    set_volts(1, 0, 1, 0); /* 1 / (1 + √(1 − 1)) */
-    TEST_ASSERT_EQUAL_INT32(-CURRENT_END, limits().lower);
-    set_volts(1, 0, 3,
-              2); /* 9 − 25: the circle misses the ellipse; of use is i_d up to −φ / L_d = −1 / 3 */
-    TEST_ASSERT_EQUAL_INT32(-5461, limits().lower);
-}
-
-TEST(test_a_motor_without_magnets_and_saliency_has_no_use_for_i_d)
-{
-    set_volts(0, 100, 200, 200);
-    TEST_ASSERT_EQUAL_INT32(0, limits().lower);
-}
-
-/* ω·φ / X_d = 5 / 20. */
-TEST(test_without_saliency_the_most_torque_per_volt_is_above_the_short_circuit_current)
-{
-    set_volts(5, 18, 20, 20);
-    TEST_ASSERT_EQUAL_INT32(-4096, limits().lower);
-    set_volts(5, 18, 20, 19);
-    TEST_ASSERT_EQUAL_INT32(-4096, limits().lower);
+    for (uint32_t k = 0U; k < (sizeof cases / sizeof cases[0]); k++) {
+        set_volts(cases[k].emf, cases[k].flux, cases[k].along, cases[k].across);
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(cases[k].lower, limits().lower, cases[k].name);
+    }
 }
 
 TEST(test_without_voltage_and_reactance_the_current_ends_it)
@@ -475,13 +439,8 @@ TEST(test_without_voltage_and_reactance_the_current_ends_it)
 /* ω·φ = 16000, E = 10000, X·I = 16000: −6000 / 16000 · 16384. */
 TEST(test_it_decides_below_what_is_wanted_and_not_at_it)
 {
-    weakening_limits_t now;
-
     set_volts(16000, 10000, 16000, 16000);
-    now = weakening_step(&weakening, &in, -6144);
-    TEST_ASSERT_EQUAL_INT32(-6144, now.upper);
-    TEST_ASSERT_EQUAL_INT32(-CURRENT_END, now.lower);
-    TEST_ASSERT_EQUAL_INT32(CURRENT_END, now.reach);
+    assert_limits(-CURRENT_END, -6144, CURRENT_END, weakening_step(&weakening, &in, -6144));
     in.reference = (dq_t){-6144, 0};
     set_flux(10000);
     (void)weakening_step(&weakening, &in, -6144);
@@ -511,6 +470,12 @@ static bool is_near(int32_t d, int32_t q, int32_t radius)
     return weakening_is_near(&weakening, (dq_t){d, q}, radius);
 }
 
+static void learn(int32_t voltage_q)
+{
+    in.voltage = (dq_t){0, voltage_q};
+    (void)weakening_step(&weakening, &in, 0);
+}
+
 TEST(test_it_is_near_above_fifteen_sixteenths_of_the_circle)
 {
     see_bus(12000);
@@ -536,29 +501,36 @@ TEST(test_it_is_near_as_long_as_it_acts)
 
 TEST(test_a_lack_of_voltage_lowers_i_d_and_a_rest_raises_it)
 {
-    in.voltage = (dq_t){0, 12800}; /* 150 above E */
-    weakening_step(&weakening, &in, 0);
+    learn(12800); /* 150 above E */
     TEST_ASSERT_EQUAL_INT32(-19, weakening.voltage);
-    in.voltage = (dq_t){0, 12600};
-    weakening_step(&weakening, &in, 0);
+    learn(12600);
     TEST_ASSERT_EQUAL_INT32(-19 + 6, weakening.voltage);
 }
 
-TEST(test_the_integral_ends_at_a_quarter_of_the_circle)
+TEST(test_the_integral_ends_at_a_quarter_of_the_circle_on_both_sides)
 {
-    in.voltage = (dq_t){0, 9700};
-    for (int k = 0; k < 100; k++) {
-        weakening_step(&weakening, &in, CURRENT_END);
+    static const int32_t voltages[] = {9700, 20000};
+    static const int32_t ends[] = {3200, -3200};
+
+    for (uint32_t side = 0U; side < 2U; side++) {
+        setUp();
+        in.voltage = (dq_t){0, voltages[side]};
+        for (int k = 0; k < 100; k++) {
+            weakening_step(&weakening, &in, CURRENT_END);
+        }
+        TEST_ASSERT_EQUAL_INT32(ends[side], weakening.voltage);
     }
-    TEST_ASSERT_EQUAL_INT32(3200, weakening.voltage);
 }
 
-TEST(test_at_the_deepest_i_d_a_lack_is_not_learned)
+TEST(test_at_the_deepest_i_d_a_rest_alone_is_learned_from_its_first_step_on)
 {
-    in.voltage = (dq_t){0, 12800};
     in.deepest = 3000;
-    weakening_step(&weakening, &in, 0);
+    learn(12800);
     TEST_ASSERT_EQUAL_INT32(0, weakening.voltage);
+    learn(12650 - 8);
+    TEST_ASSERT_EQUAL_INT32(1, weakening.voltage);
+    learn(12650 - 16);
+    TEST_ASSERT_EQUAL_INT32(3, weakening.voltage);
 }
 
 TEST(test_what_was_learned_is_forgotten_where_the_voltage_does_not_decide)
@@ -568,8 +540,11 @@ TEST(test_what_was_learned_is_forgotten_where_the_voltage_does_not_decide)
         (void)is_near(0, 0, 12800);
     }
     TEST_ASSERT_EQUAL_INT32(-8192 + (102 * 80), weakening.voltage);
-    (void)is_near(0, 0, 12800);
-    TEST_ASSERT_EQUAL_INT32(0, weakening.voltage);
+    for (int last = -1; last <= 1; last++) { /* and of what is left the last digit on either side */
+        (void)is_near(0, 0, 12800);
+        TEST_ASSERT_EQUAL_INT32(0, weakening.voltage);
+        weakening.voltage = (last == 0) ? -1 : 1;
+    }
     weakening.voltage = 100;
     weakening_step(&weakening, &in, -CURRENT_END);
     TEST_ASSERT_EQUAL_INT32(20, weakening.voltage);
@@ -590,36 +565,6 @@ TEST(test_the_lowest_bus_of_late_counts)
         (void)is_near(0, 0, 12800);
     }
     TEST_ASSERT_INT32_WITHIN(65, before, limits().upper); /* what rounding leaves, 63 of Q15 */
-}
-
-TEST(test_at_the_deepest_i_d_a_rest_is_learned_from_its_first_step_on)
-{
-    in.deepest = 3000;
-    in.voltage = (dq_t){0, 12650 - 8};
-    weakening_step(&weakening, &in, 0);
-    TEST_ASSERT_EQUAL_INT32(1, weakening.voltage);
-    in.voltage = (dq_t){0, 12650 - 16};
-    weakening_step(&weakening, &in, 0);
-    TEST_ASSERT_EQUAL_INT32(3, weakening.voltage);
-}
-
-TEST(test_the_integral_of_a_lack_ends_at_a_quarter_of_the_circle)
-{
-    in.voltage = (dq_t){0, 20000};
-    for (int k = 0; k < 100; k++) {
-        weakening_step(&weakening, &in, CURRENT_END);
-    }
-    TEST_ASSERT_EQUAL_INT32(-3200, weakening.voltage);
-}
-
-TEST(test_the_last_digit_of_what_was_learned_is_forgotten)
-{
-    weakening.voltage = 1;
-    (void)is_near(0, 0, 12800);
-    TEST_ASSERT_EQUAL_INT32(0, weakening.voltage);
-    weakening.voltage = -1;
-    (void)is_near(0, 0, 12800);
-    TEST_ASSERT_EQUAL_INT32(0, weakening.voltage);
 }
 
 TEST(test_the_first_bus_counts_as_it_is)
