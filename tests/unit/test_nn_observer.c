@@ -478,8 +478,8 @@ static void assert_gradient_acts(int32_t gradient)
 }
 
 /*
- * b = e_q·x̂ − e_d·ŷ with ŷ = x̂/2 held. x̂ = 8192 in Q15 of I_x and b >> 12: 2·e_q − e_d. A small x̂ = 32 leaves room for
- * 2^8 times as much, b >> 4: the same.
+ * b = e_q·x̂ − e_d·ŷ with ŷ = x̂/2 held. x̂ = 8192 in Q15 of I_x and b >> 12: 2·e_q − e_d.
+ * x̂ = 32 leaves room for 2^8 times as much, b >> 4: the same.
  */
 TEST(test_training_goes_down_along_both_errors)
 {
@@ -558,8 +558,10 @@ static void assert_ranges(void)
 
 TEST(test_integral_speed_stops_at_its_limit_and_the_proportional_path_goes_beyond_it)
 {
+    const int32_t x = cfg.flux_q27 / 4096;
+
     for (int32_t sign = -1; sign <= 1; sign += 2) {
-        const double gradient = floor(-sign * 8000.0 * (cfg.flux_q27 / 4096) / 4096.0);
+        const double gradient = floor(-sign * 8000.0 * x / 4096.0);
         const step_t limit = sign * cfg.speed_limit;
 
         begin();
@@ -906,8 +908,8 @@ TEST(test_with_speed_and_angle_given_the_network_reproduces_the_current)
 }
 
 /*
- * The first 32 starts are at rest, at angles all around. Sine and cosine are within 1 LSB of 32767·sin: 2 of 2^15 of
- * both parts; 4 for the roundings of the products.
+ * The first 32 starts are at rest, at angles all around. Sine and cosine are within 1 LSB of
+ * 32767·sin: 2 of 2^15 of both parts; 4 for the roundings of the products.
  */
 TEST(test_start_begins_with_the_given_speed_current_and_angle)
 {
