@@ -33,6 +33,10 @@ class TheTest(unittest.TestCase):
         self.assertEqual(departure(["a"], ["a", "b"]), ("the end", ["b"]))
         self.assertIsNone(departure(["a", "..."], ["a"]))
 
+    def test_digits_of_a_checksum_stand_for_any_and_those_of_a_number_do_not(self):
+        self.assertIsNone(departure(["configuration 12ab34cd,"], ["configuration 00000000,"]))
+        self.assertIsNotNone(departure(["raw 14387285"], ["raw 14387286"]))
+
     def test_what_is_renewed_shows_the_lines_in_place_of_the_old_ones(self):
         printed = ["head", "speed 3", "current 7", "more", "angle 5", "end 2"]
         self.assertEqual(renewed(["speed 1"], printed), printed)

@@ -46,7 +46,7 @@ class Evidence(unittest.TestCase):
         return run.State(self.root / "state.json")
 
     def note(self, *tests):
-        progress = run.Progress([self.part], self.state())
+        progress = run.Progress([self.part], self.state(), {"part": self.part.digest()})
         with mock.patch("builtins.print"):
             for test in tests:
                 progress.note(test)
@@ -85,7 +85,7 @@ class Evidence(unittest.TestCase):
         self.assertFalse(self.state().is_due(self.part))
 
     def test_what_changes_while_a_part_is_made_makes_it_due_again(self):
-        progress = run.Progress([self.part], self.state())
+        progress = run.Progress([self.part], self.state(), {"part": self.part.digest()})
         self.source.write_text("two", encoding="utf-8")
         with mock.patch("builtins.print"):
             progress.note(ended("part.a"))
@@ -116,6 +116,11 @@ class Evidence(unittest.TestCase):
         tests = {name: mock.Mock(labels={"evidence"}) for name in ("part.a", "other")}
         self.assertIn("other belongs to 0 parts", "\n".join(run.assign([self.part], tests)))
         self.assertIn("part.a belongs to 2 parts", "\n".join(run.assign([self.part, self.part], tests)))
+
+    def test_a_pattern_that_no_test_of_the_evidence_matches_is_found(self):
+        self.part.patterns.append("gone.*")
+        self.assertEqual(list(run.assign([self.part], {"part.a": mock.Mock(labels={"evidence"})})),
+                         ["parts.toml: part: no test of the label evidence matches gone.*"])
 
     def test_the_page_names_a_part_that_was_not_made_and_escapes_its_texts(self):
         part.end(self.root / "one.json", "one", "One", "What <is> shown.", [part.figure("share", "98 %", "≥ 95 %", False)], [])
@@ -153,8 +158,13 @@ class Cost(unittest.TestCase):
         self.assertGreater(test.core_seconds, 2 - 2 * ctest_run.LOOK_S)
         self.assertLess(test.core_seconds, 2 + 2 * ctest_run.LOOK_S)
 
+    def test_lines_of_a_ctest_that_a_test_has_called_are_not_tests(self):
+        lines = ("  1/2 Test  #7: one ....   Passed    0.10 sec", " 12/286 Test #31: inner ...***Failed    0.01 sec",
+                 " 1/286 Test #31: inner ...   Passed    0.01 sec", "  2/2 Test  #9: two ...***Failed    0.20 sec")
+        self.assertEqual([found[2:4] for found in ctest_run.own_lines(lines)], [("one", "   Passed"), ("two", "***Failed")])
+
     def test_a_test_dearer_than_allowed_is_found_unless_it_has_a_reason(self):
-        dear = [ctest_run.Ended("a", True, 1.0, run_tests.MOST + 1)]
+        dear = [ctest_run.Ended("a", True, 1.0, run_tests.FAILS + 1)]
         self.assertEqual(len(list(run_tests.too_dear(dear, {"a": mock.Mock(labels=set())}))), 1)
         self.assertEqual(list(run_tests.too_dear(dear, {"a": mock.Mock(labels={"dear"})})), [])
 

@@ -36,8 +36,8 @@ endfunction()
 
 # nf_quick_to_compile(<target>)
 #
-# A source that only reads the command line: it runs once, and the library that it uses takes long to optimise. Headers
-# precompiled for optimised code do not fit it.
+# C++ that runs for a moment and takes long to optimise: what reads the command line, the calls of a page. Headers precompiled for
+# optimised code do not fit it.
 function(nf_quick_to_compile target)
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-O0>)
     set_target_properties(${target} PROPERTIES DISABLE_PRECOMPILE_HEADERS ON)

@@ -27,7 +27,7 @@ BLOCK = re.compile(r"(?<=^```console\n).*?(?=^```$)", re.MULTILINE | re.DOTALL)
 FILE = re.compile(r"^```toml\n(# ([\w.]+\.toml)\n.*?)^```$", re.MULTILINE | re.DOTALL)
 TYPED = re.compile(r"^(\([^)]+\)) (.+)$")
 ANY = "..."
-CHECKSUM = re.compile(r"\b[0-9a-f]{8}\b")
+CHECKSUM = re.compile(r"\b(configuration|hash) [0-9a-f]{8}\b")
 
 
 def guides():
@@ -55,7 +55,7 @@ def gdb_command(gdb, command, typed):
 def departure(shown, printed):
     """The first line that is shown and not printed, with what was printed in its place; None without one."""
     at, anywhere = 0, False
-    shown, printed = ([CHECKSUM.sub("0" * 8, line) for line in lines] for lines in (shown, printed))
+    shown, printed = ([CHECKSUM.sub(r"\1", line) for line in lines] for lines in (shown, printed))
     for line in shown:
         if line == ANY:
             anywhere = True

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import psutil
 
 LOOK_S = 0.5
-ENDED = re.compile(r"^\s*\d+/\d+ Test\s+#\d+: (\S+) [.]+(.*?)\s+([\d.]+) sec")
+ENDED = re.compile(r"^\s*(\d+)/(\d+) Test\s+#\d+: (\S+) [.]+(.*?)\s+([\d.]+) sec")
 
 
 @dataclass
@@ -73,6 +73,22 @@ class Looker(threading.Thread):
         return next((name for name, command in self.commands.items() if is_run_by(command, words)), None)
 
 
+def shown(lines):
+    for line in lines:
+        print(line, end="", flush=True)
+        yield line
+
+
+def own_lines(lines):
+    """What ctest says of each test that has ended. The output of a test may have such lines of another ctest: the own ones count
+    from 1 on, with the same total."""
+    count, total = 0, None
+    for found in filter(None, map(ENDED.match, lines)):
+        if int(found[1]) == count + 1 and (total is None or found[2] == total):
+            count, total = count + 1, found[2]
+            yield found.groups()
+
+
 class Run:
     """One call of ctest. Iterated, it gives each test that has ended; then `status` is ctest's exit status."""
 
@@ -88,11 +104,8 @@ class Run:
             looker = Looker(ctest.pid, self.commands)
             looker.start()
             try:
-                for line in ctest.stdout:
-                    print(line, end="", flush=True)
-                    found = ENDED.match(line)
-                    if found:
-                        yield Ended(found[1], found[2].strip() == "Passed", float(found[3]), looker.most.get(found[1], 0.0))
+                for number, of, name, result, seconds in own_lines(shown(ctest.stdout)):
+                    yield Ended(name, result.strip() == "Passed", float(seconds), looker.most.get(name, 0.0))
             finally:
                 looker.over.set()
         self.status = ctest.returncode

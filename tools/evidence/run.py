@@ -101,8 +101,9 @@ def assign(parts, tests):
             for one in of[:1]:
                 one.tests.append(name)
     for one in parts:
-        if not one.tests:
-            yield f"{PARTS.name}: {one.name}: no test of the label evidence matches {', '.join(one.patterns)}"
+        for pattern in one.patterns:
+            if not fnmatch.filter(one.tests, pattern):
+                yield f"{PARTS.name}: {one.name}: no test of the label evidence matches {pattern}"
 
 
 def minutes(seconds):
@@ -112,9 +113,8 @@ def minutes(seconds):
 class Progress:
     """Of a run: which tests are to come, which parts have ended how."""
 
-    def __init__(self, due, state):
-        self.state = state
-        self.digests = {one.name: one.digest() for one in due}  # of what is tested, should someone edit meanwhile
+    def __init__(self, due, state, digests):
+        self.state, self.digests = state, digests
         self.left = {test: one for one in due for test in one.tests}
         self.took = {one.name: {} for one in due}
         self.failed, self.begin = {}, time.monotonic()
@@ -144,15 +144,15 @@ class Progress:
               f"{len(parts_left)} parts to come, some {rest:.0f} min", flush=True)
 
 
-def make(due, parts, state, tests):
+def make(due, parts, state, tests, digests):
     """Runs the tests of the parts that are due, and of what they need all but parts that have passed."""
     others = sorted(fixture for one in parts if one not in due and not state.is_due(one)
                     for test in one.tests for fixture in tests[test].sets_up)
     wanted = "^(" + "|".join(test.replace(".", "[.]") for one in due for test in one.tests) + ")$"
     run = ctest_run.Run(BUILD, [f"-j{CORES}", "--output-on-failure", "--no-tests=error", "-R", wanted,
                                 *(["-FA", "^(" + "|".join(others) + ")$"] if others else [])],
-                        {name: test.command for name, test in tests.items()})
-    progress = Progress(due, state)
+                        {name: test.command for name, test in tests.items() if "evidence" in test.labels or test.sets_up})
+    progress = Progress(due, state, digests)
     for test in run:
         progress.note(test)
     for test, one in progress.left.items():
@@ -212,6 +212,7 @@ def main():
 def finish(parts, due, state):
     progress = None
     if due:
+        digests = {one.name: one.digest() for one in due}  # before the build: what is edited from here on is due again
         subprocess.run([ROOT / "tools/dev", "build", "host"], check=True)
         tests = ctested.listed(BUILD, whole=False)
         wrong = list(assign(parts, tests))
@@ -220,7 +221,7 @@ def finish(parts, due, state):
         expected = sum(state.core_minutes(one) for one in due)
         print(f"== evidence: {len(due)} of {len(parts)} parts are due: {', '.join(one.name for one in due)}\n"
               f"== evidence: some {expected / CORES:.0f} min on {CORES} cores; stopped and called again, it goes on", flush=True)
-        progress = make(due, parts, state, tests)
+        progress = make(due, parts, state, tests, digests)
     with_figures = [page.read(OUT, one.name) for one in parts if one.figures]
     whole = [summary(parts, due, progress, state), *with_figures]
     PAGE.parent.mkdir(parents=True, exist_ok=True)
