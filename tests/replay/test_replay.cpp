@@ -18,12 +18,13 @@ extern "C" {
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdio>
 #include <cstring>
 #include <functional>
 #include <random>
 #include <string>
 #include <vector>
+
+#include <fmt/format.h>
 
 using nf::replay::Recording;
 using nf::replay::RecordingError;
@@ -72,6 +73,8 @@ nf::Config config_with(const std::vector<std::string> &set, int entries)
 
 constexpr int WHOLE = 65536; // entries that hold all of it
 constexpr int RING = 1024;   // … that hold the last ticks: four segments of 256
+
+constexpr int64_t SEGMENT = RING / RECORDER_SEGMENTS; // ticks at most
 
 // The last tick of these runs: the drive is in RUN and speeds up.
 int64_t last_tick()
@@ -129,15 +132,28 @@ std::string joined(const std::vector<std::string> &lines, const char *end = "\n"
     return text;
 }
 
-std::vector<uint32_t> words_of(const std::string &text)
+using Words = std::vector<uint32_t>;
+
+Words words_of(const std::string &text)
 {
-    std::vector<uint32_t> words;
+    Words words;
     for (const std::string &line : lines_of(text)) {
         const nf::replay::Line decoded = nf::replay::decode_line(line);
         words.insert(words.end(), decoded.words.begin(), decoded.words.end());
     }
     words.resize(words.at(2));
     return words;
+}
+
+Words with(Words words, std::size_t at, uint32_t value)
+{
+    words[at] = value;
+    return words;
+}
+
+Words cut(const Words &words, std::size_t count)
+{
+    return {words.begin(), words.begin() + static_cast<std::ptrdiff_t>(count)};
 }
 
 uint32_t bits(std::mt19937 &random)
@@ -163,7 +179,7 @@ std::string refusal_of(const std::string &bytes)
     return refusal([&] { (void)nf::replay::read(bytes); });
 }
 
-std::string refusal_of(const std::vector<uint32_t> &words)
+std::string refusal_of(const Words &words)
 {
     return refusal([&] { (void)nf::replay::parse(words); });
 }
@@ -289,15 +305,6 @@ TEST(ticks_go_on_where_the_drives_count_wraps)
     TEST_ASSERT_EQUAL_INT64(0xFFFFFFE0LL, run.tick_of(0xFFFFFFE0U)); // before the first
 }
 
-TEST(a_missing_line_is_named)
-{
-    std::vector<std::string> lines = lines_of(recorded());
-    lines.erase(lines.begin() + 7);
-    assert_contains("line 8: it is number 8 of the recording, 7 is missing",
-                    refusal_of(joined(lines)));
-    assert_contains("it ends after 7 of", refusal_of(joined({lines.begin(), lines.begin() + 7})));
-}
-
 // By kind: 0 a byte is another, 1 cut off, 2 a line is missing, 3 twice, 4 exchanged with the next, 5 bytes come in between.
 std::string mutated(std::mt19937 &random, int kind)
 {
@@ -341,49 +348,40 @@ TEST(damage_is_refused)
     TEST_ASSERT_GREATER_THAN_INT(MUTATIONS * 9 / 10, refused);
 }
 
-TEST(what_the_header_says_is_checked)
+TEST(what_the_header_says_and_the_configuration_are_checked)
 {
-    const std::vector<uint32_t> good = words_of(recorded());
-    struct Case {
+    const Words good = words_of(recorded());
+    const uint32_t many = 0xFFFFFFFF;
+    const struct {
         std::size_t word;
         uint32_t value;
         const char *text;
+    } cases[] = {
+        {0, 0x474E5089, "no recording of a flight recorder"},
+        {1, 2, "of another firmware: its format is version 2, this program reads version 3"},
+        {2, 77, "its header says 77 words"},
+        {3, 3, "its configuration has 3 words"},
+        {4, 3, "its state has 3 words"},
+        {5, many, "its parts make"},
+        {FURTHER, 1, "its parts make"},
+        {FURTHER, 2, "its header says 2 further configurations, allowed are 0 and 1"},
+        {FURTHER, many, "its header says 4294967295 further configurations"},
+        {FIRST_TICK, 3, "its first tick is 3"},
+        {8, 3, "frames for the ticks"},
+        {10, FAULT_COUNT, "its fault is number"},
+        {14, 999999, "its tick in ps is 999999, allowed are 1000000 to 1000000000"},
+        {14, 1000000001, "its tick in ps is 1000000001"},
+        {15, 0, "its current scale in uA is 0"},
+        {16, 0, "its bus scale in uV is 0"},
+        {17, 0, "its number of pole pairs is 0, allowed are 1 to 50"},
+        {17, 51, "its number of pole pairs is 51"},
+        {CONFIG, good[CONFIG] ^ 4U, "configuration was damaged"},
     };
-    const uint32_t many = 0xFFFFFFFF;
-    for (const Case &c : std::vector<Case>{
-             {0, 0x474E5089, "no recording of a flight recorder"},
-             {1, 2, "of another firmware: its format is version 2, this program reads version 3"},
-             {2, 77, "its header says 77 words"},
-             {3, 3, "its configuration has 3 words"},
-             {4, 3, "its state has 3 words"},
-             {5, many, "its parts make"},
-             {FURTHER, 1, "its parts make"},
-             {FURTHER, 2, "its header says 2 further configurations, allowed are 0 and 1"},
-             {FURTHER, many, "its header says 4294967295 further configurations"},
-             {FIRST_TICK, 3, "its first tick is 3"},
-             {8, 3, "frames for the ticks"},
-             {10, FAULT_COUNT, "its fault is number"},
-             {14, 999999, "its tick in ps is 999999, allowed are 1000000 to 1000000000"},
-             {14, 1000000001, "its tick in ps is 1000000001"},
-             {15, 0, "its current scale in uA is 0"},
-             {16, 0, "its bus scale in uV is 0"},
-             {17, 0, "its number of pole pairs is 0, allowed are 1 to 50"},
-             {17, 51, "its number of pole pairs is 51"},
-         }) {
-        std::vector<uint32_t> words = good;
-        words[c.word] = c.value;
-        assert_contains(c.text, refusal_of(words));
+    for (const auto &[word, value, text] : cases) {
+        assert_contains(text, refusal_of(with(good, word, value)));
     }
-    assert_contains("is cut off", refusal_of(std::vector<uint32_t>(good.begin(), good.end() - 5)));
-    assert_contains("is cut off",
-                    refusal_of(std::vector<uint32_t>(good.begin(), good.begin() + 9)));
-}
-
-TEST(a_damaged_configuration_is_refused)
-{
-    std::vector<uint32_t> words = words_of(recorded());
-    words[CONFIG] ^= 4;
-    assert_contains("configuration was damaged", refusal_of(words));
+    assert_contains("is cut off", refusal_of(cut(good, good.size() - 5)));
+    assert_contains("is cut off", refusal_of(cut(good, 9)));
 }
 
 // What changed it, and when.
@@ -407,6 +405,9 @@ TEST(a_run_comes_out_bit_for_bit_through_a_change_of_its_configuration)
         TEST_ASSERT_EQUAL_HEX32(crc_with({}), recording.run.image.cfg.crc);
         assert_changes(recording, given);
         assert_genuine(recording);
+        const std::string said =
+            fmt::format("\n  configuration {:08x} from tick {} on\n", crc_with({set}), tick);
+        assert_contains(said.c_str(), summary(recording, nf::replay::replay(recording)));
 
         recording.run.changes.clear();
         const Result without = nf::replay::replay(recording);
@@ -417,7 +418,6 @@ TEST(a_run_comes_out_bit_for_bit_through_a_change_of_its_configuration)
 
 TEST(a_change_may_come_before_any_frame_of_a_segment)
 {
-    constexpr int64_t SEGMENT = RING / RECORDER_SEGMENTS; // ticks at most
     for (int64_t tick = last_tick() - 2 * SEGMENT; tick < last_tick() - SEGMENT; tick += 5) {
         const std::vector<Given> given = {{tick, {KAPPA}}};
         const Recording recording = nf::replay::read(recorded_with(given, RING));
@@ -439,7 +439,6 @@ TEST(of_one_configuration_and_back_both_changes_come_out)
 // The configuration of what was before is no longer there.
 TEST(of_three_configurations_the_history_begins_with_the_second)
 {
-    constexpr int64_t SEGMENT = RING / RECORDER_SEGMENTS;
     const int64_t first = last_tick() - 2 * SEGMENT;
     const std::vector<Given> given = {{last_tick() - 10, {SLOW_TICKS}}};
     const Recording recording = nf::replay::read(recorded_with({{first, {KAPPA}}, given[0]}, RING));
@@ -457,27 +456,16 @@ TEST(a_recording_of_which_no_configuration_is_left_is_refused_with_the_reason)
                     refusal_of(text));
 }
 
-TEST(a_summary_says_when_the_configuration_changes)
-{
-    const std::string text = recorded_with({{100, {KAPPA}}});
-    const Recording recording = nf::replay::read(text);
-    char expected[64];
-    (void)std::snprintf(expected, sizeof expected, "\n  configuration %08x from tick 100 on\n",
-                        crc_with({KAPPA}));
-    assert_contains(expected, summary(recording, nf::replay::replay(recording)));
-}
-
 // A recording with a change in it, and where that is.
 struct Changed {
-    std::vector<uint32_t> words;
+    Words words;
     std::size_t further; // word of the configuration
     std::size_t entry;   // number of the entry that changes to it
 };
 
 Changed changed_recording()
 {
-    static const std::vector<uint32_t> words =
-        words_of(recorded_with({{last_tick() - 400, {KAPPA}}}, RING));
+    static const Words words = words_of(recorded_with({{last_tick() - 400, {KAPPA}}}, RING));
     const std::size_t entries = STATE + words[4];
     const uint32_t crc = crc_with({KAPPA});
     std::size_t entry = 0;
@@ -488,53 +476,53 @@ Changed changed_recording()
     return {words, entries + words[ENTRIES] * ENTRY_WORDS, entry};
 }
 
-TEST(a_damaged_further_configuration_is_refused)
+TEST(a_further_configuration_that_is_damaged_or_cut_off_is_refused)
 {
-    Changed changed = changed_recording();
-    changed.words[changed.further] ^= 4;
-    assert_contains("further configuration was damaged", refusal_of(changed.words));
+    const auto &[words, further, entry] = changed_recording();
+    assert_contains("further configuration was damaged",
+                    refusal_of(with(words, further, words[further] ^ 4U)));
+    assert_contains("is cut off", refusal_of(cut(words, further + 9)));
+}
+
+// Another configuration with its own CRC in place of the further one.
+void put_further(Changed &changed, drive_cfg_t cfg)
+{
+    cfg.crc = config_guard_crc(&cfg);
+    std::memcpy(&changed.words[changed.further], &cfg, sizeof cfg);
+}
+
+drive_cfg_t further_of(const Changed &changed)
+{
+    drive_cfg_t cfg{};
+    std::memcpy(&cfg, &changed.words[changed.further], sizeof cfg);
+    return cfg;
 }
 
 TEST(a_further_configuration_that_no_firmware_takes_is_refused_by_its_setting)
 {
     Changed changed = changed_recording();
-    drive_cfg_t cfg{};
-    std::memcpy(&cfg, &changed.words[changed.further], sizeof cfg);
+    drive_cfg_t cfg = further_of(changed);
     cfg.sampling.offset_log2 = 13;
-    cfg.crc = config_guard_crc(&cfg);
-    std::memcpy(&changed.words[changed.further], &cfg, sizeof cfg);
+    put_further(changed, cfg);
     assert_contains("this firmware refuses the further configuration: sampling.offset_log2",
                     refusal_of(changed.words));
 }
 
 TEST(a_change_to_a_configuration_that_is_not_there_is_refused_by_its_entry)
 {
-    Changed changed = changed_recording();
-    const std::size_t entries = STATE + changed.words[4];
-    changed.words[entries + changed.entry * ENTRY_WORDS + 3] = 0x12345678;
-    const std::string expected = "its entry " + std::to_string(changed.entry) +
+    const auto &[words, further, entry] = changed_recording();
+    const std::size_t crc = STATE + words[4] + entry * ENTRY_WORDS + 3;
+    const std::string expected = "its entry " + std::to_string(entry) +
                                  " changes to the configuration 0x12345678, which it does not have";
-    TEST_ASSERT_EQUAL_STRING(expected.c_str(), refusal_of(changed.words).c_str());
-}
-
-TEST(a_further_configuration_that_is_cut_off_is_refused)
-{
-    const Changed changed = changed_recording();
-    const auto begin = changed.words.begin();
-    assert_contains("is cut off",
-                    refusal_of(std::vector<uint32_t>(
-                        begin, begin + static_cast<std::ptrdiff_t>(changed.further) + 9)));
+    TEST_ASSERT_EQUAL_STRING(expected.c_str(), refusal_of(with(words, crc, 0x12345678)).c_str());
 }
 
 TEST(a_state_that_is_none_is_refused)
 {
-    const std::vector<uint32_t> good = words_of(recorded());
+    const Words good = words_of(recorded());
     int refused = 0;
     for (std::size_t at = STATE; at < STATE + good[4]; at++) {
-        std::vector<uint32_t> words = good;
-        words[at] = 0xFFFFFFFF;
-        const std::string why = refusal_of(words);
-        refused += why.empty() ? 0 : 1;
+        refused += refusal_of(with(good, at, 0xFFFFFFFF)).empty() ? 0 : 1;
     }
     // 5 flags, 9 choices, guard.at, tick, and 13 shifts of the model; 68, 24 of the probe, 2 of the safe state, and flag and valley of
     // the weakening, whose range in state.def has no −1. A flag's word counts by its lowest byte.
@@ -542,23 +530,19 @@ TEST(a_state_that_is_none_is_refused)
 }
 
 // Any words at all: refused in one line, or run without harm.
-void forge(const std::vector<uint32_t> &good)
-{
-    std::mt19937 random(2);
-    for (int k = 0; k < FORGERIES; k++) {
-        std::vector<uint32_t> words = good;
-        for (uint32_t change = 0; change <= random() % 4; change++) {
-            const std::size_t end = k % 2 == 0 ? words.size() : STATE;
-            words[random() % end] = k % 3 == 0 ? bits(random) : bits(random) % 64;
-        }
-        (void)refusal_of(words);
-    }
-}
-
 TEST(forged_words_do_no_harm)
 {
-    forge(words_of(recorded()));
-    forge(changed_recording().words);
+    for (const Words &good : {words_of(recorded()), changed_recording().words}) {
+        std::mt19937 random(2);
+        for (int k = 0; k < FORGERIES; k++) {
+            Words words = good;
+            for (uint32_t change = 0; change <= random() % 4; change++) {
+                const std::size_t end = k % 2 == 0 ? words.size() : STATE;
+                words[random() % end] = k % 3 == 0 ? bits(random) : bits(random) % 64;
+            }
+            (void)refusal_of(words);
+        }
+    }
 }
 
 // A forger's configuration with its CRC, in force from any frame on.
@@ -569,15 +553,14 @@ TEST(a_forged_change_runs_or_is_refused)
     std::mt19937 random(4);
     int ran = 0;
     for (int k = 0; k < FORGERIES; k++) {
-        std::vector<uint32_t> words = good.words;
-        drive_cfg_t cfg{};
-        const std::size_t word = random() % (sizeof cfg / sizeof(uint32_t) - 1);
+        Changed forged = good;
+        Words &words = forged.words;
+        const std::size_t word = random() % (sizeof(drive_cfg_t) / sizeof(uint32_t) - 1);
         words[good.further + word] = k % 2 == 0 ? bits(random) : bits(random) % 8;
-        std::memcpy(&cfg, &words[good.further], sizeof cfg);
-        cfg.crc = config_guard_crc(&cfg);
-        std::memcpy(&words[good.further], &cfg, sizeof cfg);
+        put_further(forged, further_of(forged));
         std::replace(words.begin() + static_cast<std::ptrdiff_t>(STATE + words[4]),
-                     words.begin() + static_cast<std::ptrdiff_t>(good.further), genuine, cfg.crc);
+                     words.begin() + static_cast<std::ptrdiff_t>(good.further), genuine,
+                     further_of(forged).crc);
         ran += refusal([&] { (void)nf::replay::replay(nf::replay::parse(words)); }).empty() ? 1 : 0;
     }
     TEST_ASSERT_GREATER_THAN_INT(FORGERIES / 10, ran);
@@ -586,11 +569,11 @@ TEST(a_forged_change_runs_or_is_refused)
 // A frame may be any: the drive is total.
 TEST(forged_frames_run_and_depart)
 {
-    const std::vector<uint32_t> good = words_of(recorded());
+    const Words good = words_of(recorded());
     const std::size_t entries = STATE + good[4];
     std::mt19937 random(3);
     for (int k = 0; k < 50; k++) {
-        std::vector<uint32_t> words = good;
+        Words words = good;
         for (std::size_t at = entries + ENTRY_WORDS; at + 1 < words.size(); at += ENTRY_WORDS) {
             words[at] = bits(random);
             words[at + 1] = bits(random) & 0xFFFCFFFFU; // neither break nor late
@@ -602,12 +585,11 @@ TEST(forged_frames_run_and_depart)
 
 TEST(another_output_is_named_with_its_tick)
 {
-    const std::vector<uint32_t> good = words_of(recorded());
+    const Words good = words_of(recorded());
     const std::size_t entry = STATE + good[4] + 400 * ENTRY_WORDS;
     const Recording before = nf::replay::parse(good);
-    std::vector<uint32_t> words = good;
-    words[entry + 2] ^= 1U << 17U; // compare of b
-    const Recording after = nf::replay::parse(words);
+    const Recording after =
+        nf::replay::parse(with(good, entry + 2, good[entry + 2] ^ (1U << 17U))); // compare of b
     const Result result = nf::replay::replay(after);
     std::size_t frame = 0;
     while (after.run.outputs[frame].compare.phase[1] ==
@@ -625,18 +607,16 @@ TEST(another_output_is_named_with_its_tick)
 
 TEST(another_end_is_named)
 {
-    const std::vector<uint32_t> good = words_of(recorded());
-    struct Case {
+    const Words good = words_of(recorded());
+    const struct {
         std::size_t word;
         const char *signal;
-    };
-    for (const Case &c : std::vector<Case>{
-             {9, "the state's hash"}, {10, "drive.fault.id"}, {13, "drive.fault.tick"}}) {
-        std::vector<uint32_t> words = good;
-        words[c.word] ^= 1;
-        const Result result = nf::replay::replay(nf::replay::parse(words));
+    } cases[] = {{9, "the state's hash"}, {10, "drive.fault.id"}, {13, "drive.fault.tick"}};
+    for (const auto &[word, signal] : cases) {
+        const Result result =
+            nf::replay::replay(nf::replay::parse(with(good, word, good[word] ^ 1U)));
         TEST_ASSERT_TRUE(result.difference.has_value());
-        TEST_ASSERT_EQUAL_STRING(c.signal, result.difference->signal.c_str());
+        TEST_ASSERT_EQUAL_STRING(signal, result.difference->signal.c_str());
     }
 }
 
@@ -655,9 +635,9 @@ std::vector<double> range_of(const char *key)
 // What a replay takes from the recording of such a motor and board.
 nf::Bases replayed_bases(const nf::Config &config)
 {
-    static const std::vector<uint32_t> good = words_of(recorded());
+    static const Words good = words_of(recorded());
     const recorder_about_t about = nf::replay::about(config);
-    std::vector<uint32_t> words = good;
+    Words words = good;
     std::memcpy(words.data() + offsetof(recorder_header_t, about) / sizeof(uint32_t), &about,
                 sizeof about);
     return nf::replay::parse(words).run.image.bases;
@@ -692,18 +672,17 @@ TEST(a_recorded_speed_is_that_of_the_run_for_all_pole_pairs_and_pwm_frequencies)
 TEST(a_recorded_current_and_voltage_are_those_of_the_run_for_all_full_scales)
 {
     nf::Config config = nf::load_scenario("s1");
-    for (const double current_a : range_of("board.current_full_scale_a")) {
-        config.board.current_full_scale_a = current_a;
-        const double found = replayed_bases(config).current_a;
-        assert_rounded_once(nf::make_bases(config.motor, config.board).current_a, found,
-                            current_a * 1e6);
-    }
-    for (const double bus_v : range_of("board.bus_full_scale_v")) {
-        config.board.bus_full_scale_v = bus_v;
-        const double found = replayed_bases(config).voltage_v;
-        assert_rounded_once(nf::make_bases(config.motor, config.board).voltage_v, found,
-                            bus_v * 1e6);
-    }
+    const auto check = [&](double &scale, const char *key, double nf::Bases::*base) {
+        const double before = scale;
+        for (const double value : range_of(key)) {
+            scale = value;
+            assert_rounded_once(nf::make_bases(config.motor, config.board).*base,
+                                replayed_bases(config).*base, value * 1e6);
+        }
+        scale = before;
+    };
+    check(config.board.current_full_scale_a, "board.current_full_scale_a", &nf::Bases::current_a);
+    check(config.board.bus_full_scale_v, "board.bus_full_scale_v", &nf::Bases::voltage_v);
 }
 
 TEST(scales_are_those_of_the_configuration)
