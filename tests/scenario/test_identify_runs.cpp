@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -55,14 +56,14 @@ nf::identify::Result found(const nf::Config &config, const Measurement &measurem
 }
 
 // Of different size: 2 kW, some kW at 24 V, 40 W with high resistance, 10 kW.
-const char *const MACHINES[] = {"s1", "zoo:outrunner:401@31:user", "zoo:gimbal:402@31:user",
-                                "zoo:industrial:405@31:user"};
+using Machines = std::vector<const char *>;
+const Machines ALL = {"s1", "zoo:outrunner:401@31:user", "zoo:gimbal:402@31:user",
+                      "zoo:industrial:405@31:user"};
 
 // With few runs each refusal has a machine of its own; with many each has all of them.
-std::vector<const char *> machines(std::size_t own)
+Machines machines(std::size_t own)
 {
-    const std::vector<const char *> all(std::begin(MACHINES), std::end(MACHINES));
-    return testing_runs(1, 2) == 1 ? std::vector<const char *>{all[own % all.size()]} : all;
+    return testing_runs(1, 2) == 1 ? Machines{ALL[own]} : ALL;
 }
 
 void expect_safe_end(const Outcome &outcome, const char *name)
@@ -79,6 +80,31 @@ void expect_refused(const std::string &why, const nf::Config &config, const char
     TEST_ASSERT_NOT_EQUAL_size_t_MESSAGE(std::string::npos, refusal.find(why),
                                          fmt::format("{}: \"{}\"", name, refusal).c_str());
     expect_safe_end(outcome, name);
+}
+
+// Of machines that differ from their files in one setting.
+void expect_refused(const std::string &why, const Machines &machines,
+                    const std::function<std::string(const nf::Config &)> &setting)
+{
+    for (const char *const name : machines) {
+        const std::string set = setting(nf::load_scenario(name));
+        expect_refused(why, nf::load_scenario(name, {}, {set}), name);
+    }
+}
+
+// Of machines to which something happens, asked for in each tick.
+void expect_refused(const std::string &why, const Machines &machines,
+                    const std::function<void(nf::Simulation &, const nf::Config &)> &event)
+{
+    for (const char *const name : machines) {
+        const nf::Config config = nf::load_scenario(name);
+        expect_refused(why, config, name, [&](nf::Simulation &sim) { event(sim, config); });
+    }
+}
+
+double torque_nm(const nf::Config &config, double flux_linkage_wb)
+{
+    return 1.5 * config.motor.pole_pairs * flux_linkage_wb * nf::continuous_current(config.motor);
 }
 
 // Five of six classes, none looked at while the rules were made.
@@ -225,24 +251,20 @@ TEST(test_the_phase_currents_stay_below_the_largest_one_that_was_said)
 TEST(test_an_open_phase_is_refused_by_its_name)
 {
     const char *const names[] = {"phase a is open", "phase b is open", "phase c is open"};
-    for (const char *const machine : MACHINES) {
-        for (unsigned phase = 0; phase < 3; phase++) {
-            expect_refused(names[phase], nf::load_scenario(machine), machine,
-                           [&](nf::Simulation &sim) {
-                               if (sim.seam().plant.broken == 0) {
-                                   plant_break_phases(&sim.seam().plant, 1U << phase);
-                               }
-                           });
-        }
+    for (unsigned phase = 0; phase < 3; phase++) {
+        expect_refused(names[phase], ALL, [phase](nf::Simulation &sim, const nf::Config &) {
+            if (sim.seam().plant.broken == 0) {
+                plant_break_phases(&sim.seam().plant, 1U << phase);
+            }
+        });
     }
 }
 
 TEST(test_no_motor_at_all_is_refused)
 {
-    for (const char *const machine : MACHINES) {
-        expect_refused("is the motor connected?", nf::load_scenario(machine), machine,
-                       [](nf::Simulation &sim) { plant_break_phases(&sim.seam().plant, 7U); });
-    }
+    expect_refused("is the motor connected?", ALL, [](nf::Simulation &sim, const nf::Config &) {
+        plant_break_phases(&sim.seam().plant, 7U);
+    });
 }
 
 // The sensor of a phase sees the current of another one.
@@ -259,7 +281,7 @@ void exchange_sensors(nf::Simulation &sim, const nf::Config &config, int a_sees,
     sim.seam().hal.ib = {true, count(b_sees)};
 }
 
-TEST(test_two_exchanged_phases_are_refused_by_their_names)
+TEST(test_exchanged_phases_are_refused_by_their_names)
 {
     const struct {
         const char *why;
@@ -267,59 +289,45 @@ TEST(test_two_exchanged_phases_are_refused_by_their_names)
         int b_sees;
     } exchanges[] = {{"phases b and c are exchanged", 0, 2},
                      {"phases a and c are exchanged", 2, 1},
-                     {"phases a and b are exchanged", 1, 0}};
-    for (const char *const machine : MACHINES) {
-        const nf::Config config = nf::load_scenario(machine);
-        for (const auto &exchange : exchanges) {
-            expect_refused(exchange.why, config, machine, [&](nf::Simulation &sim) {
-                exchange_sensors(sim, config, exchange.a_sees, exchange.b_sees);
-            });
-        }
+                     {"phases a and b are exchanged", 1, 0},
+                     {"all three phases are exchanged", 1, 2}};
+    for (const auto &exchange : exchanges) {
+        expect_refused(exchange.why, ALL, [&](nf::Simulation &sim, const nf::Config &config) {
+            exchange_sensors(sim, config, exchange.a_sees, exchange.b_sees);
+        });
     }
 }
 
-// Wires in a circle, and a sensor with its sign exchanged.
-TEST(test_three_exchanged_phases_and_a_reversed_sensor_are_refused)
+TEST(test_a_sensor_with_its_sign_exchanged_is_refused)
 {
-    for (const char *const machine : MACHINES) {
-        const nf::Config config = nf::load_scenario(machine);
-        expect_refused("all three phases are exchanged", config, machine,
-                       [&](nf::Simulation &sim) { exchange_sensors(sim, config, 1, 2); });
-        expect_refused("a current sensor is reversed", config, machine, [&](nf::Simulation &sim) {
-            exchange_sensors(sim, config, 0, 1);
-            auto &count = sim.seam().hal.ia.count;
-            const int most = (1 << config.board.adc_bits) - 1;
-            count = static_cast<uint16_t>(most - std::min<int>(count, most));
-        });
-    }
+    expect_refused("a current sensor is reversed", ALL,
+                   [](nf::Simulation &sim, const nf::Config &config) {
+                       exchange_sensors(sim, config, 0, 1);
+                       auto &count = sim.seam().hal.ia.count;
+                       const int most = (1 << config.board.adc_bits) - 1;
+                       count = static_cast<uint16_t>(most - std::min<int>(count, most));
+                   });
 }
 
 // ---- windings ----
 
 TEST(test_a_winding_with_shorted_turns_is_refused_by_its_name)
 {
-    for (const char *const machine : machines(1)) {
-        expect_refused("is the winding shorted: phase a",
-                       nf::load_scenario(machine, {}, {"plant.shorted_turns_pct=[50,0,0]"}),
-                       machine);
-        expect_refused("is the winding shorted: phase b",
-                       nf::load_scenario(machine, {}, {"plant.shorted_turns_pct=[0,35,0]"}),
-                       machine);
-        expect_refused("is the winding shorted: phase c",
-                       nf::load_scenario(machine, {}, {"plant.shorted_turns_pct=[0,0,70]"}),
-                       machine);
+    const char *const cases[][2] = {
+        {"phase a", "[50,0,0]"}, {"phase b", "[0,35,0]"}, {"phase c", "[0,0,70]"}};
+    for (const auto &[phase, turns_pct] : cases) {
+        const std::string setting = std::string("plant.shorted_turns_pct=") + turns_pct;
+        expect_refused(std::string("is the winding shorted: ") + phase, machines(1),
+                       [&](const nf::Config &) { return setting; });
     }
 }
 
 TEST(test_a_bad_contact_is_refused_by_its_phase)
 {
-    for (const char *const machine : machines(3)) {
-        const double ohm = nf::identify::truth_of(nf::load_scenario(machine)).resistance_ohm * 0.4;
-        expect_refused(
-            "is a contact bad: phase b",
-            nf::load_scenario(machine, {}, {fmt::format("plant.contact_ohm=[0,{},0]", ohm)}),
-            machine);
-    }
+    expect_refused("is a contact bad: phase b", machines(3), [](const nf::Config &config) {
+        return fmt::format("plant.contact_ohm=[0,{},0]",
+                           nf::identify::truth_of(config).resistance_ohm * 0.4);
+    });
 }
 
 // ---- rotor and load ----
@@ -328,53 +336,37 @@ const char *const BLOCKED = "the rotor does not turn with the current: is it blo
 
 TEST(test_a_blocked_rotor_is_refused)
 {
-    for (const char *const machine : machines(0)) {
-        expect_refused(BLOCKED, nf::load_scenario(machine), machine,
-                       [](nf::Simulation &sim) { plant_block_rotor(&sim.seam().plant, true); });
-    }
+    expect_refused(BLOCKED, machines(0), [](nf::Simulation &sim, const nf::Config &) {
+        plant_block_rotor(&sim.seam().plant, true);
+    });
 }
 
 // Its friction is twice the torque of the continuous current.
 TEST(test_a_braked_rotor_is_refused)
 {
-    for (const char *const machine : machines(2)) {
-        const nf::Config config = nf::load_scenario(machine);
-        const nf::identify::Truth truth = nf::identify::truth_of(config);
-        const double torque_nm = 1.5 * config.motor.pole_pairs * truth.flux_linkage_wb *
-                                 nf::continuous_current(config.motor);
-        expect_refused(
-            BLOCKED,
-            nf::load_scenario(machine, {},
-                              {fmt::format("plant.coulomb_friction_nm={}", 2 * torque_nm)}),
-            machine);
-    }
+    expect_refused(BLOCKED, machines(2), [](const nf::Config &config) {
+        const double flux = nf::identify::truth_of(config).flux_linkage_wb;
+        return fmt::format("plant.coulomb_friction_nm={}", 2 * torque_nm(config, flux));
+    });
 }
 
 // One and a half times the torque of the continuous current, which cannot hold it.
 TEST(test_a_rotor_that_its_load_turns_is_refused)
 {
-    for (const char *const machine : MACHINES) {
-        const nf::Config config = nf::load_scenario(machine);
-        const double torque_nm = 1.5 * config.motor.pole_pairs * config.motor.flux_linkage_wb *
-                                 nf::continuous_current(config.motor);
-        expect_refused("does a load turn", config, machine, [&](nf::Simulation &sim) {
-            sim.set_load_nm(sim.drive().state == DRIVE_STATE_PROBE ? 1.5 * torque_nm : 0);
-        });
-    }
+    expect_refused("does a load turn", ALL, [](nf::Simulation &sim, const nf::Config &config) {
+        const double load_nm = 1.5 * torque_nm(config, config.motor.flux_linkage_wb);
+        sim.set_load_nm(sim.drive().state == DRIVE_STATE_PROBE ? load_nm : 0);
+    });
 }
 
 // Coasting at half of the rated speed: its EMF drives a current through the closed switches. The lightest of the machines is
 // braked by that before it is of any importance.
 TEST(test_a_rotor_that_turns_already_is_refused)
 {
-    for (const char *const machine :
-         {"s1", "zoo:outrunner:401@31:user", "zoo:industrial:405@31:user"}) {
-        const double rpm = 0.5 * nf::load_scenario(machine).motor.rated_speed_rpm;
-        expect_refused(
-            "does a load turn the rotor?",
-            nf::load_scenario(machine, {}, {fmt::format("scenario.initial_speed_rpm={}", rpm)}),
-            machine);
-    }
+    expect_refused(
+        "does a load turn the rotor?", {ALL[0], ALL[1], ALL[3]}, [](const nf::Config &config) {
+            return fmt::format("scenario.initial_speed_rpm={}", 0.5 * config.motor.rated_speed_rpm);
+        });
 }
 
 // ---- before it begins ----
@@ -394,15 +386,15 @@ TEST(test_a_fault_before_the_start_is_refused_at_once_with_its_name)
 
 TEST(test_a_current_too_small_for_the_board_is_refused_with_the_one_it_takes)
 {
-    for (const char *const machine : MACHINES) {
-        const nf::Config config = nf::load_scenario(machine);
-        const double least_a = 192.0 / 32768 * 2 * config.board.current_full_scale_a;
-        const double said_a = std::floor(1000 * least_a + 1) / 1000;
-        const std::string small = fmt::format("motor.continuous_current_a={:.4f}", 0.98 * least_a);
-        expect_refused(fmt::format("is too small for this board's sensors, it takes at least "
-                                   "{:.3f} A",
-                                   said_a),
-                       nf::load_scenario(machine, {}, {small}), machine);
+    for (const char *const machine : ALL) {
+        const double full_scale_a = nf::load_scenario(machine).board.current_full_scale_a;
+        const double least_a = 192.0 / 32768 * 2 * full_scale_a;
+        expect_refused(
+            fmt::format("is too small for this board's sensors, it takes at least {:.3f} A",
+                        std::floor(1000 * least_a + 1) / 1000),
+            {machine}, [&](const nf::Config &) {
+                return fmt::format("motor.continuous_current_a={:.4f}", 0.98 * least_a);
+            });
     }
 }
 
@@ -418,40 +410,32 @@ TEST(test_a_name_plate_with_the_current_that_is_said_is_not_refused_for_it)
 TEST(test_a_bus_too_low_for_the_speed_is_refused)
 {
     for (const char *const rpm : {"18000", "30000", "60000"}) {
+        const nf::Config config = nf::load_scenario(
+            "s1", {}, {fmt::format("motor.max_speed_rpm={}", rpm), "board.pwm_frequency_hz=20000"});
         expect_refused("the bus voltage is too low to turn the motor at 1/8 of its highest speed",
-                       nf::load_scenario("s1", {},
-                                         {fmt::format("motor.max_speed_rpm={}", rpm),
-                                          "board.pwm_frequency_hz=20000"}),
-                       rpm);
+                       config, rpm);
     }
 }
 
 // Contacts that take half of the bus with the continuous current, more than it has for a phase beside the winding.
 TEST(test_a_bus_too_low_for_the_current_is_refused)
 {
-    for (const char *const machine : MACHINES) {
-        const nf::Config real = nf::load_scenario(machine);
-        const double ohm = 0.5 * real.board.bus_nominal_v / nf::continuous_current(real.motor);
-        expect_refused(
-            "the bus voltage is too low",
-            nf::load_scenario(machine, {}, {fmt::format("plant.contact_ohm=[{0},{0},{0}]", ohm)}),
-            machine);
-    }
+    expect_refused("the bus voltage is too low", ALL, [](const nf::Config &config) {
+        const double ohm = 0.5 * config.board.bus_nominal_v / nf::continuous_current(config.motor);
+        return fmt::format("plant.contact_ohm=[{0},{0},{0}]", ohm);
+    });
 }
 
 // A mean change from sample to sample of a tenth of the continuous current.
 TEST(test_noise_as_large_as_the_current_is_refused)
 {
-    for (const char *const machine : MACHINES) {
-        const nf::Config config = nf::load_scenario(machine);
-        const double lsb_a =
-            config.board.current_full_scale_a / std::ldexp(1.0, config.board.adc_bits - 1);
-        const double noise = 0.1 * nf::continuous_current(config.motor) / lsb_a;
-        expect_refused(
-            "the noise of the current sensors is too large",
-            nf::load_scenario(machine, {}, {fmt::format("plant.adc_noise_lsb={}", noise)}),
-            machine);
-    }
+    expect_refused("the noise of the current sensors is too large", ALL,
+                   [](const nf::Config &config) {
+                       const double lsb_a = config.board.current_full_scale_a /
+                                            std::ldexp(1.0, config.board.adc_bits - 1);
+                       return fmt::format("plant.adc_noise_lsb={}",
+                                          0.1 * nf::continuous_current(config.motor) / lsb_a);
+                   });
 }
 
 } // namespace
