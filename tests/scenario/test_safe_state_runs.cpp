@@ -59,9 +59,28 @@ double rpm_of(const nf::Config &config, double speed_el)
 
 constexpr double STILL_INERTIA = 1e3; // the speed stays
 
-// A machine that turns, with this current in its windings and this voltage on its bus.
-plant_t machine_at(const nf::Config &config, double speed_el, double i_d, double i_q, double bus_v)
+double uniform(std::mt19937 &random, double low, double high)
 {
+    return std::uniform_real_distribution<double>(low, high)(random);
+}
+
+struct Vector {
+    double amplitude;
+    double angle;
+};
+
+// Any current of up to this amplitude, each as likely as another.
+Vector any_vector(std::mt19937 &random, double most, double from = -nf::PI, double to = nf::PI)
+{
+    const double angle = uniform(random, from, to);
+    return {most * std::sqrt(uniform(random, 0, 1)), angle};
+}
+
+// A machine that turns, with this current in its windings and this voltage on its bus.
+plant_t machine_at(const nf::Config &config, double speed_el, const Vector &current, double bus_v)
+{
+    const double i_d = current.amplitude * std::cos(current.angle);
+    const double i_q = current.amplitude * std::sin(current.angle);
     const drive_cfg_t cfg =
         nf::make_drive_cfg(config.motor, config.board, config.tuning, config.model);
     plant_cfg_t plant_cfg = nf::make_plant_cfg(config, cfg);
@@ -118,16 +137,11 @@ TEST(test_up_to_the_safe_speed_open_gates_leave_the_bus_within_its_limit)
         std::mt19937 random(1);
         double highest_v = 0;
         for (int k = 0; k < POINTS; k++) {
-            const auto uniform = [&](double lo, double hi) {
-                return std::uniform_real_distribution<double>(lo, hi)(random);
-            };
-            const double angle = uniform(-nf::PI, nf::PI);
-            const double amplitude = config.board.overcurrent_a * std::sqrt(uniform(0, 1));
-            const double bus_v = k % 2 == 0
-                                     ? config.board.bus_min_v
-                                     : uniform(config.board.bus_min_v, config.board.bus_nominal_v);
-            const plant_t plant = machine_at(config, safe, amplitude * std::cos(angle),
-                                             amplitude * std::sin(angle), bus_v);
+            const Vector current = any_vector(random, config.board.overcurrent_a);
+            const double bus_v =
+                k % 2 == 0 ? config.board.bus_min_v
+                           : uniform(random, config.board.bus_min_v, config.board.bus_nominal_v);
+            const plant_t plant = machine_at(config, safe, current, bus_v);
             highest_v = std::max(highest_v, peak_of(plant, false, OPEN_TIME_S).bus_v);
         }
         fmt::print("{} F: safe up to {:.0f} rpm, EMF {:.1f} V, highest bus {:.1f} V of {:g} V\n",
@@ -147,10 +161,9 @@ TEST(test_a_break_charges_the_bus_to_the_emf_and_its_overshoot)
     for (const double bus_v : {config.board.bus_nominal_v, config.board.bus_min_v}) {
         double highest_v = 0;
         for (int k = 0; k < POINTS; k++) {
-            const double angle = nf::TWO_PI * k / POINTS;
-            const double amplitude = k % 4 * config.board.overcurrent_a / 3;
-            const plant_t plant = machine_at(config, speed, amplitude * std::cos(angle),
-                                             amplitude * std::sin(angle), bus_v);
+            const Vector current = {k % 4 * config.board.overcurrent_a / 3,
+                                    nf::TWO_PI * k / POINTS};
+            const plant_t plant = machine_at(config, speed, current, bus_v);
             highest_v = std::max(highest_v, peak_of(plant, false, OPEN_TIME_S).bus_v);
         }
         fmt::print("break at {:.0f} rpm from {:.0f} V: EMF {:.1f} V, highest bus {:.1f} V\n",
@@ -173,15 +186,11 @@ TEST(test_the_peak_of_the_short_circuit_current_is_within_the_computed_one)
     std::mt19937 random(1);
     double highest_a = 0;
     for (int k = 0; k < POINTS; k++) {
-        const auto uniform = [&](double lo, double hi) {
-            return std::uniform_real_distribution<double>(lo, hi)(random);
-        };
         // A point of operation: no current along the magnets, and the flux that the voltage can turn.
-        const double angle = uniform(nf::PI / 2, 3 * nf::PI / 2);
-        const double amplitude = config.motor.max_current_a * std::sqrt(uniform(0, 1));
-        const double speed = uniform(safe, fastest);
-        const plant_t plant = machine_at(config, speed, amplitude * std::cos(angle),
-                                         amplitude * std::sin(angle), config.board.bus_nominal_v);
+        const Vector current =
+            any_vector(random, config.motor.max_current_a, nf::PI / 2, 3 * nf::PI / 2);
+        const double speed = uniform(random, safe, fastest);
+        const plant_t plant = machine_at(config, speed, current, config.board.bus_nominal_v);
         const double flux = std::hypot(plant.motor.now.flux_d_wb, plant.motor.now.flux_q_wb);
         if (speed * flux <= nf::largest_ratio(config.board) * config.board.bus_max_v) {
             highest_a = std::max(highest_a, peak_of(plant, true, SHORT_TIME_S).current_a);
@@ -201,8 +210,7 @@ TEST(test_the_short_circuit_current_in_the_end_is_the_computed_one)
     const nf::Config config = configured(COMPRESSOR);
     for (const double rpm : {200.0, 1000.0, 4000.0, COMPRESSOR.load_rpm}) {
         const double speed = nf::rad_s_from_rpm(rpm) * config.motor.pole_pairs;
-        plant_t plant = machine_at(config, speed, 0, 0, config.board.bus_nominal_v);
-        (void)peak_of(plant, true, 0);
+        plant_t plant = machine_at(config, speed, {}, config.board.bus_nominal_v);
         plant_set_gates(&plant, true);
         for (int k = 0; k < 5000; k++) {
             plant_step(&plant);
@@ -233,10 +241,12 @@ nf::FaultEntry once(Fault kind, std::optional<double> value = {})
     return {0, kind, nf::FaultSpan::tick, value, {}};
 }
 
-const Strike BLIND = {"adc_a_stuck, adc_b_high",
-                      {lasting(Fault::adc_a_stuck), lasting(Fault::adc_b_high)},
-                      false,
-                      true};
+Strike blinding(const char *name, Fault a, Fault b)
+{
+    return {name, {lasting(a), lasting(b)}, false, true};
+}
+
+const Strike BLIND = blinding("adc_a_stuck, adc_b_high", Fault::adc_a_stuck, Fault::adc_b_high);
 
 // What may go wrong in RUN, and a stop. Not here, see docs/protection.md: a bus sensor that stands still, as nothing else in the drive
 // sees the bus; a supply beyond bus_max_v; a configuration that is corrupt, which may be that of the safe state; angle sensors.
@@ -252,10 +262,7 @@ std::vector<Strike> strikes_of(const nf::BoardSettings &board)
         {"adc_a_stuck", {lasting(Fault::adc_a_stuck)}},
         {"adc_b_stuck", {lasting(Fault::adc_b_stuck)}},
         BLIND,
-        {"adc_a_high, adc_b_low",
-         {lasting(Fault::adc_a_high), lasting(Fault::adc_b_low)},
-         false,
-         true},
+        blinding("adc_a_high, adc_b_low", Fault::adc_a_high, Fault::adc_b_low),
         {"adc_bus high", {once(Fault::adc_bus_stuck, board.bus_max_v + 10)}},
         {"adc_bus low", {once(Fault::adc_bus_stuck, board.bus_min_v - 30)}},
         {"supply low", {lasting(Fault::bus_voltage, board.bus_min_v - 30)}},
@@ -497,35 +504,34 @@ std::vector<double> speeds_of(const nf::Config &config)
             std::min(1.02 * safe_rpm, motor.max_speed_rpm), motor.max_speed_rpm};
 }
 
-void run_table(const Machine &machine)
+// The ride, the strike in it at its speed, and what the load does then.
+void survive(const Machine &machine, Ride &ride, const Strike &strike, double rpm, double load_rpm)
 {
-    const nf::Config config = configured(machine);
-    const unsigned step = testing_runs(
-        3, 1); // no divisor of the speeds and loads: each strike, speed and load is there
-    unsigned at = 0;
-    for (const Strike &strike : strikes_of(config.board)) {
-        for (const double rpm : speeds_of(config)) {
-            for (const double load_rpm : {rpm, machine.load_rpm}) {
-                if (at++ % step != 0) {
-                    continue;
-                }
-                Ride ride(machine);
-                ride.run_at(rpm);
-                ride.strike(strike);
-                ride.outlive(load_rpm);
-                const std::string what = told(ride, strike, rpm, load_rpm);
-                fmt::print("{}\n", what);
-                assert_survived(machine, ride, strike, what);
-            }
-        }
-    }
+    ride.strike(strike);
+    ride.outlive(load_rpm);
+    const std::string what = told(ride, strike, rpm, load_rpm);
+    fmt::print("{}: {}\n", machine.motor, what);
+    assert_survived(machine, ride, strike, what);
 }
 
 TEST(test_no_fault_at_any_speed_overcharges_the_bus_or_exceeds_the_trip_current)
 {
+    // No divisor of the speeds and loads: each strike, speed and load is there.
+    const unsigned step = testing_runs(3, 1);
     for (const Machine &machine : {COMPRESSOR, MOTOR_A}) {
-        fmt::print("{}:\n", machine.motor);
-        run_table(machine);
+        const nf::Config config = configured(machine);
+        unsigned at = 0;
+        for (const Strike &strike : strikes_of(config.board)) {
+            for (const double rpm : speeds_of(config)) {
+                for (const double load_rpm : {rpm, machine.load_rpm}) {
+                    if (at++ % step == 0) {
+                        Ride ride(machine);
+                        ride.run_at(rpm);
+                        survive(machine, ride, strike, rpm, load_rpm);
+                    }
+                }
+            }
+        }
     }
 }
 
@@ -559,11 +565,7 @@ TEST(test_with_a_large_capacitor_dead_sensors_do_not_overcharge_it_either)
                                 fmt::format("board.bus_capacitance_f={}", capacitance)});
             const double rpm = ride.config.motor.max_speed_rpm;
             ride.run_at(rpm);
-            ride.strike(BLIND);
-            ride.outlive(machine.load_rpm);
-            const std::string what = told(ride, BLIND, rpm, machine.load_rpm);
-            fmt::print("{} F: {}\n", capacitance, what);
-            assert_survived(machine, ride, BLIND, what);
+            survive(machine, ride, BLIND, rpm, machine.load_rpm);
         }
     }
 }
@@ -583,33 +585,22 @@ TEST(test_a_bus_sensor_that_stands_still_lets_a_brake_overcharge_the_bus)
     }
 }
 
-// Strikes at random instants of the ramp, with random loads.
-
-void strike_at_random(const Machine &machine, std::mt19937 &random)
-{
-    const auto uniform = [&](double lo, double hi) {
-        return std::uniform_real_distribution<double>(lo, hi)(random);
-    };
-    Ride ride(machine);
-    const std::vector<Strike> strikes = strikes_of(ride.config.board);
-    const Strike &strike = strikes[random() % strikes.size()];
-    const double rpm = uniform(0.3, 1) * ride.config.motor.max_speed_rpm;
-    const double load_rpm = uniform(0.5 * rpm, machine.load_rpm);
-    ride.run_at(rpm);
-    ride.held_rpm = rpm;
-    ride.seconds(uniform(0, 0.02));
-    ride.strike(strike);
-    ride.outlive(load_rpm);
-    assert_survived(machine, ride, strike, told(ride, strike, rpm, load_rpm));
-}
-
+// At random instants of the ramp, with random loads.
 TEST(test_random_faults_are_survived)
 {
     const unsigned strikes_of_each = testing_runs(20, 250);
     std::mt19937 random(7);
-    for (unsigned k = 0; k < strikes_of_each; k++) {
-        strike_at_random(COMPRESSOR, random);
-        strike_at_random(MOTOR_A, random);
+    for (unsigned k = 0; k < 2 * strikes_of_each; k++) {
+        const Machine &machine = k % 2 == 0 ? COMPRESSOR : MOTOR_A;
+        Ride ride(machine);
+        const std::vector<Strike> strikes = strikes_of(ride.config.board);
+        const Strike &strike = strikes[random() % strikes.size()];
+        const double rpm = uniform(random, 0.3, 1) * ride.config.motor.max_speed_rpm;
+        const double load_rpm = uniform(random, 0.5 * rpm, machine.load_rpm);
+        ride.run_at(rpm);
+        ride.held_rpm = rpm;
+        ride.seconds(uniform(random, 0, 0.02));
+        survive(machine, ride, strike, rpm, load_rpm);
     }
 }
 
