@@ -44,14 +44,23 @@ const Axis &needed_axis(const std::vector<Axis> &box, const std::string &key)
     return *axis;
 }
 
+void expect_range(double low, double high, const Axis &axis)
+{
+    TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(EXACT, low, axis.low, axis.key.c_str());
+    TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(EXACT, high, axis.high, axis.key.c_str());
+}
+
+void expect_says(const char *words, const std::string &text)
+{
+    TEST_ASSERT_TRUE_MESSAGE(text.find(words) != std::string::npos, text.c_str());
+}
+
 // --- The box ---
 
 TEST(test_without_measured_the_box_is_that_of_a_data_sheet)
 {
     const std::vector<Axis> box = box_of(motor_a());
-    const Axis &r = needed_axis(box, "motor.resistance_ohm");
-    TEST_ASSERT_DOUBLE_WITHIN(EXACT, 0.9 * 2.125, r.low);
-    TEST_ASSERT_DOUBLE_WITHIN(EXACT, 1.1 * 2.125, r.high);
+    expect_range(0.9 * 2.125, 1.1 * 2.125, needed_axis(box, "motor.resistance_ohm"));
     for (const Axis &axis : box) {
         TEST_ASSERT_TRUE(axis.ground != Ground::measured);
         TEST_ASSERT_TRUE_MESSAGE(axis.low < axis.high, axis.key.c_str());
@@ -71,9 +80,7 @@ TEST(test_an_error_bar_is_the_range)
     TEST_ASSERT_TRUE(flux.ground == Ground::measured);
     TEST_ASSERT_DOUBLE_WITHIN(EXACT, 387e-3 * 2 * std::hypot(0.6, 0.8) / 100,
                               (flux.high - flux.low) / 1e3);
-    const Axis &mismatch = needed_axis(box, "measured.gain_mismatch_pct");
-    TEST_ASSERT_DOUBLE_WITHIN(EXACT, 1.3, mismatch.low);
-    TEST_ASSERT_DOUBLE_WITHIN(EXACT, 1.7, mismatch.high);
+    expect_range(1.3, 1.7, needed_axis(box, "measured.gain_mismatch_pct"));
     TEST_ASSERT_TRUE(needed_axis(box, "motor.inertia_kg_m2").ground == Ground::typical);
 }
 
@@ -104,10 +111,7 @@ TEST(test_a_measured_dead_time_is_that_of_the_leg_less_its_drop)
     config.measured.dead_time_s = 2e-6;
     config.measured.dead_time_bar_s = 1e-7;
     config.plant.device_drop_v = 1.55; // 0.5 µs of 310 V at 10 kHz
-    const std::vector<Axis> box = box_of(config);
-    const Axis &dead_time = needed_axis(box, "measured.dead_time_s");
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.4, dead_time.low);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.6, dead_time.high);
+    expect_range(1.4, 1.6, needed_axis(box_of(config), "measured.dead_time_s"));
 }
 
 // The drive believes all of the loss as dead time, the plant has the drop apart: in the middle both lose the same.
@@ -135,13 +139,10 @@ TEST(test_the_advice_follows_where_a_range_is_from)
 {
     nf::Config config = nf::load_scenario(
         "any", {}, {"motor=motor_a", "board.dead_time_s=2e-6", "board.output_capacitance_f=1e-9"});
-    const auto says = [&](const char *key, const char *words) {
-        const std::string better = needed_axis(box_of(config), key).better;
-        return better.find(words) != std::string::npos;
-    };
+    const auto better = [&](const char *key) { return needed_axis(box_of(config), key).better; };
     for (const char *const key :
          {"motor.inertia_kg_m2", "board.dead_time_s", "board.output_capacitance_f"}) {
-        TEST_ASSERT_TRUE_MESSAGE(says(key, "motorsim identify"), key);
+        expect_says("motorsim identify", better(key));
     }
     config.measured.inertia_std_pct = 1;
     config.measured.viscous_friction_bar_nm_s = 1e-5;
@@ -149,13 +150,13 @@ TEST(test_the_advice_follows_where_a_range_is_from)
     config.measured.dead_time_bar_s = 1e-7;
     config.measured.knee_a = 0.2;
     config.measured.knee_bar_a = 0.05;
-    TEST_ASSERT_TRUE(says("motor.inertia_kg_m2", "steeper ramps"));
-    TEST_ASSERT_TRUE(says("motor.viscous_friction_nm_s", "higher speed"));
+    expect_says("steeper ramps", better("motor.inertia_kg_m2"));
+    expect_says("higher speed", better("motor.viscous_friction_nm_s"));
     for (const char *const key : {"measured.dead_time_s", "measured.knee_a"}) {
-        TEST_ASSERT_TRUE_MESSAGE(says(key, "oscilloscope"), key);
-        TEST_ASSERT_FALSE_MESSAGE(says(key, "motorsim identify"), key);
+        expect_says("oscilloscope", better(key));
+        TEST_ASSERT_TRUE_MESSAGE(better(key).find("motorsim identify") == std::string::npos, key);
     }
-    TEST_ASSERT_TRUE(says("motor.flux_linkage_wb", "drill"));
+    expect_says("drill", better("motor.flux_linkage_wb"));
 }
 
 TEST(test_an_axis_changes_the_real_machine)
@@ -306,7 +307,7 @@ TEST(test_it_stops_between_two_runs)
     TEST_ASSERT_DOUBLE_WITHIN(EXACT, 0.01, progress[1]);
     TEST_ASSERT_DOUBLE_WITHIN(EXACT, 1, progress.back());
     const std::string text = text_of(campaign, judge(campaign));
-    TEST_ASSERT_NOT_NULL(std::strstr(text.c_str(), "It was stopped after 2 of 100 runs."));
+    expect_says("It was stopped after 2 of 100 runs.", text);
 }
 
 // --- The judgement, of runs that are made up ---
@@ -384,18 +385,9 @@ TEST(test_a_load_that_makes_runs_fail_has_a_bound)
     TEST_ASSERT_EQUAL_INT(120, judgement.bound->runs);
     TEST_ASSERT_EQUAL_INT(80, judgement.summaries[0].stopped);
     TEST_ASSERT_EQUAL_INT(80, judgement.summaries[0].faults.at("OVERCURRENT"));
-    TEST_ASSERT_NOT_NULL(std::strstr(text_of(campaign, judgement).c_str(),
-                                     "All 120 machines where the load.step_pct is below 0.6 "));
+    expect_says("All 120 machines where the load.step_pct is below 0.6 ",
+                text_of(campaign, judgement));
     TEST_ASSERT_FALSE(judgement.limiting.has_value());
-}
-
-TEST(test_the_tuning_that_holds_more_is_taken)
-{
-    Campaign campaign = made_up({"one", "two"}, "motor.flux_linkage_wb", 0.6);
-    campaign.series[1].trials = made_up({"two"}, "motor.flux_linkage_wb", 0.8).series[0].trials;
-    const Judgement judgement = judge(campaign);
-    TEST_ASSERT_EQUAL(1, judgement.best);
-    TEST_ASSERT_NOT_NULL(std::strstr(judgement.why.c_str(), "two holds 40 machines"));
 }
 
 TEST(test_a_tuning_that_swings_is_not_taken)
@@ -407,24 +399,20 @@ TEST(test_a_tuning_that_swings_is_not_taken)
     TEST_ASSERT_EQUAL(1, judge(campaign).best);
 }
 
+void give_room(Series &series)
+{
+    for (Trial &made : series.trials) {
+        made.margins.current = 0.5 + made.margins.current / 2;
+    }
+}
+
 TEST(test_of_two_that_hold_the_same_the_one_with_more_room_is_taken)
 {
     Campaign campaign = made_up({"one", "two"}, "motor.flux_linkage_wb", 2);
-    for (Trial &made : campaign.series[1].trials) {
-        made.margins.current = 0.5 + made.margins.current / 2;
-    }
+    give_room(campaign.series[1]);
     TEST_ASSERT_EQUAL(1, judge(campaign).best);
     std::swap(campaign.series[0].trials, campaign.series[1].trials);
     TEST_ASSERT_EQUAL(0, judge(campaign).best);
-}
-
-TEST(test_of_two_that_are_alike_the_first_is_taken)
-{
-    const Judgement judgement = judge(made_up({"one", "two"}, "motor.flux_linkage_wb", 2));
-    TEST_ASSERT_EQUAL(0, judgement.best);
-    TEST_ASSERT_EQUAL_STRING("one and two do as well on these machines, within chance, and one was "
-                             "named first",
-                             judgement.why.c_str());
 }
 
 // 120, 160 and 160 of 200 machines; the third leaves more room.
@@ -450,9 +438,7 @@ TEST(test_of_three_the_best_is_compared_with_each_other_one)
 TEST(test_counts_that_differ_by_chance_are_not_said_to_be_the_same)
 {
     Campaign campaign = made_up({"one", "two"}, "motor.flux_linkage_wb", 2);
-    for (Trial &made : campaign.series[1].trials) {
-        made.margins.current = 0.5 + made.margins.current / 2;
-    }
+    give_room(campaign.series[1]);
     campaign.series[1].trials[0] = trial(-0.1);
     const Judgement judgement = judge(campaign);
     TEST_ASSERT_EQUAL(1, judgement.best);
@@ -467,10 +453,8 @@ TEST(test_a_tuning_that_is_refused_is_said_and_not_taken)
     campaign.series[0].trials.clear();
     const Judgement judgement = judge(campaign);
     TEST_ASSERT_EQUAL(1, judgement.best);
-    TEST_ASSERT_NOT_NULL(
-        std::strstr(text_of(campaign, judgement).c_str(), "refused: it does not fit"));
-    TEST_ASSERT_NOT_NULL(
-        std::strstr(page_of(campaign, judgement).c_str(), "refused: it does not fit"));
+    expect_says("refused: it does not fit", text_of(campaign, judgement));
+    expect_says("refused: it does not fit", page_of(campaign, judgement));
 }
 
 // --- Map and page ---
@@ -501,8 +485,8 @@ TEST(test_the_page_asks_for_nothing_elsewhere_and_keeps_names_as_text)
     for (const char *const elsewhere : {"http", "src=", "href=", "@import", "url(", "<script"}) {
         TEST_ASSERT_NULL_MESSAGE(std::strstr(page.c_str(), elsewhere), elsewhere);
     }
-    TEST_ASSERT_NOT_NULL(std::strstr(page.c_str(), "&lt;script&gt;&amp;"));
-    TEST_ASSERT_NOT_NULL(std::strstr(page.c_str(), "prefers-color-scheme: dark"));
+    expect_says("&lt;script&gt;&amp;", page);
+    expect_says("prefers-color-scheme: dark", page);
     TEST_ASSERT_NOT_NULL(std::strstr(page.c_str(), "class=\"fail\""));
 }
 
