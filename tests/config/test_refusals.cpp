@@ -27,7 +27,24 @@ void expect_all(std::initializer_list<Case> cases)
     }
 }
 
-// A line or table at the end of [scenario], which begins in line 9, and the message after the file's name.
+// A wrong value in place of a valid one, and the message between "KEY = " and "; allowed: ".
+struct Value {
+    const char *text;
+    const char *said;
+};
+
+void expect_values(const std::string &key, const std::string &valid, const std::string &allowed,
+                   std::initializer_list<Value> cases)
+{
+    for (const auto &[text, said] : cases) {
+        const Folder folder;
+        folder.edit(key.substr(0, key.find(':')), valid, text);
+        const std::string message = key + " = " + said + "; allowed: " + allowed;
+        TEST_ASSERT_EQUAL_STRING(message.c_str(), refusal({"hot"}).c_str());
+    }
+}
+
+// What is added to [scenario], from line 9 on, and the message after the file's name.
 struct Added {
     const char *text;
     const char *message;
@@ -64,11 +81,11 @@ void expect_overrides(std::initializer_list<Override> cases)
     }
 }
 
-// For an override whose message shows something else than KEY = VALUE.
-void expect_override(const char *set, const char *message)
+// For an override whose message shows something else than KEY = VALUE: what follows "--set: ".
+void expect_override(const char *set, const std::string &message)
 {
     const Folder folder;
-    TEST_ASSERT_EQUAL_STRING(message, refusal({}, {set}).c_str());
+    TEST_ASSERT_EQUAL_STRING(("--set: " + message).c_str(), refusal({}, {set}).c_str());
 }
 
 void expect_begin(const std::string &expected, const std::string &message)
@@ -99,8 +116,9 @@ TEST(an_unknown_key_is_named_with_the_nearest_known_one)
         {"damping = 1", "damping = 1\nkappa = 0.1",
          "tunings/t.toml:7: speed_loop.kappa = 0.1: unknown key, did you mean observer.kappa?"},
         {"", "xyz = 1\n",
-         "tunings/t.toml:15: position_loop.xyz = 1: unknown key; allowed: position_loop.bandwidth_hz, "
-         "position_loop.speed_rpm, position_loop.acceleration_rad_s2, position_loop.softness_s"},
+         "tunings/t.toml:15: position_loop.xyz = 1: unknown key; allowed: "
+         "position_loop.bandwidth_hz, position_loop.speed_rpm, position_loop.acceleration_rad_s2, "
+         "position_loop.softness_s"},
         {"[motor]", "xyz = 1\n[motor]",
          "motors/m.toml:1: xyz = 1: unknown key; allowed: motor, measured"},
     });
@@ -126,48 +144,26 @@ TEST(a_missing_setting_is_named_with_its_table)
         {"damping = 1\n", "",
          "tunings/t.toml:4: speed_loop.damping: is missing; allowed: 0.1 to 10"},
         {"rated_torque_nm = 7.8\nrated_speed_rpm = 1800\n", "",
-         "motors/m.toml:1: motor.rated_torque_nm (1e-05 to 10000 N·m), motor.rated_speed_rpm (1 to 200000 "
-         "rpm): are missing"},
+         "motors/m.toml:1: motor.rated_torque_nm (1e-05 to 10000 N·m), motor.rated_speed_rpm (1 to "
+         "200000 rpm): are missing"},
         {"mode = \"speed\"\n", "",
-         "scenarios/s.toml:4: scenario.mode: is missing; allowed: \"speed\", \"position\" or \"torque\""},
+         "scenarios/s.toml:4: scenario.mode: is missing; allowed: \"speed\", \"position\" or "
+         "\"torque\""},
         {"tuning = \"t\"\n", "",
          "scenarios/s.toml:1: tuning: is missing; allowed: t or a path ending in .toml"},
     });
 }
 
-// What stands in place of the resistance, in line 4.
-TEST(what_is_no_number_of_the_range_is_named)
-{
-    const struct {
-        const char *text;
-        const char *said;
-    } cases[] = {
-        {"-1", "-1: is too small"},
-        {"\"2.125\"", "\"2.125\": is a string"},
-        {"true", "true: is a boolean"},
-        {"1979-05-27", "a date or time: is a date or time"},
-        {"[2.125]", "[2.125]: is a list"},
-        {"nan", "nan: is not a finite number"},
-        {"+inf", "inf: is not a finite number"},
-        {"+2_1.5e400 # too large", "inf: is not a finite number"},
-        // Its place is counted in characters, not in bytes.
-        {"[\"µ\", 1e999]", "[\"µ\", inf]: is a list"},
-    };
-    for (const auto &[text, said] : cases) {
-        const Folder folder;
-        folder.edit("motors/m.toml", "2.125", text);
-        const std::string message = std::string("motors/m.toml:4: motor.resistance_ohm = ") + said +
-                                    "; allowed: 0.001 to 50 Ω";
-        TEST_ASSERT_EQUAL_STRING(message.c_str(), refusal().c_str());
-    }
-}
-
 TEST(a_wrong_type_is_named)
 {
+    expect_values("motors/m.toml:4: motor.resistance_ohm", "2.125", "0.001 to 50 Ω",
+                  {
+                      {"\"2.125\"", "\"2.125\": is a string"},
+                      {"true", "true: is a boolean"},
+                      {"1979-05-27", "a date or time: is a date or time"},
+                      {"[2.125]", "[2.125]: is a list"},
+                  });
     expect_all({
-        {"\"m\"", "5",
-         "motors/m.toml:2: motor.name = 5: is a whole number; allowed: a string of 1 to 80 "
-         "characters"},
         {"", "adc_offset_lsb = [1, 2, 3]\n",
          "imperfections/warm.toml:4: plant.adc_offset_lsb = [1, 2, 3]: has 3 items; allowed: "
          "[a, b], each -10000 to 10000 LSB"},
@@ -182,58 +178,60 @@ TEST(a_wrong_type_is_named)
 
 TEST(a_value_out_of_range_is_named_with_the_range_and_unit)
 {
-    expect_all({
-        {"adc_bits = 12", "adc_bits = 24",
-         "boards/b.toml:5: board.adc_bits = 24: is too large; allowed: a whole number, 8 to 15 "
-         "bit"},
-        {"pole_pairs = 2", "pole_pairs = 9223372036854775807",
-         "motors/m.toml:3: motor.pole_pairs = 9223372036854775807: is too large; allowed: a whole "
-         "number, 1 to 50"},
-        {"\"m\"", "\"\"",
-         "motors/m.toml:2: motor.name = \"\": has 0 characters; allowed: a string of 1 to 80 "
-         "characters"},
-        {"\"m\"", "\"a\\nb\"",
-         "motors/m.toml:2: motor.name = \"a?b\": has a control character; allowed: a string of 1 to "
-         "80 characters"},
-    });
+    expect_values("motors/m.toml:4: motor.resistance_ohm", "2.125", "0.001 to 50 Ω",
+                  {{"-1", "-1: is too small"}});
+    expect_values("boards/b.toml:5: board.adc_bits", "12", "a whole number, 8 to 15 bit",
+                  {{"24", "24: is too large"}});
+    expect_values("motors/m.toml:3: motor.pole_pairs", "2\n", "a whole number, 1 to 50",
+                  {{"9223372036854775807\n", "9223372036854775807: is too large"}});
+    expect_values("motors/m.toml:2: motor.name", "\"m\"", "a string of 1 to 80 characters",
+                  {
+                      {"5", "5: is a whole number"},
+                      {"\"\"", "\"\": has 0 characters"},
+                      {"\"a\\nb\"", "\"a?b\": has a control character"},
+                  });
 }
 
-TEST(numbers_of_a_scenario_that_are_none_are_named)
+TEST(numbers_that_are_none_are_named)
 {
-    expect_all({
-        {"speed_rpm = 1000", "speed_rpm = -1e999",
-         "scenarios/s.toml:8: scenario.command.speed_rpm = -inf: is not a finite number; allowed: "
-         "-200000 to 200000 rpm"},
-        {"speed_rpm = 1000", "speed_rpm = nan",
-         "scenarios/s.toml:8: scenario.command.speed_rpm = nan: is not a finite number; allowed: "
-         "-200000 to 200000 rpm"},
-        {"speed_error_max_rpm = 50", "speed_error_max_rpm = -inf",
-         "scenarios/s.toml:13: accept.any.speed_error_max_rpm = -inf: is not a finite number; "
-         "allowed: 0 to 1000000"},
-    });
+    expect_values("motors/m.toml:4: motor.resistance_ohm", "2.125", "0.001 to 50 Ω",
+                  {
+                      {"nan", "nan: is not a finite number"},
+                      {"+inf", "inf: is not a finite number"},
+                      {"+2_1.5e400 # too large", "inf: is not a finite number"},
+                      // Its place is counted in characters, not in bytes.
+                      {"[\"µ\", 1e999]", "[\"µ\", inf]: is a list"},
+                  });
+    expect_values("scenarios/s.toml:8: scenario.command.speed_rpm", "1000", "-200000 to 200000 rpm",
+                  {
+                      {"-1e999", "-inf: is not a finite number"},
+                      {"nan", "nan: is not a finite number"},
+                  });
+    expect_values("scenarios/s.toml:13: accept.any.speed_error_max_rpm", "50", "0 to 1000000",
+                  {{"-inf", "-inf: is not a finite number"}});
 }
 
 TEST(settings_that_contradict_each_other_name_both)
 {
     expect_all({
         {"max_current_a = 10", "max_current_a = 19",
-         "motors/m.toml:11: motor.max_current_a = 19: is too large; allowed: at most 18 A, which is "
-         "board.overcurrent_a (boards/b.toml:11)"},
+         "motors/m.toml:11: motor.max_current_a = 19: is too large; allowed: at most 18 A, which "
+         "is board.overcurrent_a (boards/b.toml:11)"},
         {"", "temperature_max_c = 150\n",
-         "boards/b.toml:15: board.temperature_max_c = 150: is beyond what the sensor sees; allowed: "
-         "between -50 and 150, the ends of board.temperature_points_c"},
+         "boards/b.toml:15: board.temperature_max_c = 150: is beyond what the sensor sees; "
+         "allowed: between -50 and 150, the ends of board.temperature_points_c"},
         {"", "temperature_points_c = [0, 80]\n",
          "boards/b.toml:2: board.temperature_max_c = 100: is beyond what the sensor sees; allowed: "
          "between 0 and 80, the ends of board.temperature_points_c"},
         {"", "temperature_points_c = [80, 80]\n",
-         "boards/b.toml:15: board.temperature_points_c = [80, 80]: does not rise; allowed: each above the "
-         "one before"},
+         "boards/b.toml:15: board.temperature_points_c = [80, 80]: does not rise; allowed: each "
+         "above the one before"},
         {"", "temperature_points_c = [0, 80, 120]\n",
          "boards/b.toml:2: board.temperature_points_pct = [0, 100]: has not as many points as the "
          "temperatures; allowed: 3, one for each of board.temperature_points_c"},
         {"", "temperature_points_c = [0, 80, 120]\ntemperature_points_pct = [0, 50, 40]\n",
-         "boards/b.toml:16: board.temperature_points_pct = [0, 50, 40]: turns around; allowed: each above "
-         "the one before, or each below"},
+         "boards/b.toml:16: board.temperature_points_pct = [0, 50, 40]: turns around; allowed: "
+         "each above the one before, or each below"},
         {"duration_s = 1", "duration_s = 1\nevaluate_from_s = 2",
          "scenarios/s.toml:8: scenario.evaluate_from_s = 2: is too large; allowed: at most 1 s, "
          "which is scenario.duration_s (scenarios/s.toml:7)"},
@@ -332,7 +330,7 @@ TEST(a_board_of_ones_own_is_blamed_before_a_shipped_motor)
 {
     expect_override(
         "board.overcurrent_a=5",
-        "--set: board.overcurrent_a = 5: is too small; allowed: at least 10 A, which is "
+        "board.overcurrent_a = 5: is too small; allowed: at least 10 A, which is "
         "motor.max_current_a (motors/m.toml:11); or write motor.max_current_a in a file "
         "of your own or with --set, at most 5 A");
     const Folder folder;
@@ -490,18 +488,17 @@ TEST(text_that_is_not_toml_is_named_with_its_line)
         {"", "resistance_ohm = 3\n",
          "motors/m.toml:14: TOML syntax: Error while parsing key-value pair: cannot redefine "
          "existing floating-point 'resistance_ohm'"},
-        {"2.125", "2.125 µ",
-         "motors/m.toml:4: TOML syntax: a character outside ASCII that is in no string or comment"},
-        // Behind a number quotes begin no string.
-        {"2.125", "2.125\"µ\"",
-         "motors/m.toml:4: TOML syntax: a character outside ASCII that is in no string or comment"},
-        {"2.125", "-[{a.'µ'",
-         "motors/m.toml:4: TOML syntax: a character outside ASCII that is in no string or comment"},
         {"[motor]", "[.]",
          "motors/m.toml:1: TOML syntax: Error while parsing key: expected bare key starting "
          "character or string delimiter, saw '.'"},
         {"", DOTS.c_str(), "motors/m.toml:14: TOML syntax: more than 64 dots in a line"},
     });
+    // Behind a number quotes begin no string.
+    for (const char *const text : {"2.125 µ", "2.125\"µ\"", "-[{a.'µ'"}) {
+        expect_all({{"2.125", text,
+                     "motors/m.toml:4: TOML syntax: a character outside ASCII that is in no string "
+                     "or comment"}});
+    }
 }
 
 TEST(text_of_any_language_is_allowed_in_strings_and_comments)
@@ -655,17 +652,14 @@ TEST(a_fault_or_request_after_the_end_is_refused)
 TEST(an_entry_holds_one_value_in_si_or_percent)
 {
     expect_override("scenario.command=[{time_s = 0, speed_pct = 5, speed_rpm = 3}]",
-                    "--set: scenario.command.speed_pct = 5: stands beside speed_rpm; allowed: one "
+                    "scenario.command.speed_pct = 5: stands beside speed_rpm; allowed: one "
                     "of both");
-    expect_override(
-        "scenario.command=[{time_s = 0, speed_pct = 201}]",
-        "--set: scenario.command.speed_pct = 201: is too large; allowed: -200 to 200 %");
-    expect_override(
-        "scenario.load=[{time_s = 0, torque_pct = \"half\"}]",
-        "--set: scenario.load.torque_pct = \"half\": is a string; allowed: -300 to 300 %");
-    expect_override(
-        "scenario.inherit_limits=0",
-        "--set: scenario.inherit_limits = 0: is a whole number; allowed: true or false");
+    expect_override("scenario.command=[{time_s = 0, speed_pct = 201}]",
+                    "scenario.command.speed_pct = 201: is too large; allowed: -200 to 200 %");
+    expect_override("scenario.load=[{time_s = 0, torque_pct = \"half\"}]",
+                    "scenario.load.torque_pct = \"half\": is a string; allowed: -300 to 300 %");
+    expect_override("scenario.inherit_limits=0",
+                    "scenario.inherit_limits = 0: is a whole number; allowed: true or false");
 }
 
 TEST(lists_can_be_overridden)
@@ -708,8 +702,8 @@ TEST(a_base_is_checked_like_the_scenario_itself)
 {
     expect_all({
         {"motor = \"m\"", "base = \"ss\"",
-         "scenarios/s.toml:1: base = \"ss\": not found, did you mean s?; allowed: s or a path ending "
-         "in .toml"},
+         "scenarios/s.toml:1: base = \"ss\": not found, did you mean s?; allowed: s or a path "
+         "ending in .toml"},
         {"motor = \"m\"", "base = \"s\"",
          "scenarios/s.toml:1: base = \"s\": is based on itself; allowed: at most 8 levels"},
     });
@@ -729,17 +723,15 @@ TEST(overrides_are_refused_like_lines_of_files)
         {"scenario.faults=[]", "unknown key, did you mean scenario.fault?"},
     });
     expect_override("motor.resistance_ohm=1e400",
-                    "--set: motor.resistance_ohm = inf: is not a finite number; allowed: 0.001 to "
-                    "50 Ω");
+                    "motor.resistance_ohm = inf: is not a finite number; allowed: 0.001 to 50 Ω");
     expect_override("motor.resistance_ohm",
-                    "--set: \"motor.resistance_ohm\": is no override; allowed: section.key=value");
+                    "\"motor.resistance_ohm\": is no override; allowed: section.key=value");
     expect_override("motor.resistance_ohm=",
-                    "--set: motor.resistance_ohm: has no value; allowed: KEY=VALUE");
-    expect_override("motor=n", "--set: motor = \"n\": not found, did you mean m?; allowed: m or a "
+                    "motor.resistance_ohm: has no value; allowed: KEY=VALUE");
+    expect_override("motor=n", "motor = \"n\": not found, did you mean m?; allowed: m or a "
                                "path ending in .toml");
     expect_override("motor.resistance_ohm=1\n[board]",
-                    "--set: motor.resistance_ohm = \"1?[board]\": is a string; allowed: 0.001 to "
-                    "50 Ω");
+                    "motor.resistance_ohm = \"1?[board]\": is a string; allowed: 0.001 to 50 Ω");
 }
 
 } // namespace
