@@ -59,7 +59,7 @@ bool is_by_hand(const std::string &path)
                         [&](const std::string &start) { return path.rfind(start, 0) == 0; });
 }
 
-// Each number by hand was rounded, of a physical value with four digits and more. A power of two is exact.
+// Each number by hand was rounded, of a value with four digits and more. A power of two is exact.
 std::int64_t tolerance(const std::string &path)
 {
     const bool is_power =
@@ -126,9 +126,10 @@ void expect_integral(double by_hand, const pi_cfg_t &pi)
     expect_mantissa(by_hand * 2048, pi.ki, pi.ki_shift);
 }
 
-// 2/sqrt(3) of 18 A, which three phases within the over-current limit make, is 20.785 A; I_b is 40 A. Motor A: with phi/L of
-// 19.095 A the sum is 39.88 A and fits it, with 19.31 A it is 40.095 A and takes twice of it. With phi/L_d of 33.4 A it fits
-// 80 A. The q state is 20.785 A·L_q/L_d: three times L_d/L_q is 62.4 A, and 81 A if the drive may correct it by 30 %.
+// Motor A, I_b is 40 A. Three phases within the over-current limit make 2/sqrt(3)·18 A = 20.785 A.
+// With phi/L of 19.095 A the sum is 39.88 A and fits I_b, with 19.31 A it is 40.095 A and takes twice
+// of it. With phi/L_d of 33.4 A it fits 80 A; there the q state is 20.785 A·L_q/L_d: three times
+// L_d/L_q is 62.4 A, and 81 A if the drive may correct it by 30 %.
 TEST(the_observers_base_holds_the_longest_vector_and_the_largest_saliency)
 {
     const struct {
@@ -209,8 +210,8 @@ TEST(a_slow_current_loop_integrates_as_fast_as_the_winding)
     expect_gain(kp_per_henry * 0.0235, c.pi_q);
 }
 
-// By rule, with a = 1.5·2·0.375·6.3/0.011 = 644.318 rad/s²: ω = 4.3·a/(1200 rpm) = 22.0474 rad/s; 0.27 and 0.2 of a in a
-// millisecond; 600 rpm are 62.83185 rad/s; braking takes 0.9·0.2·a = 115.977 rad/s².
+// By rule, with a = 1.5·2·0.375·6.3/0.011 = 644.318 rad/s²: ω = 4.3·a/(1200 rpm) = 22.0474 rad/s;
+// 0.27 and 0.2 of a in a millisecond; braking from 600 rpm, 62.83185 rad/s, takes 0.9·0.2·a.
 TEST(motion)
 {
     const drive_cfg_t c = motor_b();
@@ -222,7 +223,8 @@ TEST(motion)
     expect(115.97727 * 0.3 / (22.0474 / 2.8) / 62.83185 * 32768, c.position_loop.softness_q15);
 }
 
-// An ampere makes 1.5·2²·0.375/0.011 = 204.545 rad/s² electrical; 1 rad/s² is 1e-3·1e-4/2π·2^32 = 68.35653 steps a millisecond.
+// An ampere makes 1.5·2²·0.375/0.011 = 204.545 rad/s² electrical; 1 rad/s² is 1e-3·1e-4/2π·2^32 steps
+// a millisecond.
 constexpr double STEPS_PER_RAD_S2 = 68.35653;
 
 // J of 0.3 kg·m² takes 1.598 LSB a step of speed, and of these 2^14 are a mantissa.
