@@ -6,19 +6,13 @@ no gate and does not go on.
 """
 
 import sys
-import tomllib
 import unittest
 from dataclasses import dataclass
-from pathlib import Path
 
 import board
 from digital import CLOCK_HZ, NEVER
+from rig import CALIBRATION_TICKS, make
 
-IMAGE, BOARD, CLOCK = (Path(argument) for argument in sys.argv[1:4])
-FILE = tomllib.loads(BOARD.read_text(encoding="utf-8"))["board"]
-MIDDLE = 2048
-BUS = round(FILE["bus_nominal_v"] / FILE["bus_full_scale_v"] * 4096)
-CALIBRATION_TICKS = 260
 LONG = round(0.3e-3 * CLOCK_HZ)  # beyond all that is waited for but the timer's update; the watchdog does not bite yet
 PATIENCE = 600_000              # looks at a register until the image gives it up, and one more
 SOME_LOOKS = 4
@@ -30,8 +24,6 @@ DAC_TOLD = "the trip level's DAC does not become ready"
 ADC_TOLD = "a converter does not become ready"
 TIMER_TOLD = "the timer does not update at its peak"
 WATCHDOG_TOLD = "the watchdog does not start"
-
-
 
 
 @dataclass(frozen=True)
@@ -57,26 +49,15 @@ WAITS = (
     Wait("RCC", "CR", 1 << 10, 0, CLOCK_TOLD),
     Wait("RCC", "CR", 1 << 25, 0, CLOCK_TOLD),
     Wait("RCC", "CFGR", 3 << 2, 1 << 2, CLOCK_TOLD),
-    Wait("DAC3", "SR", 1 << 11, 0, DAC_TOLD),
-    Wait("DAC3", "SR", 1 << 27, 0, DAC_TOLD),
-    Wait("ADC1", "CR", 1 << 31, 1 << 31, ADC_TOLD),
-    Wait("ADC2", "CR", 1 << 31, 1 << 31, ADC_TOLD),
-    Wait("ADC1", "ISR", 1 << 0, 0, ADC_TOLD),
-    Wait("ADC2", "ISR", 1 << 0, 0, ADC_TOLD),
-    Wait("ADC1", "ISR", 1 << 2, 0, ADC_TOLD),
-    Wait("ADC2", "ISR", 1 << 2, 0, ADC_TOLD),
+    *(Wait("DAC3", "SR", 1 << bit, 0, DAC_TOLD) for bit in (11, 27)),
+    *(Wait(converter, "CR", 1 << 31, 1 << 31, ADC_TOLD) for converter in ("ADC1", "ADC2")),
+    *(Wait(converter, "ISR", 1 << bit, 0, ADC_TOLD) for bit in (0, 2) for converter in ("ADC1", "ADC2")),
     Wait("ADC1", "ISR", 1 << 2, 0, ADC_TOLD, answers=1),
     Wait("TIM1", "SR", 1 << 0, 0, TIMER_TOLD),
     Wait("TIM1", "SR", 1 << 0, 0, TIMER_TOLD, answers=3),
     Wait("IWDG", "SR", 3, 3, WATCHDOG_TOLD),
 )
 ONCE_EACH = [wait for wait in (*WAITS, COUNTED) if wait.answers == 0]
-
-
-def make(**arguments):
-    made = board.Board(IMAGE, BOARD, CLOCK, **arguments)
-    made.set_inputs(MIDDLE, MIDDLE, BUS)
-    return made
 
 
 def block_of(made, wait):

@@ -9,9 +9,7 @@ import re
 import struct
 import subprocess
 import sys
-import tomllib
 import unittest
-from pathlib import Path
 
 import analogue
 import board
@@ -19,24 +17,16 @@ import console
 import core
 from digital import NEVER, CLOCK_HZ, WatchdogBites
 from registers import WrongAccess
+from rig import (BUS, CALIBRATION_TICKS, FULL_SCALE_A, HAL, HALF_PERIOD, IMAGE, MIDDLE, STAGE, answer, booted,
+                 lose_a_conversion, make, ready, run, running)
 
-IMAGE, BOARD, CLOCK = (Path(argument) for argument in sys.argv[1:4])
-
-BOARD_FILE = tomllib.loads(BOARD.read_text(encoding="utf-8"))
-HAL = BOARD_FILE["hal"]
-MIDDLE = 2048
-BUS_V = BOARD_FILE["board"]["bus_nominal_v"]
-BUS = round(BUS_V / BOARD_FILE["board"]["bus_full_scale_v"] * 4096)
-HALF_PERIOD = round(BOARD_FILE["board"]["timer_clock_hz"] / BOARD_FILE["board"]["pwm_frequency_hz"] / 2)
 REST = (HALF_PERIOD // 2,) * 3
-CALIBRATION_TICKS = 260  # 256 samples and the changes of state
 WATCHDOG_S = (8 * 4 + 1) / 29.5e3  # 8 counts of 4 cycles and one of uncertainty, of the slowest oscillator
 GIVING_UP_S = 0.1          # more than the image waits for a register and then says so
 HOT = 4000                # counts of the temperature, beyond every limit
 TEMPERATURE_TICKS = 1026  # from one conversion to the next, and to the frame
 GATES_TICKS = 150         # from FLYING_START on: the gates are on, and it is not too hot for long enough yet
-OVERTEMPERATURE_TICKS = round(0.11 * BOARD_FILE["board"]["pwm_frequency_hz"])  # for 0.1 s
-FULL_SCALE_A = BOARD_FILE["board"]["current_full_scale_a"]
+OVERTEMPERATURE_TICKS = round(0.11 * STAGE["pwm_frequency_hz"])  # for 0.1 s
 
 STRIDE = 37  # instructions, fewer than the store needs to read a block, and in step with none of its loops
 LONG_BLOCK = b"NFCB" + struct.pack("<II", 1, 384) + bytes(1524)  # for the store to read, and to find its CRC wrong
@@ -53,31 +43,6 @@ def address_of(name):
     return int(words[names.index(name) - 2], 16)
 
 
-def make(image=IMAGE, **arguments):
-    made = board.Board(image, BOARD, CLOCK, **arguments)
-    made.set_inputs(MIDDLE, MIDDLE, BUS)
-    return made
-
-
-def ready(**arguments):
-    made = make(**arguments)
-    made.boot()
-    made.tick(CALIBRATION_TICKS)
-    return made
-
-
-def running(**arguments):
-    """Its console takes no time: without a motor the drive does not run on for as long as a line takes."""
-    made = ready(**arguments)
-    made.said()
-    made.chip.usart.instant = True
-    made.type("run")
-    made.take()
-    made.tick(2)
-    made.said()
-    return made
-
-
 class Boots(unittest.TestCase):
     def test_full_speed_and_pins(self):
         made = ready()
@@ -89,14 +54,13 @@ class Boots(unittest.TestCase):
     def test_says_what_it_is_and_opens_no_gate_unasked(self):
         made = ready()
         said = made.said()
-        self.assertRegex(said, rf"^neurofoc: .*, {re.escape(BOARD_FILE['board']['name'])}, robust\r?\n")
+        self.assertRegex(said, rf"^neurofoc: .*, {re.escape(STAGE['name'])}, robust\r?\n")
         self.assertIn("READY", said)
         self.assertNotIn("watchdog", said)
         self.assertFalse(made.chip.timer.gates_on())
 
     def test_dead_time_is_at_least_that_of_the_board(self):
-        self.assertGreaterEqual(ready().chip.timer.dead_time() / CLOCK_HZ,
-                                BOARD_FILE["board"]["dead_time_s"] * (1 - 1e-9))
+        self.assertGreaterEqual(ready().chip.timer.dead_time() / CLOCK_HZ, STAGE["dead_time_s"] * (1 - 1e-9))
 
     def test_samples_and_updates_at_the_peak(self):
         made = ready()
@@ -160,8 +124,8 @@ class OverCurrent(unittest.TestCase):
         late_v = -analogue.COMPARATOR_OFFSET_MV[0] / 1e3 + (1 - analogue.BIAS[0]) * HAL["amplifier_zero_v"] / HAL["pga_gain"]
         late_a = late_v / (HAL["shunt_ohm"] * abs(HAL["amplifier_gain"]) / HAL["pga_gain"])
         for choose in (analogue.least, analogue.most, *map(analogue.drawn, range(3))):
-            self.assertFalse(self.opens_at(choose, BOARD_FILE["board"]["overcurrent_a"] - 0.2))
-            self.assertTrue(self.opens_at(choose, BOARD_FILE["board"]["trip_a"] + late_a + 0.2))
+            self.assertFalse(self.opens_at(choose, STAGE["overcurrent_a"] - 0.2))
+            self.assertTrue(self.opens_at(choose, STAGE["trip_a"] + late_a + 0.2))
 
     def test_is_reported_and_stays_until_it_is_cleared(self):
         made = running()
@@ -169,8 +133,7 @@ class OverCurrent(unittest.TestCase):
         made.set_inputs(MIDDLE, MIDDLE, BUS)
         made.tick(2)
         self.assertIn("FAULT by BREAK", made.said())
-        made.type("run")
-        self.assertIn("error: a fault is latched", made.said())
+        self.assertIn("error: a fault is latched", answer(made, "run"))
         made.take()
         made.tick()
         self.assertFalse(made.chip.timer.gates_on())
@@ -204,16 +167,13 @@ class Ticks(unittest.TestCase):
         self.assertEqual(made.chip.timer.active, REST)
         made.tick(2)
         self.assertNotEqual(made.chip.timer.active, REST)
-        made.type("status")
-        self.assertIn(" late 1,", made.said())
+        self.assertIn(" late 1,", answer(made, "status"))
         self.assertTrue(made.chip.timer.gates_on())
 
     def test_a_skipped_one_opens_the_gates_and_trips_the_watchdog(self):
         made = running()
-        trigger = made.chip.timer.trigger
-        made.chip.timer.trigger = lambda: setattr(made.chip.timer, "trigger", trigger)
         last = made.chip.now
-        self.assertEqual(made.handle_next(), made.chip.system.SYSTICK)
+        self.assertEqual(lose_a_conversion(made), made.chip.system.SYSTICK)
         self.assertFalse(made.chip.timer.gates_on())
         with self.assertRaises(WatchdogBites):
             made.tick(100)
@@ -221,8 +181,7 @@ class Ticks(unittest.TestCase):
         self.assertLess((made.chip.now - last) / CLOCK_HZ, WATCHDOG_S)
 
     def test_after_the_watchdog_the_console_says_so(self):
-        made = make(reset_flags=board.WATCHDOG_FLAG)
-        made.boot()
+        made = booted(reset_flags=board.WATCHDOG_FLAG)
         self.assertIn("the watchdog made the last reset", made.said())
         self.assertEqual(made.chip.power.rcc["CSR"], 0)
 
@@ -254,47 +213,35 @@ class Ticks(unittest.TestCase):
 
 
 class Console(unittest.TestCase):
-    def test_refuses_with_one_line(self):
+    def test_what_is_no_command_is_refused_in_one_line_and_the_last_speeds_are_taken(self):
         made = ready()
-        made.type("speed fast")
-        limit = int(re.search(r"at most (\d+) either way", made.said())[1])
-        for line, answer in (
-                ("sped 3", "error: the commands are run, stop, clear, speed RPM, torque NM, status, dump, record, identify"),
-                ("speed fast", f"error: speed takes a whole number of rpm, at most {limit} either way"),
-                (f"speed {limit + 1}", f"error: speed takes a whole number of rpm, at most {limit} either way"),
-                ("run " + 100 * "x", "error: the commands are run, stop, clear, speed RPM, torque NM, status, dump, record, identify"),
-                ("clear", "error: there is no fault to clear")):
-            made.said()
-            made.type(line)
-            self.assertEqual(made.said(), answer + "\r\n")
+        limit = int(re.search(r"at most (\d+) either way", answer(made, "speed fast"))[1])
+        commands = "the commands are run, stop, clear, speed RPM, torque NM, status, dump, record, identify"
+        speeds = f"speed takes a whole number of rpm, at most {limit} either way"
+        for line, wrong in (("sped 3", commands), ("run " + 100 * "x", commands), ("clear", "there is no fault to clear"),
+                            ("speed fast", speeds), (f"speed {limit + 1}", speeds), (f"speed {-limit - 1}", speeds)):
+            self.assertEqual(answer(made, line), f"error: {wrong}\r\n")
+        for taken in (limit, -limit):
+            self.assertEqual(answer(made, f"speed {taken}"), "ok\r\n")
 
-    def test_shows_what_is_measured(self):
+    def test_each_phase_is_shown_from_its_own_input(self):
+        """Counts that lie far apart, none of them the other's negative."""
         made = ready()
-        made.set_inputs(MIDDLE + 205, MIDDLE - 102, BUS)
-        made.tick()
-        made.said()
-        made.type("status")
-        shown = re.search(r"READY, speed 0 of 0 rpm, phases (\S+) (\S+) (\S+) A, bus (\S+) V, 25 C", made.said())
+        made.set_inputs(MIDDLE + 300, MIDDLE - 700, BUS)
+        made.tick(2)  # what is converted when the inputs change belongs to the tick before
+        shown = re.search(r"READY, speed 0 of 0 rpm, phases (\S+) (\S+) (\S+) A, bus (\S+) V, 25 C", answer(made, "status"))
         per_count = FULL_SCALE_A / MIDDLE
-        for text, expected in zip(shown.groups(), (205 * per_count, -102 * per_count, -103 * per_count)):
-            self.assertAlmostEqual(float(text), expected, delta=1.01 * per_count)
-        self.assertAlmostEqual(float(shown[4]), BUS_V, delta=BOARD_FILE["board"]["bus_full_scale_v"] / 4096)
+        for text, counts in zip(shown.groups(), (300, -700, 400)):
+            self.assertAlmostEqual(float(text), counts * per_count, delta=1.01 * per_count)
+        self.assertAlmostEqual(float(shown[4]), STAGE["bus_nominal_v"], delta=STAGE["bus_full_scale_v"] / 4096)
 
-    def test_what_is_too_hot_is_a_fault_of_the_drive(self):
-        """It comes by way of the frames, whatever the console makes of it."""
-        made = ready()
-        made.set_inputs(MIDDLE, MIDDLE, BUS, temperature=HOT)
-        made.tick(TEMPERATURE_TICKS + OVERTEMPERATURE_TICKS)
-        self.assertIn("FAULT by OVERTEMPERATURE", made.said())
-
-    def test_a_hot_board_cannot_be_run_and_a_cooled_one_can(self):
+    def test_a_hot_board_is_a_fault_that_cannot_be_cleared_until_it_has_cooled(self):
         """The drive's fault is the only thing that stands in the way, for as long as it is hot."""
         made = ready()
         made.set_inputs(MIDDLE, MIDDLE, BUS, temperature=HOT)
         made.tick(TEMPERATURE_TICKS + OVERTEMPERATURE_TICKS)
-        made.said()
-        made.type("run")
-        self.assertEqual(made.said(), "error: a fault is latched; clear it first\r\n")
+        self.assertIn("FAULT by OVERTEMPERATURE", made.said())
+        self.assertEqual(answer(made, "run"), "error: a fault is latched; clear it first\r\n")
         made.type("clear")
         made.tick(2 * CALIBRATION_TICKS)
         self.assertIn("FAULT by OVERTEMPERATURE", made.said())
@@ -302,20 +249,13 @@ class Console(unittest.TestCase):
         made.tick(TEMPERATURE_TICKS)
         made.type("clear")
         made.tick(CALIBRATION_TICKS)
-        made.type("run")
-        made.take()
-        made.tick(2)
+        run(made)
         self.assertTrue(made.chip.timer.gates_on())
-
-    def shown_celsius(self, made):
-        made.said()
-        made.type("status")
-        return int(re.search(r"(\d+) C,", made.said())[1])
 
     def test_a_board_that_is_hot_for_less_than_the_drives_time_can_be_run(self):
         made = ready()
         made.set_inputs(MIDDLE, MIDDLE, BUS, temperature=HOT)
-        while self.shown_celsius(made) < BOARD_FILE["board"]["temperature_max_c"]:
+        while int(re.search(r"(\d+) C,", answer(made, "status"))[1]) < STAGE["temperature_max_c"]:
             made.tick(20)
         made.said()
         made.type("run")
@@ -353,16 +293,10 @@ class ModelsNotice(unittest.TestCase):
                 self.assertIn(f"cannot start:\r\n{told}\r\n", said)
                 self.assertNotIn("READY", said)
                 self.assertEqual({name: register.value for name, register in found.by_address.values()}, kept)
+                self.assertEqual(made.chip.timer.due, NEVER)
                 address = next(at for at, (name, _) in found.by_address.items() if name == key)
                 made.core.bus.write(address, 4, 1)
                 self.assertEqual(made.core.bus.read(address, 4), 0)
-
-    def test_what_does_not_answer_is_told(self):
-        made = make()
-        made.chip.level.register("SR").on_read = lambda: 0
-        made.go_on(GIVING_UP_S)
-        self.assertIn("cannot start:\r\nthe trip level's DAC does not become ready", made.said())
-        self.assertEqual(made.chip.timer.due, NEVER)
 
 
 if __name__ == "__main__":

@@ -10,22 +10,16 @@ import re
 import subprocess
 import sys
 import tempfile
-import tomllib
 import unittest
 from pathlib import Path
 
-import board
 import console
 from copies import in_a_copy
+from rig import BUS, CALIBRATION_TICKS, MIDDLE, answer, make
 
-IMAGE, BOARD, CLOCK, MOTORSIM = (Path(argument) for argument in sys.argv[1:5])
-
-BOARD_FILE = tomllib.loads(BOARD.read_text(encoding="utf-8"))
-MIDDLE = 2048
-BUS = round(BOARD_FILE["board"]["bus_nominal_v"] / BOARD_FILE["board"]["bus_full_scale_v"] * 4096)
+MOTORSIM = Path(sys.argv[4])
 OVERVOLTAGE = 4000  # of the bus' converter, beyond bus_max_v of the board
 NOISE = 8           # counts
-CALIBRATION_TICKS = 260
 HISTORY_TICKS = 861  # three segments less their margins: recorder_entries of the board
 POST_TICKS = 64
 COPY_INSTRUCTIONS = 188  # of a pass that copies the state at least: a word each
@@ -35,15 +29,18 @@ RECORDED, DEPARTS, REFUSED = 0, 1, 2
 class Drive:
     """The board, running, with noise on all it measures."""
 
-    def __init__(self, running=True, instant=True):
-        self.board = board.Board(IMAGE, BOARD, CLOCK)
-        self.board.chip.usart.instant = instant
+    def __init__(self, running=True):
+        self.board = make()
+        self.board.chip.usart.instant = True
         self.random = random.Random(1)
-        self.board.set_inputs(MIDDLE, MIDDLE, BUS)
         self.board.boot()
         if running:
-            self.tick(CALIBRATION_TICKS, noise=0)
-            self.board.type("run")
+            self.run(noise=0)
+
+    def run(self, noise=NOISE):
+        """After the calibration."""
+        self.tick(CALIBRATION_TICKS, noise)
+        self.board.type("run")
 
     def tick(self, ticks=1, noise=NOISE, bus=BUS, background=0):
         """With `background`, that has so many instructions only until the next tick interrupts it."""
@@ -56,6 +53,17 @@ class Drive:
         """Returns the drive's number of the tick that sees it."""
         self.tick(bus=OVERVOLTAGE)
         return self.board.ticks - 1
+
+    def fail_and_record(self, ticks=POST_TICKS + 3):
+        """And so many ticks behind it."""
+        tick = self.fail()
+        self.tick(ticks)
+        return tick
+
+    def clear_and_run(self):
+        self.board.type("clear")
+        self.run()
+        self.tick(200)  # behind the search, in which the gates open for a while
 
     def dump(self, ask=True):
         """All that the console says until the dump has ended."""
@@ -81,6 +89,10 @@ class Recorder(unittest.TestCase):
         self.assertEqual(run.returncode, RECORDED, run.stdout + run.stderr)
         self.assertIn("are those recorded", run.stdout)
         return run.stdout
+
+    def assert_records_a_fault(self, drive):
+        tick = drive.fail_and_record()
+        self.assertIn(f"fault at tick {tick}, ", self.assert_replays(drive.dump()))
 
     def test_a_fault_comes_out_again_in_the_same_tick_with_the_same_state(self):
         drive = Drive()
@@ -128,8 +140,7 @@ class Recorder(unittest.TestCase):
     def test_the_stepper_opens_on_the_tick_that_failed(self):
         drive = Drive()
         drive.tick(300)
-        tick = drive.fail()
-        drive.tick(POST_TICKS + 3)
+        tick = drive.fail_and_record()
         log = drive.dump()
         with tempfile.NamedTemporaryFile("w") as script:
             script.write("print drive.tick.raw drive.fault.id drive.fault.tick.raw\nback 1\n"
@@ -141,24 +152,19 @@ class Recorder(unittest.TestCase):
         self.assertRegex(run.stdout, rf"drive\.fault\.tick .*raw {tick} ")
         self.assertRegex(run.stdout, r"state +(?!FAULT)[A-Z_]+ ")
 
-    def failed_and_cleared(self, fails_after=POST_TICKS + 3):
+    def failed_and_cleared(self, cleared_after=POST_TICKS + 3):
         """A drive that runs after a fault, and the tick of that."""
         drive = Drive()
         drive.tick(200)
-        tick = drive.fail()
-        drive.tick(fails_after)
-        drive.board.type("clear")
-        drive.tick(CALIBRATION_TICKS)
-        drive.board.type("run")
-        drive.tick(200)  # behind the search, in which the gates open for a while
+        tick = drive.fail_and_record(cleared_after)
+        drive.clear_and_run()
         self.assertTrue(drive.board.chip.timer.gates_on())
         return drive, tick
 
     def status(self, drive):
-        drive.board.said()
-        drive.board.type("status")
+        said = answer(drive.board, "status")
         drive.tick(2)
-        return drive.board.said()
+        return said + drive.board.said()
 
     def test_a_clear_keeps_the_recording_of_the_fault_until_it_is_dumped(self):
         for cleared_after in (3, POST_TICKS + 3):
@@ -171,9 +177,7 @@ class Recorder(unittest.TestCase):
                 self.assertIn(f" to {first + POST_TICKS}: ", self.assert_replays(drive.dump()))
                 self.assertNotIn("keeps", self.status(drive))
                 drive.tick(100)
-                last = drive.fail()
-                drive.tick(POST_TICKS + 3)
-                self.assertIn(f"fault at tick {last}, ", self.assert_replays(drive.dump()))
+                self.assert_records_a_fault(drive)
 
     def test_record_gives_up_the_recording_of_a_fault(self):
         drive, _ = self.failed_and_cleared()
@@ -182,9 +186,7 @@ class Recorder(unittest.TestCase):
         drive.tick(2)
         self.assertEqual(drive.board.said(), "ok\r\n")
         self.assertNotIn("keeps", self.status(drive))
-        tick = drive.fail()
-        drive.tick(POST_TICKS + 3)
-        self.assertIn(f"fault at tick {tick}, ", self.assert_replays(drive.dump()))
+        self.assert_records_a_fault(drive)
 
     def test_record_does_not_touch_what_is_being_dumped(self):
         drive, tick = self.failed_and_cleared()
@@ -197,23 +199,20 @@ class Recorder(unittest.TestCase):
 
     def test_without_a_tick_a_dump_is_refused_in_one_line(self):
         """Before the first one, and when the next one does not come."""
-        made = board.Board(IMAGE, BOARD, CLOCK)
+        made = make()
         made.chip.usart.instant = True
-        made.set_inputs(MIDDLE, MIDDLE, BUS)
         converts, made.chip.timer.trigger = made.chip.timer.trigger, lambda: None
         made.boot()
-        made.said()
-        made.type("dump")
+        refused = "error: the control tick does not run, nothing is recorded"
+        self.assertIn(refused, console.lines(answer(made, "dump")))
         self.assertEqual(made.ticks, 0)
-        self.assertIn("error: the control tick does not run, nothing is recorded", console.lines(made.said()))
         made.chip.timer.trigger = converts
         made.tick(10)
         made.said()
         made.chip.timer.trigger = lambda: None  # no conversion: the tick guard comes
         self.assertEqual(made.handle_next(), made.chip.system.SYSTICK)
         made.type("dump")
-        self.assertEqual(made.said(),
-                         "error: the control tick does not run, nothing is recorded\r\n")
+        self.assertEqual(made.said(), f"{refused}\r\n")
 
     def test_without_a_fault_the_drive_goes_on_and_is_recorded_again(self):
         drive = Drive()
@@ -222,9 +221,7 @@ class Recorder(unittest.TestCase):
         self.assertNotIn("fault", out)
         self.assertTrue(drive.board.chip.timer.gates_on())
         drive.tick(300)
-        tick = drive.fail()
-        drive.tick(POST_TICKS + 3)
-        self.assertIn(f"fault at tick {tick}, ", self.assert_replays(drive.dump()))
+        self.assert_records_a_fault(drive)
 
     def test_the_console_answers_and_the_drive_protects_itself_while_it_dumps(self):
         drive = Drive()
@@ -244,23 +241,17 @@ class Recorder(unittest.TestCase):
     def test_a_log_with_several_dumps_gives_the_last(self):
         drive = Drive()
         drive.tick(200)
-        first = drive.fail()
-        drive.tick(POST_TICKS + 3)
+        first = drive.fail_and_record()
         log = drive.dump() + drive.dump()
-        drive.board.type("clear")
-        drive.tick(CALIBRATION_TICKS)
-        drive.board.type("run")
-        drive.tick(200)
-        second = drive.fail()
-        drive.tick(POST_TICKS + 3)
+        drive.clear_and_run()
+        second = drive.fail_and_record()
         self.assertIn(f"fault at tick {first}, ", self.assert_replays(log))
         self.assertIn(f"fault at tick {second}, ", self.assert_replays(log + drive.dump()))
 
     def test_a_lost_line_or_a_wrong_bit_is_refused(self):
         drive = Drive()
         drive.tick(200)
-        drive.fail()
-        drive.tick(POST_TICKS + 3)
+        drive.fail_and_record()
         lines = drive.dump().splitlines(keepends=True)
         marked = [k for k, line in enumerate(lines) if line.startswith("~")]
         lost = marked[len(marked) // 2]

@@ -19,12 +19,9 @@ import elf
 from copies import in_a_copy
 from flash import LOCK, PowerFails
 from link import Link
+from rig import BOARD, CALIBRATION_TICKS, IMAGE, STAGE, answer, booted, ready
 
-IMAGE, BOARD, CLOCK, NFCONFIG = (Path(argument) for argument in sys.argv[1:5])
-FILE = tomllib.loads(BOARD.read_text(encoding="utf-8"))["board"]
-MIDDLE = 2048
-BUS = round(FILE["bus_nominal_v"] / FILE["bus_full_scale_v"] * 4096)
-CALIBRATION_TICKS = 260
+NFCONFIG = Path(sys.argv[4])
 SLOTS = (0x0801F000, 0x0801F800)
 STAMPS = 192 * 8  # bytes of a slot before them
 MAGIC, SCHEMA_AT, BOARD_AT = b"NFCB", 12, 16
@@ -36,7 +33,7 @@ def motor_file(motor):
 
 
 def name_of(motor, tuning):
-    return f"neurofoc: {motor_file(motor)['name']}, {FILE['name']}, {tuning}"
+    return f"neurofoc: {motor_file(motor)['name']}, {STAGE['name']}, {tuning}"
 
 
 IMAGES_NAME = name_of(IMAGES, "robust")
@@ -67,10 +64,7 @@ def slot(number, data, sequence=2):
 
 class Store(unittest.TestCase):
     def start(self, *flashed):
-        self.made = board.Board(IMAGE, BOARD, CLOCK, flashed=[part for parts in flashed for part in parts])
-        self.made.set_inputs(MIDDLE, MIDDLE, BUS)
-        self.made.boot()
-        self.made.tick(CALIBRATION_TICKS)
+        self.made = ready(flashed=[part for parts in flashed for part in parts])
         said = self.made.said().splitlines()
         self.assertIn("READY", said[-1])
         return said[0], said[1]
@@ -83,8 +77,7 @@ class Store(unittest.TestCase):
 
     def test_a_stored_block_of_another_motor_is_what_it_runs_with(self):
         self.assertEqual(self.start(slot(0, block())), (OTHERS_NAME, "configuration: the stored one"))
-        self.made.type("speed x")
-        self.assertIn(f"at most {motor_file(OTHERS)['max_speed_rpm']:.0f} either way", self.made.said())
+        self.assertIn(f"at most {motor_file(OTHERS)['max_speed_rpm']:.0f} either way", answer(self.made, "speed x"))
 
     def test_of_two_blocks_the_newer_one_counts(self):
         images, others = block(IMAGES, "robust"), block()
@@ -115,10 +108,8 @@ class Linked(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.made = board.Board(IMAGE, BOARD, CLOCK)
+        cls.made = booted()
         cls.flash = cls.made.chip.power.flash
-        cls.made.set_inputs(MIDDLE, MIDDLE, BUS)
-        cls.made.boot()
         cls.made.chip.usart.instant = not cls.LINE_TAKES_TIME
         cls.made.tick(CALIBRATION_TICKS)
         cls.link = Link(cls.made)
@@ -145,9 +136,7 @@ class Cuts(Linked):
             verdict = self.link.store()
         except PowerFails:
             verdict = "cut"
-        again = board.Board(IMAGE, BOARD, CLOCK, flashed=flash.content())
-        again.set_inputs(MIDDLE, MIDDLE, BUS)
-        again.boot()
+        again = booted(flashed=flash.content())
         return "\n".join([verdict, *again.said().splitlines()[:2]])
 
     def assert_cuts(self, steps, old, new):
@@ -179,58 +168,42 @@ class Refusals(Linked):
         super().setUpClass()
         cls.apply(block(IMAGES, "any"))
 
-    def verdict(self, prepare):
+    def verdict(self, CR=None, settling=None, **of_flash):
+        """Of a store with these in place of what the flash and the watchdog have."""
         def act():
-            prepare(self.flash)
+            if CR is not None:
+                self.flash["CR"] = CR
+            if settling is not None:
+                self.made.chip.watchdog.settling = settling
+            vars(self.flash).update(of_flash)
             try:
                 return self.link.store()
             except digital.WatchdogBites:
                 return "reset"
         return in_a_copy(act)
 
-    def test_one_that_takes_no_key_is_said(self):
-        def deaf(flash):
-            flash.deaf = lambda: True
-        self.assertEqual(self.verdict(deaf), "the flash cannot be erased")
+    def test_one_that_takes_no_key_or_programs_nothing_is_said(self):
+        for behind, faults, verdict in (
+                ("no key", {"deaf": lambda: True}, "the flash cannot be erased"),
+                ("no key behind the erase", {"deaf": lambda: self.flash.steps > 0}, "the flash does not keep what is written"),
+                ("nothing is programmed", {"refuses": True}, "the flash does not keep what is written")):
+            with self.subTest(behind):
+                self.assertEqual(self.verdict(**faults), verdict)
 
-    def test_one_that_takes_no_key_any_more_behind_the_erase_is_said(self):
-        def deaf(flash):
-            flash.deaf = lambda: flash.steps > 0
-        self.assertEqual(self.verdict(deaf), "the flash does not keep what is written")
-
-    def test_one_that_programs_nothing_is_said(self):
-        def refuse(flash):
-            flash.refuses = True
-        self.assertEqual(self.verdict(refuse), "the flash does not keep what is written")
-
-    def test_one_that_is_open_already_is_stored_to(self):
-        for looks in (0, 3):
-            def open_it(flash, looks=looks):
-                flash["CR"] &= ~LOCK
-                flash.busy = looks
-            self.assertEqual(self.verdict(open_it), "", f"busy for {looks} looks")
+    def test_one_that_is_open_or_busy_is_stored_to(self):
+        opened = self.flash["CR"] & ~LOCK
+        for state, faults in (("open", {"CR": opened}), ("open and busy for 3 looks", {"CR": opened, "busy": 3}),
+                              ("busy before the first step", {"busy": 3}),
+                              ("lets the core run while it is busy", {"lasting": 3})):
+            with self.subTest(state):
+                self.assertEqual(self.verdict(**faults), "")
 
     def test_it_does_not_matter_how_fast_the_watchdog_takes_a_new_length(self):
         for deaf, verdict in ((False, ""), (True, "the flash cannot be erased")):
-            def settle(flash, deaf=deaf):
-                self.made.chip.watchdog.settling = 0
-                flash.deaf = lambda: deaf
-            self.assertEqual(self.verdict(settle), verdict)
-
-    def test_one_that_lets_the_core_run_while_it_is_busy_is_waited_for(self):
-        def last(flash):
-            flash.lasting = 3
-        self.assertEqual(self.verdict(last), "")
-
-    def test_it_may_be_busy_before_the_first_step(self):
-        def busy(flash):
-            flash.busy = 3
-        self.assertEqual(self.verdict(busy), "")
+            self.assertEqual(self.verdict(settling=0, deaf=lambda deaf=deaf: deaf), verdict)
 
     def test_one_that_stays_busy_ends_in_a_reset(self):
-        def busy(flash):
-            flash.busy = 10 ** 9
-        self.assertEqual(self.verdict(busy), "reset")
+        self.assertEqual(self.verdict(busy=10 ** 9), "reset")
 
 
 if __name__ == "__main__":

@@ -6,20 +6,13 @@ test_unkind.py IMAGE BOARD CLOCK [TEST...], as scenario.py; all tests, or those 
 
 import re
 import sys
-import tomllib
 import unittest
-from pathlib import Path
 
 import analogue
 import board
 from copies import in_a_copy
+from rig import answer, instant, ready, running
 
-IMAGE, BOARD, CLOCK = (Path(argument) for argument in sys.argv[1:4])
-
-FILE = tomllib.loads(BOARD.read_text(encoding="utf-8"))["board"]
-MIDDLE = 2048
-BUS = round(FILE["bus_nominal_v"] / FILE["bus_full_scale_v"] * 4096)
-CALIBRATION_TICKS = 260
 SEEDS = range(8)
 ALIGN_TICKS = 400  # from `run` on, to where ticks are as long as they will be for a while
 LATE_TICKS = 40  # every other one: more than the drive bears
@@ -28,22 +21,6 @@ TYPING_S = 5e-3  # more than a short line takes
 LINE_MAX = 512  # characters that the console keeps to be sent
 LEAST_ACCESSES = 10  # flags twice each, demand, count and the gates: fewer would be another register
 SPIKE_S = 100e-9  # as the switches make when they turn on; the filter has 141 ns
-
-
-def ready(**arguments):
-    made = board.Board(IMAGE, BOARD, CLOCK, **arguments)
-    made.set_inputs(MIDDLE, MIDDLE, BUS)
-    made.boot()
-    made.tick(CALIBRATION_TICKS)
-    return made
-
-
-def running():
-    made = ready()
-    made.type("run")
-    made.take()
-    made.tick()
-    return made
 
 
 def tripping(made, phase=0):
@@ -72,18 +49,6 @@ class Parts(unittest.TestCase):
                 self.assertIn("READY", said)
                 self.assertNotIn("FAULT", said)
 
-    def test_each_phase_is_measured_at_its_own_input(self):
-        """Counts that lie far apart."""
-        made = ready()
-        full_a = FILE["current_full_scale_a"]
-        made.set_inputs(MIDDLE + 300, MIDDLE - 700, BUS)
-        made.tick(2)
-        made.said()
-        made.type("status")
-        shown = re.search(r"phases (\S+) (\S+) (\S+) A", made.said()).groups()
-        for text, count in zip(shown, (300, -700, 400)):
-            self.assertAlmostEqual(float(text), count / MIDDLE * full_a, delta=full_a / MIDDLE * 1.5)
-
 
 class Break(unittest.TestCase):
     def test_a_spike_of_turning_on_does_not_pass_the_filter(self):
@@ -108,25 +73,17 @@ class EachAccess(unittest.TestCase):
         self.assert_stops_at_each(hang)
 
     def assert_stops_at_each(self, disturb):
-        for start in (self.enabling, self.on):
+        for start in (self.enabling, running):
             with self.subTest(start.__name__):
                 seen = self.disturbed_at_each(start(), disturb)
                 self.assertGreater(len(seen), LEAST_ACCESSES)
                 self.assertEqual(set(seen), {"open, FAULT by BREAK"})
 
     def enabling(self):
-        made = ready()
-        made.said()
-        made.chip.usart.instant = True
+        made = instant()
         made.type("run")
         made.said()
         made.tick_to_search()
-        return made
-
-    def on(self):
-        made = running()
-        made.said()
-        made.chip.usart.instant = True
         return made
 
     def disturbed_at_each(self, made, disturb):
@@ -195,8 +152,7 @@ class Line(unittest.TestCase):
         self.assertTrue(said.endswith("\r\n"))
         for line in said.split("\r\n"):
             self.assertLessEqual(line.count("READY"), 1, line)
-        made.type("status")
-        self.assertRegex(made.said(), r"^READY, .* %\r\n$")
+        self.assertRegex(answer(made, "status"), r"^READY, .* %\r\n$")
 
 
 class Slow(unittest.TestCase):
@@ -232,8 +188,6 @@ class Slow(unittest.TestCase):
     def late(self, share):
         made = running()
         made.tick(ALIGN_TICKS)
-        made.said()
-        made.chip.usart.instant = True
         self.stretch(made, share)
         made.tick(LATE_TICKS)
         return made
@@ -246,8 +200,7 @@ class Slow(unittest.TestCase):
     def test_ticks_that_take_most_of_their_period_are_in_time(self):
         made = self.late(0.8)
         self.assertNotIn("LATE", made.said())
-        made.type("status")
-        self.assertIn(" late 0,", made.said())
+        self.assertIn(" late 0,", answer(made, "status"))
 
 
 if __name__ == "__main__":

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: MIT
+"""The board of IMAGE BOARD CLOCK, a test's first arguments: as it comes, ready and running, without a motor."""
+
+import sys
+import tomllib
+from pathlib import Path
+
+import board
+
+IMAGE, BOARD, CLOCK = (Path(argument) for argument in sys.argv[1:4])
+FILE = tomllib.loads(BOARD.read_text(encoding="utf-8"))
+STAGE, HAL = FILE["board"], FILE["hal"]
+MIDDLE = 2048
+BUS = round(STAGE["bus_nominal_v"] / STAGE["bus_full_scale_v"] * 4096)
+HALF_PERIOD = round(STAGE["timer_clock_hz"] / STAGE["pwm_frequency_hz"] / 2)
+FULL_SCALE_A = STAGE["current_full_scale_a"]
+CALIBRATION_TICKS = 260  # 256 samples and the changes of state
+
+
+def make(image=IMAGE, **arguments):
+    made = board.Board(image, BOARD, CLOCK, **arguments)
+    made.set_inputs(MIDDLE, MIDDLE, BUS)
+    return made
+
+
+def booted(**arguments):
+    made = make(**arguments)
+    made.boot()
+    return made
+
+
+def ready(**arguments):
+    made = booted(**arguments)
+    made.tick(CALIBRATION_TICKS)
+    return made
+
+
+def instant(**arguments):
+    """Ready, and its console takes no time: without a motor the drive does not run on for as long as a line takes."""
+    made = ready(**arguments)
+    made.said()
+    made.chip.usart.instant = True
+    return made
+
+
+def running(**arguments):
+    made = instant(**arguments)
+    run(made)
+    made.said()
+    return made
+
+
+def run(made):
+    made.type("run")
+    made.take()
+    made.tick(2)
+
+
+def answer(made, line):
+    """What the console says of a line, and of nothing before it."""
+    made.said()
+    made.type(line)
+    return made.said()
+
+
+def lose_a_conversion(made):
+    """The next one does not come: the tick's guard does."""
+    trigger = made.chip.timer.trigger
+    made.chip.timer.trigger = lambda: setattr(made.chip.timer, "trigger", trigger)
+    return made.handle_next()
