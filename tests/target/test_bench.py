@@ -4,19 +4,16 @@
 test_bench.py IMAGE FOLDER: a replay image for a Cortex-M3, and a recording of `record` for it.
 """
 
-import contextlib
-import io
 import subprocess
 import sys
-import tempfile
 import unittest
 from collections import Counter
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
 IMAGE, FOLDER = sys.argv[1:3]
-sys.path.insert(0, str(ROOT / "tools"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tools"))
 
+from support import FolderTest, captured  # noqa: E402
 import bench_target  # noqa: E402
 from bench import budget, cycles, machine, profile, replay, sizes, stack  # noqa: E402
 from bench.blocks import Decoder  # noqa: E402
@@ -66,13 +63,8 @@ def model(title):
     return next(one for one in cycles.MODELS if one.title == title)
 
 
-class Program(unittest.TestCase):
+class Program(FolderTest):
     """A program whose cost can be counted by hand."""
-
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
 
     def run_calls(self, core, code, calls):
         """The blocks of each call with its return address, and the bytes of stack."""
@@ -125,16 +117,12 @@ LOOP = """
 
 
 class Counts(Program):
-    def test_skipped_instructions_count(self):
-        for core in ("cortex-m3", "cortex-m4"):
-            self.assertEqual(self.counts(core, SKIPPING, 2), [10, 10])
-
-    def test_return_within_it_block(self):
-        self.assertEqual(self.counts("cortex-m4", LEAVING, 3), [5, 3, 5])
-
-    def test_loop_counts_each_time_around(self):
-        for core in machine.CPU:
-            self.assertEqual(self.counts(core, LOOP, 3), [4, 6, 8])
+    def test_what_is_skipped_counts_and_each_time_around_and_nothing_behind_a_return(self):
+        for cores, code, counts in ((("cortex-m3", "cortex-m4"), SKIPPING, [10, 10]), (("cortex-m4",), LEAVING, [5, 3, 5]),
+                                    (machine.CPU, LOOP, [4, 6, 8])):
+            for core in cores:
+                with self.subTest(core=core, code=code):
+                    self.assertEqual(self.counts(core, code, len(counts)), counts)
 
     def test_stack_is_what_is_written(self):
         _, size = self.run_calls("cortex-m3", SKIPPING, 2)
@@ -146,27 +134,22 @@ class Counts(Program):
 
 
 class Cycles(Program):
-    def test_m4(self):
-        # push 3, cmp 1, it 0–1, add 3, bl 1, nop 1, bx 1, pop 3; three refills of 1–3
-        self.assertEqual(self.cycles("M4", SKIPPING, 1), [(16, 23)])
-
-    def test_m0plus_branches(self):
-        # adds, subs each time, bne 2 or 1, bx 2
-        self.assertEqual(self.cycles("M0+", LOOP, 3), [(5, 5), (8, 8), (11, 11)])
-
-    def test_multipliers(self):
-        code = "    muls r0, r0, r0\n    bx lr"
-        self.assertEqual(self.cycles("M0+", code, 1), [(3, 3)])
-        self.assertEqual(self.cycles("M0+ slow MULS", code, 1), [(34, 34)])
-
-    def test_m3_long_multiply_and_division(self):
-        code = "    smull r0, r1, r0, r0\n    sdiv r0, r0, r1\n    bx lr"
-        self.assertEqual(self.cycles("M3", code, 1), [(7, 21)])
-        self.assertEqual(self.cycles("M4", code, 1), [(5, 17)])
-
-    def test_m0plus_return(self):
-        # push 3, pop with pc 3 + n
-        self.assertEqual(self.cycles("M0+", "    push {r4, lr}\n    pop {r4, pc}", 1), [(8, 8)])
+    def test_each_core_has_its_least_and_most_for_each_call(self):
+        multiply = "    muls r0, r0, r0\n    bx lr"
+        long_multiply_and_division = "    smull r0, r1, r0, r0\n    sdiv r0, r0, r1\n    bx lr"
+        for title, code, cycles_of_calls in (
+                # push 3, cmp 1, it 0–1, add 3, bl 1, nop 1, bx 1, pop 3; three refills of 1–3
+                ("M4", SKIPPING, [(16, 23)]),
+                # adds, subs each time, bne 2 or 1, bx 2
+                ("M0+", LOOP, [(5, 5), (8, 8), (11, 11)]),
+                ("M0+", multiply, [(3, 3)]),
+                ("M0+ slow MULS", multiply, [(34, 34)]),
+                ("M3", long_multiply_and_division, [(7, 21)]),
+                ("M4", long_multiply_and_division, [(5, 17)]),
+                # push 3, pop with pc 3 + n
+                ("M0+", "    push {r4, lr}\n    pop {r4, pc}", [(8, 8)])):
+            with self.subTest(title=title, code=code):
+                self.assertEqual(self.cycles(title, code, len(cycles_of_calls)), cycles_of_calls)
 
 
 GRAPH = """
@@ -302,23 +285,15 @@ class Replays(unittest.TestCase):
 
 
 class CommandLine(unittest.TestCase):
-    def assert_refused(self, words, text):
-        errors = io.StringIO()
-        with contextlib.redirect_stderr(errors):
-            try:
-                status = bench_target.main(words)
-            except SystemExit as end:
-                status = end.code
-        self.assertEqual(status, 2)
-        self.assertIn(text, errors.getvalue().splitlines()[-1])
-
     def test_bad_input(self):
         for words, text in ((["--build", "/nowhere"], "/nowhere/host/record: no such program"),
                             (["--cores", "cortex-m9"], "'cortex-m9' is none of cortex-m0plus"),
                             (["--state", "FLYING"], "invalid choice: 'FLYING'"),
                             (["--write-budget", "--cores", "cortex-m4"], "all cores")):
             with self.subTest(words):
-                self.assert_refused(words, text)
+                status, _, errors = captured(bench_target.main, *words)
+                self.assertEqual(status, 2)
+                self.assertIn(text, errors.splitlines()[-1])
 
 
 if __name__ == "__main__":

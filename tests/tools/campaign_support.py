@@ -2,12 +2,11 @@
 """What the tests of campaigns share: campaign files, and the command line in this process."""
 
 import contextlib
-import io
 import os
 from pathlib import Path
 from unittest import mock
 
-from support import FolderTest
+from support import FolderTest, captured
 from robustness import campaign, cli, results
 
 MOTORSIM = Path(os.environ["NF_MOTORSIM"])
@@ -44,13 +43,7 @@ class CampaignTest(FolderTest):
 
     def called(self, *words):
         """Exit status, standard output and standard error."""
-        out, err = io.StringIO(), io.StringIO()
-        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-            try:
-                status = cli.main([str(word) for word in words])
-            except SystemExit as ended:
-                status = ended.code
-        return status, out.getvalue(), err.getvalue()
+        return captured(cli.main, *words)
 
     def run_mine(self, *words, out="out", draws=False):
         """Without the map of the runs, if that is not what is tested: to draw it takes longer than the runs."""

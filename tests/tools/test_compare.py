@@ -7,11 +7,9 @@ import os
 import re
 import tomllib
 import unittest
-from contextlib import redirect_stderr, redirect_stdout
-from io import StringIO
 from unittest import mock
 
-from support import TOOLS, FolderTest
+from support import TOOLS, FolderTest, captured
 from comparison import cli, runs, search, table
 from comparison.runs import Case, Motor, Outcome
 from robustness.simulator import FAILED_SAFE, LOCKED, OFF_LIMITS, REFUSED, UNCONTROLLED
@@ -31,10 +29,7 @@ def bowl(found):
 
 def called(*words, program=MOTORSIM):
     """Exit status, output and errors of the command."""
-    out, err = StringIO(), StringIO()
-    with redirect_stdout(out), redirect_stderr(err):
-        status = cli.main([*words, "--motorsim", program])
-    return status, out.getvalue(), err.getvalue()
+    return captured(cli.main, *words, "--motorsim", program)
 
 
 class Search(unittest.TestCase):

@@ -6,13 +6,11 @@ import math
 import os
 import subprocess
 import unittest
-from contextlib import redirect_stderr, redirect_stdout
-from io import StringIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from unittest import mock
 
-from support import TOOLS, FolderTest
+from support import TOOLS, FolderTest, captured
 from identification import cli, motor, peers, table
 
 MOTORSIM = Path(os.environ.get("NF_MOTORSIM", TOOLS.parent / "build/host/motorsim"))
@@ -32,6 +30,12 @@ def entry(value, bar, truth):
 def result(off=0.01, bar=0.02, **changed):
     found = {value.key: entry(1 + off, bar, 1.0) for value in table.VALUES}
     return {"motor": "zoo:0@1:user", "refusal": None, "duration_s": 15.0, "rated_torque_nm": 2.0, "speed_rpm": 60.0} | found | changed
+
+
+def program(test, name, text):
+    path = test.write(name, f"#!/bin/sh\n{text}\n")
+    path.chmod(0o755)
+    return path
 
 
 class Table(unittest.TestCase):
@@ -57,13 +61,14 @@ class Table(unittest.TestCase):
         one = result(viscous_friction_nm_s=entry(1.1, 1, 1.0), coulomb_friction_nm=entry(1 - 0.2 * math.pi, 1, 1.0))
         self.assertAlmostEqual(0, table.friction_off([one])[0])
 
-    def test_a_motor_that_was_refused_is_named(self):
-        self.assertIn("2 motors of seed 7. 1 were measured", table.summary([result(), REFUSED], 7)[0])
-        self.assertEqual(["zoo:1@1:user: identify refused: the rotor is stuck"], table.refused([result(), REFUSED]))
-
-    def test_a_run_that_was_refused_is_named(self):
-        self.assertEqual(["zoo:0@1:user, run with the result: no"], table.refused([result(run={"refusal": "no"})]))
-        self.assertIn("The drive ran with none of the results.", table.summary([result(run={"refusal": "no"})], 7))
+    def test_a_motor_or_a_run_that_was_refused_is_named(self):
+        ran = result(run={"refusal": "no"})
+        for results, sentence, named in (
+                ([result(), REFUSED], "2 motors of seed 7. 1 were measured",
+                 "zoo:1@1:user: identify refused: the rotor is stuck"),
+                ([ran], "The drive ran with none of the results.", "zoo:0@1:user, run with the result: no")):
+            self.assertIn(sentence, "\n".join(table.summary(results, 7)))
+            self.assertEqual([named], table.refused(results))
 
     def test_without_a_motor_that_was_measured_it_says_so(self):
         for results in ([REFUSED], [REFUSED, REFUSED]):
@@ -111,23 +116,21 @@ class Goals(unittest.TestCase):
 
 
 class Command(FolderTest):
-    def called(self, *words):
-        out, err = StringIO(), StringIO()
-        with redirect_stdout(out), redirect_stderr(err):
-            status = cli.main([*words, "--out", str(self.folder)])
-        return status, out.getvalue(), err.getvalue()
+    def called(self, *words, main=cli.main):
+        return captured(main, *words, "--out", self.folder)
 
     def test_a_program_that_is_not_there_is_named(self):
-        status, _, err = self.called("--motorsim", "/nowhere/motorsim")
-        self.assertEqual(cli.BAD_INPUT, status)
-        self.assertEqual("measure_zoo: /nowhere/motorsim: no program; run tools/dev build\n", err)
+        for name, command in (("measure_zoo", cli), ("measure_peers", peers)):
+            status, _, err = self.called("--motorsim", "/nowhere/motorsim", main=command.main)
+            self.assertEqual(command.BAD_INPUT, status)
+            self.assertEqual(f"{name}: /nowhere/motorsim: no program; run tools/dev build\n", err)
 
-    def test_a_number_of_motors_that_is_none_is_refused(self):
-        for word in ("0", "-1", "x", "1.5"):
-            with self.assertRaises(SystemExit), redirect_stderr(StringIO()) as err:
-                cli.parser().parse_args(["--motors", word])
-            self.assertIn("expected a whole number from 1 to 999999", err.getvalue())
-
+    def test_a_number_that_is_none_is_refused(self):
+        for option, command, words, most in (("--motors", cli, ("0", "-1", "x", "1.5"), 999999),
+                                             ("--seeds", peers, ("0", "-1", "x", "100"), 99)):
+            for word in words:
+                _, _, err = captured(command.parser().parse_args, option, word)
+                self.assertIn(f"expected a whole number from 1 to {most}", err)
 
     def results(self, *motors):
         path = self.folder / "results.json"
@@ -143,14 +146,12 @@ class Command(FolderTest):
 
     def test_the_page_is_written_and_then_is_that_of_the_results(self):
         page, results = self.page(), self.results(result(run=GOOD_RUN))
-        with self.assertRaises(SystemExit) as exit_:
-            self.called("--results", str(results), "--check")
-        self.assertIn("is not what the measurement has", str(exit_.exception))
-        self.assertEqual(cli.DONE, self.called("--results", str(results), "--write")[0])
+        self.assertIn("is not what the measurement has", self.called("--results", results, "--check")[0])
+        self.assertEqual(cli.DONE, self.called("--results", results, "--write")[0])
         text = page.read_text(encoding="utf-8")
         self.assertIn("1 motors of seed 7. 1 were measured", text)
         self.assertTrue(text.startswith("before\n<!-- results -->\n| | goal |") and text.endswith("<!-- end -->\nafter\n"))
-        self.assertEqual(cli.DONE, self.called("--results", str(results), "--check")[0])
+        self.assertEqual(cli.DONE, self.called("--results", results, "--check")[0])
 
     def test_the_page_of_the_project_has_room_for_it(self):
         self.assertEqual(["results"], list(cli.generated.tables(cli.PAGE)))
@@ -158,12 +159,12 @@ class Command(FolderTest):
     def test_results_that_are_none_are_named(self):
         for text in ("", "{}", "[]", '{"seed": 1}'):
             path = self.write("results.json", text)
-            status, out, err = self.called("--results", str(path))
+            status, out, err = self.called("--results", path)
             self.assertEqual((cli.BAD_INPUT, "", 1), (status, out, len(err.splitlines())))
             self.assertIn(f"measure_zoo: {path}: no results of measure_zoo", err)
 
     def test_one_motor_that_is_refused_ends_with_a_sentence(self):
-        status, out, _ = self.called("--results", str(self.results(REFUSED)))
+        status, out, _ = self.called("--results", self.results(REFUSED))
         self.assertEqual(cli.DONE, status)
         self.assertIn("None measured.", out)
         self.assertIn("zoo:1@1:user: identify refused: the rotor is stuck", out)
@@ -174,14 +175,9 @@ class Troubles(FolderTest):
 
     MOTOR = motor.Motor(1, 0)
 
-    def program(self, name, text):
-        path = self.write(name, f"#!/bin/sh\n{text}\n")
-        path.chmod(0o755)
-        return path
-
     def identified(self, nfconfig, motorsim="exit 0"):
-        return motor.identified(motor.Programs(self.program("motorsim", motorsim), self.program("nfconfig", nfconfig)), self.MOTOR,
-                                self.folder)["refusal"]
+        programs = motor.Programs(program(self, "motorsim", motorsim), program(self, "nfconfig", nfconfig))
+        return motor.identified(programs, self.MOTOR, self.folder)["refusal"]
 
     def test_a_motor_that_cannot_be_drawn_is_refused(self):
         self.assertEqual("nfconfig: no such motor", self.identified("echo a >&2; echo no such motor >&2; exit 2"))
@@ -226,15 +222,7 @@ class PeersTable(unittest.TestCase):
 
 class PeersCommand(FolderTest):
     def called(self, *words):
-        out, err = StringIO(), StringIO()
-        with redirect_stdout(out), redirect_stderr(err):
-            status = peers.main([*words, "--out", str(self.folder)])
-        return status, out.getvalue(), err.getvalue()
-
-    def test_a_program_that_is_not_there_is_named(self):
-        status, _, err = self.called("--motorsim", "/nowhere/motorsim")
-        self.assertEqual(peers.BAD_INPUT, status)
-        self.assertEqual("measure_peers: /nowhere/motorsim: no program; run tools/dev build\n", err)
+        return captured(peers.main, *words, "--out", self.folder)
 
     def test_a_motor_that_is_none_is_named(self):
         status, out, err = self.called("hub_250w", "hub_251w")
@@ -247,26 +235,18 @@ class PeersCommand(FolderTest):
             self.assertTrue((peers.FILES / f"{name}.toml").is_file(), name)
 
     def test_the_refusal_of_a_motor_is_its_result(self):
-        program = self.write("motorsim", "#!/bin/sh\necho identify refused: the rotor is stuck >&2\nexit 1\n")
-        program.chmod(0o755)
-        status, out, _ = self.called("hub_250w", "--motorsim", str(program))
+        refuses = program(self, "motorsim", "echo identify refused: the rotor is stuck >&2\nexit 1")
+        status, out, _ = self.called("hub_250w", "--motorsim", refuses)
         self.assertEqual(peers.REFUSED, status)
         self.assertIn("hub_250w, as there, seed 5: identify refused: the rotor is stuck", out)
-
-    def test_a_number_of_seeds_that_is_none_is_refused(self):
-        for word in ("0", "-1", "x", "100"):
-            with self.assertRaises(SystemExit), redirect_stderr(StringIO()) as err:
-                peers.parser().parse_args(["--seeds", word])
-            self.assertIn("expected a whole number from 1 to 99", err.getvalue())
 
 
 class Peer(FolderTest):
     """The one of least inductance, 3 µH at 48 V, with both sets."""
 
     def test_each_value_meets_its_goal(self):
-        with redirect_stdout(StringIO()):
-            self.assertEqual(peers.DONE, peers.main(["xnova_4530", "--seeds", "1", "--motorsim", str(MOTORSIM),
-                                                     "--out", str(self.folder)]))
+        status, _, _ = captured(peers.main, "xnova_4530", "--seeds", 1, "--motorsim", MOTORSIM, "--out", self.folder)
+        self.assertEqual(peers.DONE, status)
         results = [json.loads((self.folder / f"xnova_4530_{name}_1.json").read_text(encoding="utf-8")) for name in peers.SETS]
         for value in peers.compared():
             worst = max(error for error, _ in table.errors(value, results))
@@ -278,8 +258,8 @@ class Motors(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        with TemporaryDirectory() as folder, redirect_stdout(StringIO()), redirect_stderr(StringIO()):
-            cls.status = cli.main(["--seed", str(SEED), "--motors", str(MOTORS), "--motorsim", str(MOTORSIM), "--out", folder])
+        with TemporaryDirectory() as folder:
+            cls.status, _, _ = captured(cli.main, "--seed", SEED, "--motors", MOTORS, "--motorsim", MOTORSIM, "--out", folder)
             cls.results = [json.loads(Path(folder, f"{k}.json").read_text(encoding="utf-8")) for k in range(MOTORS)]
 
     def test_all_are_measured_without_a_fault(self):
