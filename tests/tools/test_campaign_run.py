@@ -28,24 +28,15 @@ def metrics(**changed):
 
 
 class Classes(unittest.TestCase):
-    def test_within_the_limits_is_locked(self):
-        self.assertEqual(simulator.outcome(metrics(accepted=True)), "locked")
-
-    def test_a_latched_fault_with_open_gates_is_safe(self):
-        self.assertEqual(simulator.outcome(metrics(state_final="FAULT", gates_enabled_final=False)),
-                         "failed safe")
-
-    def test_a_rotor_held_to_the_end_beyond_a_limit_is_a_class_of_its_own(self):
-        self.assertEqual(simulator.outcome(metrics(locked=True)), "held, off limits")
-        self.assertEqual(simulator.outcome(metrics(locked=True, accepted=True)), "locked")
-        self.assertEqual(simulator.outcome(metrics(locked=True, state_final="FAULT",
-                                                   gates_enabled_final=False)), "failed safe")
-
-    def test_anything_else_is_uncontrolled(self):
-        for changed in ({}, {"state_final": "FAULT"}, {"gates_enabled_final": False},
-                        {"locked": True, "gates_enabled_final": False},
-                        {"locked": True, "state_final": "FAULT"}, {"faults": ["OVERCURRENT@3"]}):
-            self.assertEqual(simulator.outcome(metrics(**changed)), "uncontrolled", changed)
+    def test_each_end_of_a_run_has_its_class_and_what_has_none_is_uncontrolled(self):
+        fault, open_gates, held = {"state_final": "FAULT"}, {"gates_enabled_final": False}, {"locked": True}
+        for changed, outcome in (({"accepted": True}, "locked"), (held | {"accepted": True}, "locked"),
+                                 (held, "held, off limits"),
+                                 (fault | open_gates, "failed safe"), (held | fault | open_gates, "failed safe"),
+                                 ({}, "uncontrolled"), (fault, "uncontrolled"), (open_gates, "uncontrolled"),
+                                 (held | open_gates, "uncontrolled"), (held | fault, "uncontrolled"),
+                                 ({"faults": ["OVERCURRENT@3"]}, "uncontrolled")):
+            self.assertEqual(simulator.outcome(metrics(**changed)), outcome, changed)
 
     def test_of_real_runs(self):
         for setting, expected in (("plant.flux_scale=1", "locked"),
@@ -57,26 +48,33 @@ class Classes(unittest.TestCase):
             self.assertEqual(simulator.outcome(json.loads(done.stdout)), expected, setting)
 
 
-class Running(CampaignTest):
-    def test_every_run_is_in_the_results_once(self):
-        self.file()
-        self.run_mine()
+class MineTest(CampaignTest):
+    """With the file of MINE."""
+
+    def setUp(self):
+        super().setUp()
+        self.mine = self.file()
+
+    def tool(self, command, *words):
+        """The tool in a process of its own, which rerun gives the simulator's status."""
+        return subprocess.run([sys.executable, "-B", TOOLS / "campaign", command, self.mine, "--motorsim", MOTORSIM,
+                               *map(str, words)], capture_output=True, text=True, check=False)
+
+    def assert_each_once(self):
         self.assertEqual([row["run"] for row in self.rows()], list(range(RUNS)))
+
+
+class Running(MineTest):
+    def test_every_run_is_in_the_results_once_whoever_runs_it(self):
+        self.run_mine("--jobs", 1)
+        self.assert_each_once()
         self.assertEqual({row["outcome"] for row in self.rows()}, {"locked", "failed safe"})
-
-    def test_order_and_number_of_jobs_change_nothing(self):
-        self.file()
-        self.run_mine("--jobs", 1, out="a")
-        self.run_mine("--jobs", 3, out="b")
-        self.assertEqual(self.rows("a"), self.rows("b"))
-
-    def test_a_cluster_gives_the_same(self):
-        self.file()
-        self.run_mine(out="a")
+        self.run_mine("--jobs", 3, out="a")
+        self.assertEqual(self.rows("a"), self.rows())
         with LocalCluster(n_workers=1, threads_per_worker=2, processes=True,
                           dashboard_address=None) as cluster:
             self.run_mine("--scheduler", cluster.scheduler_address, out="b")
-        self.assertEqual(self.rows("a"), self.rows("b"))
+        self.assertEqual(self.rows("b"), self.rows())
 
     def test_workers_need_no_files_of_the_tools(self):
         words = [1, [str(MOTORSIM), "run", "s9"], [], worker.fingerprint(str(MOTORSIM), [])]
@@ -88,7 +86,6 @@ class Running(CampaignTest):
         self.assertRegex(done.stdout.decode(), '^1 2  motorsim: .*"s9": not found')
 
     def test_the_files_beside_the_results(self):
-        self.file()
         _, out, _ = self.run_mine(draws=True)
         for name in ("runs.csv", "failures.txt", "map.png"):
             self.assertIn(str(self.folder / "out" / name), out.splitlines())
@@ -115,27 +112,23 @@ class Running(CampaignTest):
             self.assertEqual(self.run_mine()[0], status, accept)
 
     def test_report_repeats_the_summary(self):
-        self.file()
         first = self.run_mine(draws=True)
-        again = self.called("report", self.folder / "mine.toml", "--motorsim", MOTORSIM, "--out",
-                            self.folder / "out")
+        again = self.called("report", self.mine, "--motorsim", MOTORSIM, "--out", self.folder / "out")
         self.assertEqual((first[0], first[1]), (again[0], again[1]))
 
 
-class GoingOn(CampaignTest):
+class GoingOn(MineTest):
     def test_what_is_there_is_not_run_again(self):
-        self.file()
         self.run_mine("--runs", 2)
         before = self.lines()
         _, _, err = self.run_mine()
         self.assertEqual(self.lines()[:3], before)
-        self.assertEqual([row["run"] for row in self.rows()], list(range(RUNS)))
+        self.assert_each_once()
         self.assertIn(f"{RUNS} of {RUNS} runs", err)
         _, _, err = self.run_mine()
         self.assertEqual(err, "")
 
     def test_half_a_line_is_run_again(self):
-        self.file()
         self.run_mine()
         expected = self.rows()
         path = self.folder / "out" / "runs.jsonl"
@@ -151,7 +144,6 @@ class GoingOn(CampaignTest):
         self.assertEqual(len(self.rows()), RUNS)
 
     def test_what_decides_the_results_may_not_differ(self):
-        self.file()
         self.run_mine("--runs", 1)
         cases = (("seed = 3", "seed = 4", "seed was 3, is 4"),
                  ("[0.9, 1.1]", "[0.9, 1.2]", r"vary\.plant\.resistance_scale was uniform 0\.9 to "
@@ -164,7 +156,6 @@ class GoingOn(CampaignTest):
         self.assertEqual(self.run_mine("--runs", 1, "--fresh")[0], 0)
 
     def test_nor_may_the_simulator_or_a_data_file(self):
-        self.file()
         self.run_mine("--runs", 1)
         program = self.folder / "motorsim"
         program.write_bytes(MOTORSIM.read_bytes() + b"\0")
@@ -177,7 +168,6 @@ class GoingOn(CampaignTest):
         self.assert_refused(self.run_mine(), "the data files changed; expected")
 
     def test_two_do_not_write_at_once(self):
-        self.file()
         self.run_mine("--runs", 1)
         holder = subprocess.Popen(
             [sys.executable, "-c", "import fcntl, sys; f = open(sys.argv[1], 'a'); "
@@ -190,8 +180,7 @@ class GoingOn(CampaignTest):
 
     def test_ctrl_c_leaves_what_can_be_gone_on_with(self):
         self.file(runs=5000)
-        words = ["run", self.folder / "mine.toml", "--motorsim", MOTORSIM, "--out",
-                 self.folder / "out"]
+        words = ["run", self.mine, "--motorsim", MOTORSIM, "--out", self.folder / "out"]
         path = self.folder / "out" / "runs.jsonl"
         with subprocess.Popen([sys.executable, "-B", TOOLS / "campaign", *words],
                               stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as started:
@@ -209,27 +198,20 @@ class GoingOn(CampaignTest):
         self.assertEqual([row["run"] for row in self.rows()][:RUNS], list(range(RUNS)))
 
 
-class Again(CampaignTest):
+class Again(MineTest):
     def test_a_run_again_is_the_row_of_the_campaign(self):
-        self.file()
         self.run_mine()
         for row in self.rows():
-            done = subprocess.run([sys.executable, "-B", TOOLS / "campaign", "rerun",
-                                   self.folder / "mine.toml", "--motorsim", MOTORSIM, "--run",
-                                   str(row["run"]), "--json", "-"],
-                                  capture_output=True, text=True, check=False)
+            done = self.tool("rerun", "--run", row["run"], "--json", "-")
             found = json.loads(done.stdout)
             self.assertEqual({key: found[key] for key in row["metrics"]}, row["metrics"])
             self.assertEqual(done.returncode, 0 if row["outcome"] == "locked" else 1)
 
     def test_the_command_printed_is_the_run(self):
-        self.file()
         trace = self.folder / "t.csv"
-        done = subprocess.run([TOOLS / "campaign", "rerun", self.folder / "mine.toml", "--motorsim",
-                               MOTORSIM, "--run", "1", "--trace", trace],
-                              capture_output=True, text=True, check=False)
+        done = self.tool("rerun", "--run", 1, "--trace", trace)
         command = shlex.split(done.stderr.splitlines()[0])
-        values = campaign.load(str(self.folder / "mine.toml")).values(1)
+        values = campaign.load(str(self.mine)).values(1)
         self.assertEqual([word for word in command if "=" in word][2:],
                          [f"{key}={text}" for key, text in values.items()])
         again = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -237,7 +219,6 @@ class Again(CampaignTest):
         self.assertTrue(trace.read_text(encoding="utf-8").startswith("time_s,"))
 
     def test_every_failure_has_its_command(self):
-        self.file()
         self.run_mine()
         lines = (self.folder / "out" / "failures.txt").read_text(encoding="utf-8").splitlines()
         commands = [line for line in lines if not line.startswith("#")]
@@ -251,7 +232,7 @@ class Again(CampaignTest):
         self.assertIn(f"scenario.seed={failed[0]['values']['scenario.seed']}", said)
 
 
-class Refusals(CampaignTest):
+class Refusals(MineTest):
     def changed(self, old, new):
         self.assertIn(old, MINE)
         self.file(MINE.replace(old, new, 1))
@@ -276,23 +257,19 @@ class Refusals(CampaignTest):
                             r"own\.toml has no limits for these .*expected \[accept\.any\]")
 
     def test_arguments(self):
-        self.file()
-        self.assert_refused(self.run_mine("--motorsim", self.folder / "no"),
-                            "no: no program; expected motorsim: run tools/dev build")
-        self.assert_refused(self.run_mine("--motorsim", "/bin/true"),
-                            "motorsim: exit status 0, no message; expected a run's results")
+        for words, says in ((("--motorsim", self.folder / "no"), "no: no program; expected motorsim: run tools/dev build"),
+                            (("--motorsim", "/bin/true"), "motorsim: exit status 0, no message; expected a run's results"),
+                            (("--scheduler", "nonsense://x"), "--scheduler: nonsense://x: .*; expected the address")):
+            self.assert_refused(self.run_mine(*words), says)
         self.assert_refused(self.run_mine(out="mine.toml"), r"mine\.toml.*place to write to")
-        self.assert_refused(self.run_mine("--scheduler", "nonsense://x"),
-                            "--scheduler: nonsense://x: .*; expected the address")
         for words in (["--runs", "0"], ["--jobs", "x"], ["--jobs", "1", "--scheduler", "a"]):
             self.assertEqual(self.run_mine(*words)[0], 2)
-        self.assert_refused(self.called("rerun", self.folder / "mine.toml", "--run", RUNS,
-                                        "--motorsim", MOTORSIM), f"--run {RUNS}: .*0 to {RUNS - 1}")
-        self.assert_refused(self.called("report", self.folder / "mine.toml", "--out",
-                                        self.folder / "none"), "No such file.*expected results of")
+        self.assert_refused(self.called("rerun", self.mine, "--run", RUNS, "--motorsim", MOTORSIM),
+                            f"--run {RUNS}: .*0 to {RUNS - 1}")
+        self.assert_refused(self.called("report", self.mine, "--out", self.folder / "none"),
+                            "No such file.*expected results of")
 
     def test_results_that_are_none(self):
-        self.file()
         (self.folder / "out").mkdir()
         for text, says in (("{}\n", "line 1 is none of"), ("[1\n", ".*expected a line of JSON"),
                            ('{"settings": {}, "files": {}}\n3\n', "line 2 is none of")):
