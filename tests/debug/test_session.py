@@ -160,13 +160,11 @@ class Prints(SessionTest):
         own = {"FLYING_START": "drive.flying_start.phase ", "ALIGN": "drive.align.phase ",
                "RUN": "drive.speed_loop.pi.integral_q26 "}
         imposed = "drive.vector.current_mean.d "
-        for state, part in own.items():
-            shown = self.session([f"run until state == {state}", "stages"])[1]
-            self.assertEqual([one for one in own.values() if f"  {one}" in shown], [part])
-            self.assertEqual(f"  {imposed}" in shown, state == "ALIGN")
-        ramp = self.session(["run until state == IF_RAMP", "stages"])
-        self.assertIn("IF_RAMP", ramp[0])
-        self.assertIn(f"  {imposed}", ramp[1])
+        for state in (*own, "IF_RAMP"):
+            stopped, shown = self.session([f"run until state == {state}", "stages"])
+            self.assertIn(f"  {state}", stopped)
+            self.assertEqual([one for one in own.values() if f"  {one}" in shown], [own[state]] if state in own else [])
+            self.assertEqual(f"  {imposed}" in shown, state in ("ALIGN", "IF_RAMP"))
 
     def test_stages_are_those_of_the_drive_that_runs(self):
         sensed = self.session(["goto 0.5s", "stages"], "s4")[1]
@@ -190,10 +188,9 @@ class Sets(SessionTest):
         self.assertRegex(answers[7], r"set speed_command_rpm = 400 at tick \d+\nset cfg")
 
     def test_a_forced_count_reaches_the_drive(self):
-        answers = self.session(["goto 0.5s", "force in.adc_ia.raw = 4095", "run until fault"])
-        self.assertIn("ADC_SATURATED", answers[2])
-        answers = self.session(["goto 0.5s", "force in.angle.raw = 0", "run until fault"], "s4")
-        self.assertIn("FAULT", answers[2])
+        for count, scenario, fault in (("in.adc_ia.raw = 4095", "s1_robust", "ADC_SATURATED"),
+                                       ("in.angle.raw = 0", "s4", "FAULT")):
+            self.assertIn(fault, self.session(["goto 0.5s", f"force {count}", "run until fault"], scenario)[2])
 
 
 class Refuses(SessionTest):
@@ -313,6 +310,13 @@ class Terminal(SessionTest):
         os.write(self.screen, keys.encode())
         return self.shown_until(pattern)
 
+    def interrupted(self):
+        """The whole tick at which Ctrl-C stops it."""
+        stopped = self.types(CTRL_C, r"\(s1 \d+\) $")
+        tick = int(re.search(r"stopped: interrupted\r?\ntick (\d+) ", stopped)[1])
+        self.assertIn(f"(s1 {tick})", stopped)
+        return tick
+
     def test_a_tab_completes_commands_and_signals(self):
         self.types("got\t7\n", r"tick 7 ")
         self.types("print i_q_ref\t\n", r"i_q_reference_a +\S+ A +raw")
@@ -324,9 +328,7 @@ class Terminal(SessionTest):
 
     def test_ctrl_c_stops_a_run_at_a_whole_tick(self):
         self.begin("run until speed_rpm > 1e9\n", "until speed_rpm")
-        stopped = self.types(CTRL_C, r"\(s1 \d+\) $")
-        tick = int(re.search(r"stopped: interrupted\r?\ntick (\d+) ", stopped)[1])
-        self.assertIn(f"(s1 {tick})", stopped)
+        tick = self.interrupted()
         there = self.types("hash\n", r"drive \w{8}")
         self.types("goto 0\n", "tick 0 ")
         self.types(f"goto {tick}\n", f"tick {tick} ")
@@ -336,9 +338,7 @@ class Terminal(SessionTest):
     def test_ctrl_c_stops_the_way_to_a_tick_there_and_back(self):
         for command in (f"goto {LAST}\n", f"step {LAST}\n"):
             self.begin(command, command[:4])
-            stopped = self.types(CTRL_C, r"\(s1 \d+\) $")
-            tick = int(re.search(r"stopped: interrupted\r?\ntick (\d+) ", stopped)[1])
-            self.assertTrue(0 < tick < LAST, stopped)
+            self.assertTrue(0 < self.interrupted() < LAST)
             self.types("goto 0\n", "tick 0 ")
 
     def test_ctrl_c_clears_the_line_at_the_prompt(self):
@@ -362,15 +362,10 @@ class Teaches(SessionTest):
         commands = ["step 5", "hash", "quit", "never read"]
         (self.folder / "commands.txt").write_text("\n".join(commands), encoding="utf-8")
         piped = self.run_debug(["s1"], commands)
-        script = self.run_debug(["s1", "--script", "commands.txt"], [])
-        self.assertEqual(piped.stdout, script.stdout)
-        self.assertNotIn("never read", script.stdout)
-        self.assertEqual(script.returncode, DONE)
-
-    def test_a_hyphen_as_script_is_standard_input(self):
-        commands = ["step 5", "hash"]
-        self.assertEqual(self.run_debug(["s1", "--script", "-"], commands).stdout,
-                         self.run_debug(["s1"], commands).stdout)
+        self.assertNotIn("never read", piped.stdout)
+        for script, typed in (("commands.txt", []), ("-", commands)):
+            done = self.run_debug(["s1", "--script", script], typed)
+            self.assertEqual((done.stdout, done.returncode), (piped.stdout, DONE))
 
 
 unittest.main()
