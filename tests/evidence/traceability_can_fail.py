@@ -110,23 +110,19 @@ class TraceabilityCanFail(unittest.TestCase):
         new = "tests = [" + ", ".join(f'"{test}"' for test in tests or named) + "]"
         return [line for line in self.findings(REGISTER, text, new, shown) if "A (23): rotor_position_step is run" in line]
 
-    def test_a_test_that_runs_the_function_is_no_finding(self):
-        self.assertEqual(self.found_of_runs(), [])
-
-    def test_a_program_that_does_not_run_the_function_is_found(self):
-        self.assertTrue(self.found_of_runs(own=["drive_step"], whole=["drive_step"]))
-
-    def test_a_test_that_does_not_run_what_others_of_its_program_do_is_found(self):
-        self.assertTrue(self.found_of_runs(own=["drive_step"]))
-
-    def test_a_test_that_is_not_counted_does_not_excuse_those_that_are(self):
-        counted = ["test_rotor_position"]
-        tests = ["test_constant_speed_of_one_unit_neither_rounds_nor_drifts", "gate.no_float"]
-        self.assertTrue(self.found_of_runs(own=["drive_step"], programs=counted, tests=tests))
-        self.assertEqual(self.found_of_runs(programs=counted, tests=tests), [])
-
-    def test_an_entry_without_a_counted_test_is_not_asked(self):
-        self.assertEqual(self.found_of_runs(own=["drive_step"], whole=["drive_step"], programs=[]), [])
+    def test_a_function_that_its_tests_do_not_run_is_found(self):
+        other = ["drive_step"]
+        one_counted = {"programs": ["test_rotor_position"],
+                       "tests": ["test_constant_speed_of_one_unit_neither_rounds_nor_drifts", "gate.no_float"]}
+        for name, runs, found in (
+                ("the test runs it", {}, False),
+                ("its program does not run it", {"own": other, "whole": other}, True),
+                ("only others of its program run it", {"own": other}, True),
+                ("a test that is not counted does not excuse those that are", {"own": other, **one_counted}, True),
+                ("a test that is not counted is not asked", one_counted, False),
+                ("no test is counted", {"own": other, "whole": other, "programs": []}, False)):
+            with self.subTest(name):
+                self.assertEqual(bool(self.found_of_runs(**runs)), found)
 
 
 class SourcesAreReadAsTheCompilerReadsThem(unittest.TestCase):
