@@ -68,35 +68,31 @@ class Case(unittest.TestCase):
         self.assert_safe(bench)
 
 
-class Wiring(Case):
-    def test_an_open_phase_is_named(self):
-        for phase, name in enumerate("abc"):
-            with self.subTest(name):
-                bench = self.bench()
-                bench.broken = 1 << phase
-                self.assert_refused(f"phase {name} is open", bench)
+# What is wrong → how: attributes of the bench, settings of the machine.
+WRONG = {
+    **{f"phase {name} is open": ({"broken": 1 << phase}, ()) for phase, name in enumerate("abc")},
+    "no current flows: is the motor connected?": ({"broken": 7}, ()),
+    **{f"the wires or the current sensors of phases {names} are exchanged": ({"sees": sees}, ())
+       for names, sees in (("b and c", (0, 2)), ("a and c", (2, 1)), ("a and b", (1, 0)))},
+    "a current sensor is reversed, or the wires or the sensors of all three phases are exchanged": ({"sees": (1, 2)}, ()),
+    # a tenth of the continuous current
+    "the noise of the current sensors is too large for the continuous current": (
+        {"noise": 0.1 * 8.4 / FULL_SCALE_A * MIDDLE}, ()),
+    "less than 3/4 of the resistance of the other phases, is the winding shorted: phase b": (
+        {}, ["plant.shorted_turns_pct=[0,35,0]"]),
+    "more than 5/4 of the resistance of the other phases, is a contact bad: phase c": ({}, ["plant.contact_ohm=[0,0,0.9]"]),
+    # twice the torque of the continuous current
+    STANDS: ({}, ["plant.coulomb_friction_nm=20"]),
+}
 
-    def test_no_motor_is_named(self):
-        bench = self.bench()
-        bench.broken = 7
-        self.assert_refused("no current flows: is the motor connected?", bench)
 
-    def test_exchanged_phases_are_named(self):
-        for names, sees in (("b and c", (0, 2)), ("a and c", (2, 1)), ("a and b", (1, 0))):
-            with self.subTest(names):
-                bench = self.bench()
-                bench.sees = sees
-                self.assert_refused(f"the wires or the current sensors of phases {names} are exchanged", bench)
-
-    def test_three_exchanged_phases_are_named(self):
-        bench = self.bench()
-        bench.sees = 1, 2
-        self.assert_refused("a current sensor is reversed, or the wires or the sensors of all three phases are exchanged", bench)
-
-    def test_noise_is_named(self):
-        bench = self.bench()
-        bench.noise = 0.1 * 8.4 / FULL_SCALE_A * MIDDLE  # a tenth of the continuous current
-        self.assert_refused("the noise of the current sensors is too large for the continuous current", bench)
+class Wrong(Case):
+    def test_a_fault_of_the_wiring_the_windings_or_the_rotor_is_named(self):
+        for why, (connected, settings) in WRONG.items():
+            with self.subTest(why):
+                bench = self.bench(settings=settings)
+                vars(bench).update(connected)
+                self.assert_refused(why, bench)
 
     def test_a_load_that_turns_the_rotor_is_named(self):
         bench = self.bench()
@@ -110,22 +106,6 @@ class Wiring(Case):
         bench.load_nm = 0.0
         self.assertEqual(bench.end(), "refused: more current flows than was asked for: does a load turn the rotor?")
         self.assert_safe(bench)
-
-
-class Windings(Case):
-    def test_a_winding_with_shorted_turns_is_named(self):
-        self.assert_refused("less than 3/4 of the resistance of the other phases, is the winding shorted: phase b",
-                            self.bench(settings=["plant.shorted_turns_pct=[0,35,0]"]))
-
-    def test_a_bad_contact_is_named(self):
-        self.assert_refused("more than 5/4 of the resistance of the other phases, is a contact bad: phase c",
-                            self.bench(settings=["plant.contact_ohm=[0,0,0.9]"]))
-
-
-class Rotor(Case):
-    def test_a_braked_one_is_named(self):
-        """Its friction is twice the torque of the continuous current."""
-        self.assert_refused(STANDS, self.bench(settings=["plant.coulomb_friction_nm=20"]))
 
 
 class NamePlate(Case):
