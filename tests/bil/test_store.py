@@ -69,12 +69,6 @@ class Store(unittest.TestCase):
         self.assertIn("READY", said[-1])
         return said[0], said[1]
 
-    def assert_images(self, greeting, why):
-        self.assertEqual(greeting, (IMAGES_NAME, f"configuration: that of the image, {why}"))
-
-    def test_without_a_block_it_has_that_of_the_image(self):
-        self.assert_images(self.start(), "none is stored")
-
     def test_a_stored_block_of_another_motor_is_what_it_runs_with(self):
         self.assertEqual(self.start(slot(0, block())), (OTHERS_NAME, "configuration: the stored one"))
         self.assertIn(f"at most {motor_file(OTHERS)['max_speed_rpm']:.0f} either way", answer(self.made, "speed x"))
@@ -84,18 +78,14 @@ class Store(unittest.TestCase):
         self.assertEqual(self.start(slot(0, images, 4), slot(1, others, 6))[0], OTHERS_NAME)
         self.assertEqual(self.start(slot(0, images, 8), slot(1, others, 6))[0], IMAGES_NAME)
 
-    def test_a_damaged_block_is_none(self):
-        data = bytearray(block())
-        data[300] ^= 1
-        self.assert_images(self.start(slot(0, bytes(data))), "none is stored")
-
-    def test_a_block_without_a_stamp_is_none(self):
-        self.assert_images(self.start([slot(0, block())[0]]), "none is stored")
-
-    def test_a_block_for_another_firmware_or_board_is_told(self):
-        why = "not the stored one: the block was made for another "
-        self.assert_images(self.start(slot(0, changed(block(), SCHEMA_AT))), why + "firmware")
-        self.assert_images(self.start(slot(0, changed(block(), BOARD_AT))), why + "board")
+    def test_without_a_block_for_it_the_image_has_its_own_configuration_and_says_why(self):
+        good, none, another = block(), "none is stored", "not the stored one: the block was made for another "
+        damaged = good[:300] + bytes([good[300] ^ 1]) + good[301:]
+        for flashed, why in (([], none), (slot(0, damaged), none), (slot(0, good)[:1], none),  # without its stamp
+                             (slot(0, changed(good, SCHEMA_AT)), another + "firmware"),
+                             (slot(0, changed(good, BOARD_AT)), another + "board")):
+            with self.subTest(why, parts=len(flashed)):
+                self.assertEqual(self.start(flashed), (IMAGES_NAME, f"configuration: that of the image, {why}"))
 
     def test_nothing_of_the_image_lies_in_the_slots(self):
         self.assertLessEqual(max(address + len(data) for address, data in elf.segments(IMAGE)), SLOTS[0])
