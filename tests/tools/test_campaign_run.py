@@ -118,10 +118,13 @@ class Running(MineTest):
 
 
 class GoingOn(MineTest):
-    def test_what_is_there_is_not_run_again(self):
-        self.run_mine("--runs", 2)
+    def test_what_is_there_is_not_run_again_with_more_runs_and_another_acceptance(self):
+        self.file(runs=2)
+        self.run_mine()
         before = self.lines()
-        _, _, err = self.run_mine()
+        self.file(f"{MINE}\n[accept]\nlocked_pct = 0\n")
+        status, _, err = self.run_mine()
+        self.assertEqual(status, 0)
         self.assertEqual(self.lines()[:3], before)
         self.assert_each_once()
         self.assertIn(f"{RUNS} of {RUNS} runs", err)
@@ -135,13 +138,6 @@ class GoingOn(MineTest):
         path.write_bytes(path.read_bytes()[:-10])
         self.run_mine()
         self.assertEqual(self.rows(), expected)
-
-    def test_more_runs_and_another_acceptance_go_on(self):
-        self.file(runs=3)
-        self.run_mine()
-        self.file(f"{MINE}\n[accept]\nlocked_pct = 0\n")
-        self.assertEqual(self.run_mine()[0], 0)
-        self.assertEqual(len(self.rows()), RUNS)
 
     def test_what_decides_the_results_may_not_differ(self):
         self.run_mine("--runs", 1)
