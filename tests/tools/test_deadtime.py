@@ -51,25 +51,27 @@ class Turns(unittest.TestCase):
                 harmonics.whole_turns(angle)
 
 
+def of_whole_turns(angle, current):
+    whole, _ = harmonics.whole_turns(angle)
+    return harmonics.orders(angle[whole], current[whole])
+
+
 class Harmonics(unittest.TestCase):
-    def orders(self, shares, hertz=6.71, **current):
-        angle = angle_of(hertz)
-        return harmonics.orders(angle, current_of(angle, shares, **current))
 
     def test_a_sine_has_no_distortion(self):
-        found = self.orders({}, mean=0.3)
+        angle = angle_of(6.71)
+        found = harmonics.orders(angle, current_of(angle, {}, mean=0.3))
         self.assertAlmostEqual(found.fundamental, 2.0, delta=ROUNDING)
         self.assertAlmostEqual(found.amplitudes[0], 0.3, delta=ROUNDING)
         self.assertLess(found.distortion_pct, 100 * ROUNDING)
 
     def test_each_order_and_their_thd(self):
         shares = {2: 0.01, 5: 0.05, 7: 0.03, 13: 0.02, 25: 0.004}
-        found = self.orders(shares)
+        angle = angle_of(6.71)
+        found = harmonics.orders(angle, current_of(angle, shares))
         for order in range(2, harmonics.ORDERS + 1):
             self.assertAlmostEqual(found.shares_pct[order], 100 * shares.get(order, 0.0), delta=ROUNDING)
-        angle = angle_of(6.71)
-        whole, _ = harmonics.whole_turns(angle)
-        both = harmonics.orders(angle[whole], current_of(angle, shares)[whole])
+        both = of_whole_turns(angle, current_of(angle, shares))
         expected = 100 * math.sqrt(sum(share ** 2 for share in shares.values()))
         self.assertAlmostEqual(both.thd_pct, expected, delta=ROUNDING)
         # A mean square over turns that are whole but for less than a sample at either end.
@@ -77,16 +79,13 @@ class Harmonics(unittest.TestCase):
 
     def test_a_square_wave(self):
         angle = angle_of(10.03, seconds=2.0)
-        whole, _ = harmonics.whole_turns(angle)
-        square = np.sign(np.cos(np.radians(angle[whole])))
-        found = harmonics.orders(angle[whole], square)
+        found = of_whole_turns(angle, np.sign(np.cos(np.radians(angle))))
         # Eight edges between two samples in eight turns: each moves by up to half a sample of 997.
         edges = 4 * 10.03 * PERIOD_S
         self.assertAlmostEqual(found.fundamental, 4 / math.pi, delta=edges)
         for order in (3, 5, 7):
             self.assertAlmostEqual(found.shares_pct[order], 100 / order, delta=100 * edges)
-        self.assertAlmostEqual(found.distortion_pct, 100 * math.sqrt(math.pi ** 2 / 8 - 1),
-                               delta=100 * edges)
+        self.assertAlmostEqual(found.distortion_pct, 100 * math.sqrt(math.pi ** 2 / 8 - 1), delta=100 * edges)
         odd = math.sqrt(sum(1 / order ** 2 for order in range(3, harmonics.ORDERS + 1, 2)))
         self.assertAlmostEqual(found.thd_pct, 100 * odd, delta=100 * edges)
 
@@ -140,8 +139,7 @@ class Evaluation(unittest.TestCase):
         self.assertAlmostEqual(result.angle_mean_deg, -0.5, delta=tolerance)
         self.assertAlmostEqual(result.angle_max_deg, 0.7, delta=ROUNDING)
         self.assertEqual(len(wave.time_s), len(wave.current_a))
-        self.assertAlmostEqual(wave.time_s[-1] - wave.time_s[0], measure.SHOWN_TURNS / 6.71,
-                               delta=3 * PERIOD_S)
+        self.assertAlmostEqual(wave.time_s[-1] - wave.time_s[0], measure.SHOWN_TURNS / 6.71, delta=3 * PERIOD_S)
 
     def test_a_rotor_at_rest_is_named(self):
         still = trace({})
