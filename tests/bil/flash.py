@@ -9,7 +9,7 @@ it raises comes within a block of instructions, and exceptions are taken between
 
 import random
 
-from registers import Block, Register, bit, need
+from registers import Block, Register, need
 
 STORE, STORE_BYTES = 0x0801F000, 0x1000
 PAGE = 0x800

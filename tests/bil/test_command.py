@@ -12,10 +12,9 @@ from pathlib import Path
 
 import board
 from copies import in_a_copy
+from rig import BOARD, CLOCK, IMAGE, MIDDLE
 
-IMAGE, BOARD, CLOCK, GDB = (Path(argument) for argument in sys.argv[1:5])
-
-MIDDLE = 2048
+GDB = Path(sys.argv[4])
 COMMAND = struct.Struct("<iBB2x")  # target, mode, request; as gdb is asked below
 RUN = 1
 NOBODYS = COMMAND.pack(-123456789, 1, 3)

@@ -6,19 +6,12 @@ and the board file: a bit that the image forgets, and that no behaviour of the m
 """
 
 import sys
-import tomllib
 import unittest
-from pathlib import Path
 
-import board
-
-IMAGE, BOARD, CLOCK = (Path(argument) for argument in sys.argv[1:4])
-FILE = tomllib.loads(BOARD.read_text(encoding="utf-8"))
-STAGE, HAL = FILE["board"], FILE["hal"]
+from rig import CALIBRATION_TICKS, HAL, STAGE, make
 
 CLOCK_HZ = 170e6
 HALF_PERIOD = round(CLOCK_HZ / STAGE["pwm_frequency_hz"] / 2)
-CALIBRATION_TICKS = 260
 
 # Pins by number, two bits each.
 ALTERNATE, OUTPUT, ANALOG = 2, 1, 3
@@ -152,8 +145,7 @@ def expected():
 
 class Registers(unittest.TestCase):
     def setUp(self):
-        self.made = board.Board(IMAGE, BOARD, CLOCK)
-        self.made.set_inputs(2048, 2048, round(STAGE["bus_nominal_v"] / STAGE["bus_full_scale_v"] * 4096))
+        self.made = make()
         blocks = self.made.chip.blocks
         self.registers = {f"{block.name}_{key}": register for block in blocks
                           for key, register in block.by_address.values()}

@@ -267,13 +267,13 @@ TEST(what_the_firmware_cannot_hold_is_named_with_its_limit)
     };
     const Folder folder;
     for (const auto &[key, value, limit, number] : misfits) {
-        const std::string place = std::string("--set: ") + key + " = ";
+        const std::string name = key;
+        const std::string place = "--set: " + name + " = ";
         const std::string reason = ": does not fit the firmware; ";
-        const auto refused = [key = key](const char *with) {
-            return refusal({}, {std::string(key) + "=" + with});
-        };
-        expect_begin(place + value + reason + "allowed: " + limit + ": ", refused(value));
-        TEST_ASSERT_NOT_EQUAL_INT(0, refused(number).rfind(place + number + reason, 0));
+        expect_begin(place + value + reason + "allowed: " + limit + ": ",
+                     refusal({}, {name + "=" + value}));
+        TEST_ASSERT_NOT_EQUAL_INT(
+            0, refusal({}, {name + "=" + number}).rfind(place + number + reason, 0));
     }
 }
 

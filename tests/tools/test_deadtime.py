@@ -9,14 +9,14 @@ from pathlib import Path
 
 import numpy as np
 
-from support import FolderTest
+from support import FolderTest, captured
+import plot
 from deadtime import figure, harmonics, measure, section, table
 from deadtime.measure import Measurement, Result
 from deadtime.points import SETS, Point, pairs
 from report import style
 from report.assemble import write_report
 from report.runs import PlotError, Trace
-from test_plot import called
 
 PERIOD_S = 1e-4
 # A least-squares fit of a sum of sines is exact but for the rounding of doubles.
@@ -169,8 +169,7 @@ class Files(FolderTest):
         self.run_files("s1")
         made = self.folder / "deadtime.data"
         measure.write(made_up(), made)
-        status, out, err = called("report", "--runs", self.folder, "--deadtime", made,
-                                  "--out", self.folder / "r")
+        status, out, err = captured(plot.main, "report", "--runs", self.folder, "--deadtime", made, "--out", self.folder / "r")
         self.assertEqual((status, err), (0, ""))
         text = Path(out.strip()).read_text(encoding="utf-8")
         self.assertIn('<a href="#deadtime">', text)

@@ -1,40 +1,27 @@
 # SPDX-License-Identifier: MIT
 """The command line: what it writes, what it says, how it exits."""
 
-import contextlib
-import io
 import subprocess
 import sys
 import unittest
 
-from support import TOOLS, FolderTest
+from support import TOOLS, FolderTest, captured
 import plot
 from report.panels import CATALOGUE
 
 PNG_START = b"\x89PNG\r\n"
 
 
-def called(*arguments):
-    """Exit status, standard output and standard error of tools/plot.py."""
-    out, err = io.StringIO(), io.StringIO()
-    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-        try:
-            status = plot.main([str(argument) for argument in arguments])
-        except SystemExit as ended:
-            status = ended.code
-    return status, out.getvalue(), err.getvalue()
-
-
 class Commands(FolderTest):
     def refused(self, *arguments, says):
-        status, out, err = called(*arguments)
+        status, out, err = captured(plot.main, *arguments)
         self.assertEqual((status, out), (2, ""))
         self.assertRegex(err, says)
         self.assertEqual(err.count("\n"), 1, err)
 
     def test_trace_beside_the_file(self):
         path = self.run_files("s1")
-        status, out, err = called("trace", path)
+        status, out, err = captured(plot.main, "trace", path)
         self.assertEqual((status, err), (0, ""))
         self.assertEqual(out.strip(), str(path.with_suffix(".png")))
         self.assertTrue(path.with_suffix(".png").read_bytes().startswith(PNG_START))
@@ -42,18 +29,18 @@ class Commands(FolderTest):
     def test_every_panel_can_be_chosen(self):
         path = self.run_files("s3")
         picture = self.folder / "all.png"
-        status, _, err = called("trace", path, "--panels", ",".join(CATALOGUE), "--out", picture,
+        status, _, err = captured(plot.main, "trace", path, "--panels", ",".join(CATALOGUE), "--out", picture,
                                 "--from", "-0.02", "--to", "0.5", "--title", "all")
         self.assertEqual((status, err), (0, ""))
         self.assertTrue(picture.is_file())
 
     def test_a_zoom_alone(self):
         path = self.run_files("s2")
-        self.assertEqual(called("trace", path, "--panels", "angle-zoom")[0], 0)
+        self.assertEqual(captured(plot.main, "trace", path, "--panels", "angle-zoom")[0], 0)
 
     def test_report(self):
         self.run_files("s1")
-        status, out, err = called("report", "--runs", self.folder, "--out", self.folder / "r")
+        status, out, err = captured(plot.main, "report", "--runs", self.folder, "--out", self.folder / "r")
         self.assertEqual((status, err), (0, ""))
         self.assertEqual(out.strip(), str(self.folder / "r" / "index.html"))
         self.assertTrue((self.folder / "r" / "index.html").is_file())
@@ -82,14 +69,14 @@ class Commands(FolderTest):
                                  (["trace", "--help"], ("--panels", *CATALOGUE)),
                                  (["report", "--help"], ("--runs", "fig. 5", "NAME.json")),
                                  (["design", "--help"], ("gaindesign", "4a", "--out"))):
-            status, out, _ = called(*arguments)
+            status, out, _ = captured(plot.main, *arguments)
             self.assertEqual(status, 0)
             for word in words:
                 self.assertIn(word, out)
 
     def test_usage(self):
-        self.assertEqual(called()[0], 2)
-        self.assertEqual(called("draw")[0], 2)
+        self.assertEqual(captured(plot.main)[0], 2)
+        self.assertEqual(captured(plot.main, "draw")[0], 2)
 
     def test_as_a_program(self):
         done = subprocess.run([sys.executable, TOOLS / "plot.py", "report", "--runs", self.folder],

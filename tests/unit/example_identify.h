@@ -35,12 +35,6 @@ static inline void start(void)
     TEST_ASSERT_TRUE(identify_is_busy(&identify));
 }
 
-static inline void begin_phase(identify_phase_t phase)
-{
-    start();
-    identify_aim_phase(&identify, phase);
-}
-
 static inline int32_t word(probe_word_t which)
 {
     return *identify_aim_word(&identify, which);

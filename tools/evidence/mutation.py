@@ -363,6 +363,7 @@ def registered(path):
     """(path, function, before, after) → (kind, reason), and what is wrong with the register itself."""
     entries, bad = {}, []
     for entry in tomllib.loads(path.read_text(encoding="utf-8")).get("survivor", []):
+        entry = {"kind": EQUIVALENT, **entry}
         if set(entry) != KEYS or entry["kind"] not in KINDS or not entry["reason"].strip() or not entry["mutants"]:
             bad.append(f"{path.name}: {entry}: an entry has {', '.join(sorted(KEYS))}; kind is {' or '.join(KINDS)}")
             continue

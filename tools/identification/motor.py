@@ -3,7 +3,6 @@
 
 import json
 import random
-import re
 import subprocess
 import tempfile
 import tomllib
