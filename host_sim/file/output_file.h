@@ -22,6 +22,8 @@ struct OutputError : std::runtime_error {
 class OutputFile
 {
 public:
+    static constexpr std::size_t WORTH_WRITING = 1U << 18U; // bytes, for who gathers them
+
     explicit OutputFile(const std::string &path); // throws OutputError
     ~OutputFile();
     OutputFile(const OutputFile &) = delete;

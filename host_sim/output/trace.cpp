@@ -12,8 +12,6 @@ namespace nf
 namespace
 {
 
-constexpr std::size_t FLUSH_BYTES = 1U << 18U;
-
 // A signal and how it is written; a state or a fault is a word.
 struct Column {
     const char *name;
@@ -111,7 +109,7 @@ void Trace::add(const Tick &tick)
         return;
     }
     write_row(buffer_, tick);
-    if (buffer_.size() > FLUSH_BYTES) {
+    if (buffer_.size() > OutputFile::WORTH_WRITING) {
         flush();
     }
 }

@@ -17,7 +17,6 @@ namespace nf
 namespace
 {
 
-constexpr std::size_t FLUSH_BYTES = 1U << 18U;
 constexpr double NS_PER_S = 1e9;
 constexpr unsigned STATE_BITS = 8;
 
@@ -198,7 +197,7 @@ void Vcd::add(const Tick &tick)
     write_signals(tick);
     write_pattern(tick);
     end_s_ = tick.time_s + tick.sim->bases().control_period_s;
-    if (buffer_.size() > FLUSH_BYTES) {
+    if (buffer_.size() > OutputFile::WORTH_WRITING) {
         flush();
     }
 }

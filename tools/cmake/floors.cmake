@@ -18,12 +18,12 @@ endfunction()
 
 # nf_compile_together(<target>)
 #
-# Compiles the C++ sources of a library six at a time: most of the time goes into the headers that they share. So a name in
+# Compiles the C++ sources of a library twelve at a time: most of the time goes into the headers that they share. So a name in
 # an unnamed namespace has to be unique in its library. Sources that were given to nf_compile_alone() before stay alone.
 function(nf_compile_together target)
     get_target_property(sources ${target} SOURCES)
     if(NOT sources MATCHES "[.]c(;|$)")
-        set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
+        set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 12)
     endif()
 endfunction()
 
