@@ -18,7 +18,7 @@ namespace nf::debug
 namespace
 {
 
-constexpr std::size_t NEAR_COUNT = 5;
+constexpr std::size_t NEAR_SIGNALS = 5;
 const std::string RAW = ".raw";
 
 const std::map<std::string, int> &enumerators()
@@ -39,7 +39,7 @@ const std::map<std::string, int> &enumerators()
 std::string unknown_text(const std::string &name)
 {
     std::string line = fmt::format("there is no signal {}", name);
-    const std::vector<std::string> near = near_signals(name, NEAR_COUNT);
+    const std::vector<std::string> near = near_signals(name, NEAR_SIGNALS);
     if (near.empty()) {
         return line + "; `signals` lists them";
     }

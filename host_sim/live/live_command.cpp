@@ -34,11 +34,6 @@ unsigned rate_of(const LiveArguments &arguments)
     return static_cast<unsigned>(board.baud);
 }
 
-std::string not_empty(const std::string &name)
-{
-    return name.empty() ? "needs a name" : "";
-}
-
 void describe_outputs(CLI::App &command, LiveArguments &arguments)
 {
     command.add_option("--trace", arguments.trace, "write all signals of every tick as CSV")

@@ -11,7 +11,7 @@ namespace nf::live
 namespace
 {
 
-constexpr double EVERY_S = 1;
+constexpr double LINE_EVERY_S = 1;
 
 class Plain : public LiveView
 {
@@ -29,7 +29,7 @@ public:
         }
         const double time_s =
             static_cast<double>(follower.shadow().next()) * follower.bases().control_period_s;
-        if (time_s - shown_s_ >= EVERY_S || time_s < shown_s_) {
+        if (time_s - shown_s_ >= LINE_EVERY_S || time_s < shown_s_) {
             shown_s_ = time_s;
             say(fmt::format("{:.3f} s: {}", time_s, status_text(follower)));
         }
@@ -49,7 +49,7 @@ public:
     }
 
 private:
-    double shown_s_ = -EVERY_S;
+    double shown_s_ = -LINE_EVERY_S;
 };
 
 } // namespace

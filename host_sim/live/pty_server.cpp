@@ -25,7 +25,7 @@ namespace
 constexpr double SLICE_S = 1e-3;  // of the board between two looks at the terminal
 constexpr double LAG_MAX_S = 0.1; // what the board is behind by more than that is given up
 constexpr double REPORT_S = 1;    // between two reports of that
-constexpr std::size_t AT_ONCE = 4096;
+constexpr std::size_t READ_AT_ONCE = 4096;
 
 [[noreturn]] void fail(const std::string &what)
 {
@@ -99,7 +99,7 @@ void Pty::make_link()
 
 std::vector<uint8_t> Pty::read()
 {
-    std::vector<uint8_t> bytes(AT_ONCE);
+    std::vector<uint8_t> bytes(READ_AT_ONCE);
     const ssize_t count = ::read(board_, bytes.data(), bytes.size());
     if (count < 0 && errno != EAGAIN && errno != EINTR) {
         fail(port_);

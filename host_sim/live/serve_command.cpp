@@ -13,11 +13,6 @@ namespace nf::live
 namespace
 {
 
-std::string not_empty(const std::string &name)
-{
-    return name.empty() ? "needs a name" : "";
-}
-
 Config load(const ServeArguments &arguments, const ServeFiles &files)
 {
     std::vector<std::string> set = files.set;
@@ -38,6 +33,11 @@ void say(const std::string &line)
 }
 
 } // namespace
+
+std::string not_empty(const std::string &name)
+{
+    return name.empty() ? "needs a name" : "";
+}
 
 void describe(CLI::App &command, ServeArguments &arguments)
 {

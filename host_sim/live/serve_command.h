@@ -29,4 +29,7 @@ void describe(CLI::App &command, ServeArguments &arguments);
 // Serves a simulated board until Ctrl-C. Throws what is to be said in one line.
 void serve(const ServeArguments &arguments, const ServeFiles &files);
 
+// What is wrong with a name on the command line; empty where nothing is.
+std::string not_empty(const std::string &name);
+
 } // namespace nf::live
