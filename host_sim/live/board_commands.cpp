@@ -8,6 +8,7 @@
 #include "header.h"
 #include "identity.h"
 #include "names.h"
+#include "numbers.h"
 #include "output_file.h"
 #include "reader.h"
 #include "run_recording.h"
@@ -486,7 +487,6 @@ std::string speed_text(const Simulation &sim)
 
 std::string drive_text(const Simulation &sim)
 {
-    constexpr double Q15 = 32768.0;
     const drive_signals_t &signals = sim.drive().signals;
     return fmt::format(
         "{}, {}, i_q {:.2f} A, i_d {:.2f} A, bus {:.1f} V", state_and_gates(sim.drive()),

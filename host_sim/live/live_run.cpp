@@ -32,7 +32,7 @@ namespace nf::live
 namespace
 {
 
-constexpr double PASS_S = 0.02; // between two looks at keys and lines
+constexpr double LOOK_S = 0.02; // between two looks at keys and lines
 constexpr double IN_STEP_S = 5; // until then a script waits for the first state
 constexpr double LATE_S = 10;   // behind --for: the board's time does not go on
 constexpr double PS_PER_S = 1e12;
@@ -215,7 +215,7 @@ bool LiveRun::is_over()
 
 void LiveRun::step()
 {
-    follower_.step(PASS_S);
+    follower_.step(LOOK_S);
     view_->show(follower_);
 }
 
@@ -311,7 +311,7 @@ bool LiveRun::step_through(const RecordedRun &run)
     std::thread following([&] {
         try {
             while (!done) {
-                follower_.step(PASS_S);
+                follower_.step(LOOK_S);
             }
         } catch (...) {
             problem = std::current_exception();

@@ -4,6 +4,7 @@
 #include "found_fault.h"
 #include "live_view.h"
 #include "names.h"
+#include "numbers.h"
 
 #include <algorithm>
 #include <deque>
@@ -24,7 +25,6 @@ namespace
 
 constexpr double EVERY_S = 0.1;
 constexpr std::size_t LINES_KEPT = 500;
-constexpr double Q15 = 32768.0;
 constexpr int KEY_DELETE_BEFORE = 127;
 
 // A name and its value, as the view has them below each other.
