@@ -191,7 +191,7 @@ static uint32_t number_of_one_more(const store_t *store)
     return number;
 }
 
-/* Step 1. The number counts also where too few units are left: one stamp may have it, and the new block has to be beyond it. */
+/* Step 1. The number counts even if units are left for one stamp only: the new block's number has to be higher than that stamp's. */
 static void keep(store_t *store)
 {
     uint32_t block_crc = 0U;

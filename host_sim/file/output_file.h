@@ -22,7 +22,8 @@ struct OutputError : std::runtime_error {
 class OutputFile
 {
 public:
-    static constexpr std::size_t WORTH_WRITING = 1U << 18U; // bytes, for who gathers them
+    static constexpr std::size_t WORTH_WRITING =
+        1U << 18U; // bytes that a caller gathers before it calls write()
 
     explicit OutputFile(const std::string &path); // throws OutputError
     ~OutputFile();

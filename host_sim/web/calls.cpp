@@ -12,9 +12,7 @@ namespace
 
 const Call &find_call(const std::string &name)
 {
-    for (const Calls *calls :
-         {&config_service::calls(), &run_session::calls(), &play_session::calls(),
-          &step_session::calls(), &replay_session::calls(), &live_session::calls()}) {
+    for (const Calls *calls : all_calls()) {
         for (const Call &call : *calls) {
             if (name == call.name) {
                 return call;
@@ -31,6 +29,12 @@ std::string text_of(const Json &json)
 }
 
 } // namespace
+
+std::vector<const Calls *> all_calls()
+{
+    return {&config_service::calls(), &run_session::calls(),    &play_session::calls(),
+            &step_session::calls(),   &replay_session::calls(), &live_session::calls()};
+}
 
 std::string answer(const std::string &name, const std::string &given)
 {

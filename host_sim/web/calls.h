@@ -44,6 +44,9 @@ namespace live_session
 const Calls &calls();
 }
 
+// The tables of all parts.
+std::vector<const Calls *> all_calls();
+
 // {"value": …}, or {"error": "one line"}, for whatever the text may be.
 std::string answer(const std::string &name, const std::string &given);
 

@@ -525,7 +525,8 @@ TEST(a_torque_is_commanded_in_newton_metres)
     constexpr double TORQUE_SHARE = 0.03;
     constexpr double SLOPE_S = 0.15; // to reach it
     constexpr int PASSES = 50;
-    Bench bench(scripted("60", {"scenario.load=[{time_s = 1, torque_nm = 1}]"}));
+    Bench bench(
+        scripted("60", {fmt::format("scenario.load=[{{time_s = 1, torque_nm = {}}}]", TORQUE_NM)}));
     leave_alone(bench, SETTLES_S);
     bench.follower.connect();
     bench.pass(RESYNC_S);

@@ -161,7 +161,7 @@ class Cost(unittest.TestCase):
     def test_lines_of_a_ctest_that_a_test_has_called_are_not_tests(self):
         lines = ("  1/2 Test  #7: one ....   Passed    0.10 sec", " 12/286 Test #31: inner ...***Failed    0.01 sec",
                  " 1/286 Test #31: inner ...   Passed    0.01 sec", "  2/2 Test  #9: two ...***Failed    0.20 sec")
-        self.assertEqual([found[2:4] for found in ctest_run.own_lines(lines)], [("one", "   Passed"), ("two", "***Failed")])
+        self.assertEqual(list(ctest_run.own_lines(lines)), [("one", "Passed", 0.1), ("two", "***Failed", 0.2)])
 
     def test_a_test_dearer_than_allowed_is_found_unless_it_has_a_reason(self):
         dear = [ctest_run.Ended("a", True, 1.0, run_tests.FAILS + 1)]

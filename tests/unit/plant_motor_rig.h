@@ -161,13 +161,14 @@ static inline void check_independence_of_step(const plant_motor_cfg_t *cfg, doub
     check_same(&fine, &coarse, accuracy);
 }
 
-/* A copy, of which a test makes one field wrong; then which field is named. */
+/* A copy. The test then makes one of its fields wrong. */
 static inline plant_motor_cfg_t *copy_of(plant_motor_cfg_t good)
 {
     wrong = good;
     return &wrong;
 }
 
+/* The init function refuses that copy and names the field. */
 static inline void check_rejected(const char *field)
 {
     const char *bad = NULL;

@@ -46,13 +46,14 @@ static inline void run(int periods)
     look();
 }
 
-/* A copy, of which a test makes one field wrong; then which field is named. */
+/* A copy. The test then makes one of its fields wrong. */
 static inline plant_cfg_t *copy_of(const plant_cfg_t *good)
 {
     wrong = *good;
     return &wrong;
 }
 
+/* The init function refuses that copy and names the field. */
 static inline void check_rejected(const char *field)
 {
     const char *bad = NULL;

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Start-up and low speed: the sequence of states with a motor, stops and faults in each of them, any frame. */
-#include "drive.h"
-#include "example_cfg.h"
-#include "example_motor.h"
+#include "driven_motor.h"
 #include "fault_frames.h"
 #include "seeded.h"
 #include "testing.h"
@@ -13,32 +11,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MID_COUNTS (2048U) /* zero current */
-#define BUS_COUNTS (2822U) /* 310 V */
-#define CALIBRATION_TICKS (256U)
-#define STEPS_PER_RPM (14316.56) /* 2 pole pairs, 10 kHz */
 #define RAD_S_PER_RPM (2.0 * EXAMPLE_PI / 30.0)
 #define SLOW_RPM (100.0) /* between nothing and the hand-over at 180 rpm */
 #define FAST_RPM (600.0)
 #define PATIENCE_TICKS (40000U) /* 4 s: more than any state lasts here */
 
-static drive_cfg_t cfg;
-static drive_t drive;
-static drive_in_t in;
-static drive_out_t out;
-static example_motor_t motor;
-static double load_nm;
-
-static void quiet_frame(void)
-{
-    in = (drive_in_t){.adc_ia = MID_COUNTS, .adc_ib = MID_COUNTS, .adc_bus = BUS_COUNTS};
-}
-
+/* To READY as a chip that starts again: what the drive has had stays in its memory. */
 static void begin(void)
 {
     cfg.crc = config_guard_crc(&cfg);
     TEST_ASSERT_NULL(drive_init(&drive, &cfg));
-    quiet_frame();
+    in = (drive_in_t){.adc_ia = MID_COUNTS, .adc_ib = MID_COUNTS, .adc_bus = BUS_COUNTS};
     memset(&out, 0, sizeof out);
     motor = example_motor_at(0.0, 0.0);
     load_nm = 0.0;
@@ -54,20 +37,6 @@ void setUp(void)
     cfg.modulator = example_modulator_cfg(); /* the inverter of example_motor.h has no dead time */
     memset(&drive, 0, sizeof drive);
     begin();
-}
-
-static void tick(void)
-{
-    example_motor_measure(&motor, &in);
-    drive_step(&drive, &in, &out);
-    example_motor_tick(&motor, &out, load_nm);
-}
-
-static void ticks(uint32_t count)
-{
-    for (uint32_t k = 0U; k < count; k++) {
-        tick();
-    }
 }
 
 static void stay_in(drive_state_t state, uint32_t count)
@@ -135,14 +104,6 @@ static void go_to(drive_state_t state)
 static bool is_driving(drive_state_t state)
 {
     return (state > DRIVE_STATE_READY) && (state < DRIVE_STATE_FAULT);
-}
-
-static void assert_gates_open(void)
-{
-    TEST_ASSERT_FALSE(out.gate_enable);
-    for (int32_t p = 0; p < 3; p++) {
-        TEST_ASSERT_EQUAL_UINT16(4250U, out.compare.phase[p]); /* half of 8500 */
-    }
 }
 
 /* ---- sequence ---- */

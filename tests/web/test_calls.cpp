@@ -16,7 +16,7 @@
 
 #include <fmt/format.h>
 
-static double now; // s
+static double clock_s;
 
 // The line that a page would open: nobody answers there, and waiting takes no time.
 namespace nf::web
@@ -24,7 +24,7 @@ namespace nf::web
 
 std::vector<uint8_t> WorkerLine::read(double wait_s)
 {
-    now += wait_s;
+    clock_s += wait_s;
     return {};
 }
 
@@ -35,7 +35,7 @@ void WorkerLine::write(const std::vector<uint8_t> &bytes)
 
 double WorkerLine::now_s() const
 {
-    return now;
+    return clock_s;
 }
 
 bool WorkerLine::take_stop()
@@ -88,14 +88,11 @@ std::set<std::string> calls_of_the_page()
     return names;
 }
 
-std::set<std::string> all_calls()
+std::set<std::string> names_of_all_calls()
 {
-    namespace web = nf::web;
     std::set<std::string> names;
-    for (const web::Calls *calls : {&web::config_service::calls(), &web::run_session::calls(),
-                                    &web::play_session::calls(), &web::step_session::calls(),
-                                    &web::replay_session::calls(), &web::live_session::calls()}) {
-        for (const web::Call &call : *calls) {
+    for (const nf::web::Calls *calls : nf::web::all_calls()) {
+        for (const nf::web::Call &call : *calls) {
             names.insert(call.name);
         }
     }
@@ -109,7 +106,7 @@ TEST(each_call_of_the_page_is_there)
                               "step.execute", "replay.open", "live.open"}) {
         TEST_ASSERT_EQUAL_MESSAGE(1, names.count(known), known);
     }
-    const std::set<std::string> there = all_calls();
+    const std::set<std::string> there = names_of_all_calls();
     for (const std::string &name : names) {
         TEST_ASSERT_EQUAL_MESSAGE(1, there.count(name), name.c_str());
     }
@@ -119,10 +116,10 @@ TEST(each_call_of_the_page_is_there)
 
 TEST(a_run_in_slices_has_the_figures_of_a_plain_run)
 {
-    const Json choice = {
-        {"scenario", "s1"}, {"with", {"adc"}}, {"set", {"motor.inertia_kg_m2=0.003"}}};
-    Json given = choice;
-    given["signals"] = {"speed_rpm"};
+    const Json given = {{"scenario", "s1"},
+                        {"with", {"adc"}},
+                        {"set", {"motor.inertia_kg_m2=0.003"}},
+                        {"signals", {"speed_rpm"}}};
     const auto ticks = value("run.start", given).at("ticks").get<int64_t>();
     TEST_ASSERT_EQUAL_STRING(R"({"error":"the run is not at its end"})",
                              nf::web::answer("run.result", "{}").c_str());
@@ -149,7 +146,7 @@ TEST(whatever_is_given_the_answer_is_a_value_or_one_line)
                           {{"ticks", "many"}},
                           {{"line", -1}},
                           {{"file", "../../none"}}};
-    for (const std::string &name : all_calls()) {
+    for (const std::string &name : names_of_all_calls()) {
         for (const Json &given : wrong) {
             const std::string text =
                 nf::web::answer(name, given.dump(-1, ' ', false, Json::error_handler_t::replace));

@@ -29,7 +29,7 @@ endfunction()
 
 # nf_compile_alone(<source>...)
 #
-# Of the evidence: evidence.mutation and evidence.fuzz_can_fail put faults into them, and link an object in place of theirs.
+# Sources that get a translation unit of their own. Beside the call stands why.
 function(nf_compile_alone)
     set_source_files_properties(${ARGV} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()

@@ -3,8 +3,8 @@
 
 Which tier a test belongs to, in one rule: `test` has what tells whether a change is right, for at most MOST core-seconds a
 test; all else is evidence (label `evidence`). A test that is dearer and stays has the label `dear`, by nf_is_dear() with the
-reason beside it. Cost is processor time, as another program beside this one hardly changes it; a test fails above FAILS alone, so
-that it does on no slower machine.
+reason beside it. Cost is processor time, which other programs hardly change. A test fails above FAILS: a slower machine takes
+more than the one on which MOST was measured.
 """
 
 import argparse
@@ -33,8 +33,8 @@ def report(ended):
 def too_dear(ended, tests):
     for test in ended:
         if test.core_seconds > FAILS and "dear" not in tests[test.name].labels:
-            yield (f"{test.name}: took {test.core_seconds:.0f} core-seconds; allowed: {MOST}, "
-                   "or a reason: nf_is_dear() in its CMakeLists.txt")
+            yield (f"{test.name}: took {test.core_seconds:.0f} core-seconds; allowed: {MOST}, and {FAILS:.0f} on a "
+                   "slower machine, or a reason: nf_is_dear() in its CMakeLists.txt")
 
 
 def main():
