@@ -17,7 +17,7 @@ from pathlib import Path
 
 TRY_MOTORS, COMPILER = sys.argv[1:3]
 FEW, MANY = 300, 1000
-COUNT = int(sys.argv[3]) if len(sys.argv) > 3 else MANY if "NF_MANY_RUNS" in os.environ else FEW
+COUNT = int(sys.argv[3]) if len(sys.argv) > 3 else MANY if os.environ.get("NF_MANY_RUNS") == "1" else FEW
 SEED = int(sys.argv[4]) if len(sys.argv) > 4 else 1
 ROOT = Path(__file__).resolve().parents[2]
 INCLUDES = ("hal/stm32g431", "hal", "firmware/app", "firmware/drive", "firmware/config", "firmware/protect", "firmware/control",
