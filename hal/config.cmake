@@ -70,8 +70,8 @@ macro(nf_refer option folder reference)
     endif()
 endmacro()
 
-# Lets <target> include <header>, made by the nfconfig <command>.
-function(nf_config_header target header command)
+# Lets <target> include <file>, made by the nfconfig <command>.
+function(nf_config_file target file command)
     cmake_parse_arguments(PARSE_ARGV 3 arg "" "MOTOR;BOARD;TUNING" "WITH")
     get_property(nfconfig GLOBAL PROPERTY NF_NFCONFIG)
     if(NOT nfconfig OR (IS_ABSOLUTE ${nfconfig} AND NOT EXISTS ${nfconfig}))
@@ -90,25 +90,36 @@ function(nf_config_header target header command)
     endforeach()
     set(folder ${CMAKE_CURRENT_BINARY_DIR}/${target}_config)
     file(MAKE_DIRECTORY ${folder})
-    add_custom_command(OUTPUT ${folder}/${header}
-        COMMAND ${nfconfig} ${command} ${arguments} --out ${folder}/${header}
+    add_custom_command(OUTPUT ${folder}/${file}
+        COMMAND ${nfconfig} ${command} ${arguments} --out ${folder}/${file}
         DEPENDS ${nfconfig} ${files}
-        COMMENT "${header} of ${target}: ${arg_MOTOR}, ${arg_BOARD}, ${arg_TUNING}"
+        COMMENT "${file} of ${target}: ${arg_MOTOR}, ${arg_BOARD}, ${arg_TUNING}"
         VERBATIM)
-    target_sources(${target} PRIVATE ${folder}/${header})
+    target_sources(${target} PRIVATE ${folder}/${file})
     target_include_directories(${target} PRIVATE ${folder})
+endfunction()
+
+# nf_report_alike(<target> MOTOR <file> BOARD <file> TUNING <file>)
+#
+# The build of <target> ends with what may be expected of the tuning: how many motors of the zoo like this one it holds. They
+# are simulated again when one of the files has changed.
+function(nf_report_alike target)
+    nf_config_file(${target} alike.txt alike ${ARGN})
+    add_custom_command(TARGET ${target} POST_BUILD
+        COMMAND ${CMAKE_COMMAND} -E cat ${CMAKE_CURRENT_BINARY_DIR}/${target}_config/alike.txt
+        VERBATIM)
 endfunction()
 
 # nf_drive_config(<target> MOTOR <file> BOARD <file> TUNING <file> [WITH <imperfection set>...])
 #
 # Lets <target> include drive_config.h: the drive's configuration.
 function(nf_drive_config target)
-    nf_config_header(${target} drive_config.h header ${ARGN})
+    nf_config_file(${target} drive_config.h header ${ARGN})
 endfunction()
 
 # nf_hal_config(<target> MOTOR <file> BOARD <file> TUNING <file>)
 #
 # Lets <target> include hal_config.h: what a binding has to know of its board.
 function(nf_hal_config target)
-    nf_config_header(${target} hal_config.h hal-header ${ARGN})
+    nf_config_file(${target} hal_config.h hal-header ${ARGN})
 endfunction()

@@ -58,7 +58,7 @@ constexpr const char *EXAMPLES = R"(Examples:
   motorsim list                              what can be run, and with which imperfections
   motorsim run s1                            metrics of scenario s1 beside their limits
   motorsim run s2 --with adc --with hot      the same drive with noisy sensors and a hot motor
-  motorsim run s2 --set tuning=robust        with another tuning file
+  motorsim run s2 --set tuning=robust_motor_a        with another tuning file
   motorsim run s1 --set motor.inertia_kg_m2=0.006 --trace s1.csv --json s1.json
   motorsim run ./mine.toml --json - | jq .angle_error_max_deg
   motorsim run s2 --vcd s2.vcd --vcd-from 0.5 --vcd-to 0.51   every gate edge of 10 ms
@@ -620,7 +620,7 @@ void run_campaign(nf::certify::Campaign &campaign, const CertifyArguments &argum
 
 int certify(const CertifyArguments &arguments)
 {
-    const std::vector<std::string> shipped = {"any", "robust"};
+    const std::vector<std::string> shipped = {nf::DEFAULT_TUNING};
     nf::certify::Campaign campaign =
         nf::certify::plan(arguments.tunings.empty() ? shipped : arguments.tunings, arguments.with,
                           overrides_of(arguments));
@@ -781,7 +781,7 @@ void describe_certify(CLI::App &command, CertifyArguments &arguments)
     command.add_option("--board", arguments.board, "board, by name or path; else bench_310v");
     command
         .add_option("--tuning", arguments.tunings,
-                    "tuning to try, by name or path; may be repeated; else any and robust")
+                    "tuning to try, by name or path; may be repeated; else the default, any")
         ->allow_extra_args(false);
     describe_with(command, arguments.with);
     describe_set(command, arguments.set);

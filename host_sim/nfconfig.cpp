@@ -2,6 +2,7 @@
 // nfconfig: shows and checks configurations, and writes them as the header that targets compile and as the block that they store.
 //
 // Exit code 0, or 2 with one line on stderr that says what is wrong.
+#include "alike.h"
 #include "block.h"
 #include "config.h"
 #include "data_sheet.h"
@@ -26,7 +27,7 @@ namespace
 struct Choice {
     std::string motor;
     std::string board;
-    std::string tuning = "any";
+    std::string tuning = nf::DEFAULT_TUNING;
     std::vector<std::string> with;
     std::vector<std::string> set;
     std::string out = "-";
@@ -186,6 +187,22 @@ void write_zoo(const std::string &name, const std::filesystem::path &folder)
     }
 }
 
+// What may be expected of a tuning before the motor has turned, in one line.
+void write_alike(const Choice &choice, int count)
+{
+    constexpr int drawn = 300;
+    const nf::Config config = load(choice);
+    nf::check_output(config, "--out", choice.out);
+    const std::vector<std::string> kin =
+        nf::certify::most_alike(choice.motor, choice.board, drawn, count);
+    const int held = nf::certify::count_held(kin, choice.tuning);
+    nf::write_text(choice.out,
+                   fmt::format("{}, {}, tuning {}: holds {} of the {} motors of the zoo that are "
+                               "most like it, off their files as a user's is\n",
+                               config.motor.name, config.board.name, config.tuning.name, held,
+                               kin.size()));
+}
+
 int run(int argc, char **argv)
 {
     Choice choice;
@@ -214,6 +231,16 @@ int run(int argc, char **argv)
     table->add_option("BLOCK", choice.block, "The file of a block, in place of motor and board")
         ->excludes("--motor", "--board", "--with", "--set");
     table->callback([&] { show(choice); });
+    CLI::App *alike = app.add_subcommand(
+        "alike", "How many motors of the zoo that are like it the tuning holds; some seconds");
+    add_choice(*alike, choice);
+    alike->add_option("--out", choice.out, "File to write; - is standard output")
+        ->capture_default_str();
+    int count = 20;
+    alike->add_option("--count", count, "How many of the zoo's motors to run")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 300));
+    alike->callback([&] { write_alike(choice, count); });
     CLI::App *keys = app.add_subcommand(
         "keys",
         "Every key with range, default and meaning; how to get the motor's from a data sheet");

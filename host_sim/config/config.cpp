@@ -31,7 +31,6 @@ namespace
 const Origin COMMAND_LINE = {"command line", 0};
 const Origin WITH = {"--with", 0};
 constexpr std::size_t INCLUDE_DEPTH = 8;
-constexpr const char *PLATE_TUNING = "any"; // its gains follow from the motor
 
 // A reference to a file: what was written, where, and what relative paths start from.
 struct Reference {
@@ -430,7 +429,7 @@ Config load_plate(const std::string &motor, const std::string &board,
     Sources sources;
     sources.parts[FileKind::motor] = {motor, COMMAND_LINE, ""};
     sources.parts[FileKind::board] = {board, COMMAND_LINE, ""};
-    sources.parts[FileKind::tuning] = {PLATE_TUNING, COMMAND_LINE, ""};
+    sources.parts[FileKind::tuning] = {DEFAULT_TUNING, COMMAND_LINE, ""};
     sources.is_plate_enough = true;
     return finish(sources, with, set);
 }

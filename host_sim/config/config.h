@@ -156,6 +156,9 @@ struct ScenarioInfo {
 Config load_scenario(const std::string &id_or_path, const std::vector<std::string> &with = {},
                      const std::vector<std::string> &set = {});
 
+// The tuning of what names none: of scenario `any`, image, certificate, zoo and name plate. Its gains follow from the motor.
+inline constexpr const char *DEFAULT_TUNING = "any";
+
 // Motor, board and tuning alone, each by name or path.
 Config load_parts(const std::string &motor, const std::string &board, const std::string &tuning,
                   const std::vector<std::string> &with = {},

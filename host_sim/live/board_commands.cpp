@@ -2,11 +2,10 @@
 #include "board_commands.h"
 
 #include "about_text.h"
+#include "answers.h"
 #include "ends_with.h"
 #include "fault_line.h"
 #include "found_fault.h"
-#include "header.h"
-#include "identity.h"
 #include "names.h"
 #include "numbers.h"
 #include "output_file.h"
@@ -40,24 +39,8 @@ constexpr double PASS_S = 0.02;         // between two looks at what has come
 constexpr int DUMP_PASSES = 6000;       // 120 s: all its lines at 9600 baud
 constexpr int DUMP_SILENT_PASSES = 100; // 2 s: the line that says its end is lost
 constexpr double WAIT_MAX_S = 86400;    // a day
-constexpr std::size_t DIFFERENCES_SHOWN = 3;
+constexpr double REST_S = 10;           // in which a rotor comes to rest
 constexpr const char *MEASURED = "the motor is being measured; stop ends that";
-
-Answer done(const std::string &text = "")
-{
-    return {Outcome::done, text};
-}
-
-Answer refused(const std::string &why)
-{
-    return {Outcome::refused, why};
-}
-
-// Of the board: empty when it is done.
-Answer of_verdict(const std::string &why)
-{
-    return why.empty() ? done("ok") : refused("the board refuses: " + why);
-}
 
 // The whole text as a finite number; nothing where it is none.
 std::optional<double> number(const std::string &text)
@@ -68,18 +51,10 @@ std::optional<double> number(const std::string &text)
     return good ? std::optional<double>(value) : std::nullopt;
 }
 
-// What is compiled into an image is another, which no block carries.
-bool is_of_image(const Config &before, const Config &after)
-{
-    return identity_of(before).board != identity_of(after).board ||
-           about_name(before) != about_name(after) || before.board.baud != after.board.baud ||
-           recorder_segment_entries(before.board) != recorder_segment_entries(after.board);
-}
-
 } // namespace
 
 BoardCommands::BoardCommands(Follower &follower, const FileChoice &files, Surroundings surroundings)
-    : follower_(follower), files_(files), surroundings_(std::move(surroundings))
+    : follower_(follower), configuration_(follower, files), surroundings_(std::move(surroundings))
 {
 }
 
@@ -89,7 +64,10 @@ std::string BoardCommands::help()
            "speed RPM               of the shaft\n"
            "position 1.5 | 540deg   of the shaft, in turns or degrees\n"
            "torque NM               of the motor, in N·m\n"
-           "set KEY=VALUE           any key of motor, board or tuning file; acts from one tick on\n"
+           "set KEY=VALUE ...       keys of motor, board or tuning file; all act from one tick on\n"
+           "get [PART]              the settings in force, those with PART in their path\n"
+           "dump FILE               the configuration in force as a block: `load`, `nfconfig show`\n"
+           "load FILE               the block of a file becomes the one in force\n"
            "adopt                   the configuration of the files becomes the one in force\n"
            "defaults                the image's own configuration becomes the one in force\n"
            "store                   the configuration in force survives the next start\n"
@@ -237,68 +215,19 @@ Answer BoardCommands::torque(const std::string &value)
 
 FileChoice BoardCommands::files_in_force()
 {
-    return files_of(follower_.block_in_force());
+    return configuration_.files_in_force();
 }
 
-FileChoice BoardCommands::files_of(const config_block_t &block) const
+// The flash is written at rest only: a motor that nobody drives any more is waited for.
+Answer BoardCommands::store()
 {
-    FileChoice choice = choice_of(block.about.name, files_);
-    const drive_cfg_t of_files = build(load(choice));
-    if (of_files.crc != block.cfg.crc) {
-        throw ConfigError(fmt::format(
-            "the configuration in force is not that of {}, {}, {}: {}. Give its own motor, board and "
-            "tuning file, or `adopt` these first",
-            choice.motor, choice.board, choice.tuning,
-            differences(of_files, block.cfg, follower_.bases(), DIFFERENCES_SHOWN)));
+    const double until_s = follower_.now_s() + REST_S;
+    std::string why = follower_.client().store();
+    while (!why.empty() && !runs() && follower_.now_s() < until_s) {
+        surroundings_.pass(PASS_S);
+        why = follower_.client().store();
     }
-    return choice;
-}
-
-// The board goes on with what it has where the configuration in force is not that of the files: a `set` would change more
-// than it says.
-Answer BoardCommands::set(const std::string &assignment)
-{
-    const config_block_t now = follower_.block_in_force();
-    FileChoice wanted = files_of(now);
-    const Config before = load(wanted);
-    wanted.set.push_back(assignment);
-    const Config config = load(wanted);
-    const std::string key = debug::trimmed(assignment.substr(0, assignment.find('=')));
-    if (is_of_image(before, config)) {
-        return refused(key + " is in the image only: build and flash");
-    }
-    if (build(config).crc == now.cfg.crc) {
-        return done("ok, and no number of the drive is another one");
-    }
-    Answer answer = apply(config);
-    if (answer.outcome == Outcome::done) {
-        files_ = std::move(wanted);
-        answer.text =
-            "ok: " + differences(now.cfg, build(config), follower_.bases(), DIFFERENCES_SHOWN);
-    } else {
-        answer.text =
-            fmt::format("{}: {}", key, answer.text); // the board knows only its own name of it
-    }
-    return answer;
-}
-
-Answer BoardCommands::adopt()
-{
-    return apply(load(choice_of(follower_.block_in_force().about.name, files_)));
-}
-
-Answer BoardCommands::apply(const Config &config)
-{
-    return of_verdict(follower_.change(make_block(config)));
-}
-
-Answer BoardCommands::defaults()
-{
-    const Answer answer = of_verdict(follower_.defaults());
-    if (answer.outcome == Outcome::done) {
-        files_.set.clear();
-    }
-    return answer;
+    return of_verdict(why);
 }
 
 void BoardCommands::take_text(const std::string &characters)
@@ -444,10 +373,13 @@ Answer BoardCommands::execute(const std::string &line)
         {"speed", [&] { return speed(rest); }},
         {"position", [&] { return position(rest); }},
         {"torque", [&] { return torque(rest); }},
-        {"set", [&] { return set(rest); }},
-        {"adopt", [this] { return adopt(); }},
-        {"defaults", [this] { return defaults(); }},
-        {"store", [this] { return of_verdict(follower_.client().store()); }},
+        {"set", [&] { return configuration_.set(rest); }},
+        {"get", [&] { return configuration_.get(rest); }},
+        {"dump", [&] { return configuration_.dump(rest); }},
+        {"load", [&] { return configuration_.load(rest); }},
+        {"adopt", [this] { return configuration_.adopt(); }},
+        {"defaults", [this] { return configuration_.defaults(); }},
+        {"store", [this] { return store(); }},
         {"status", [this] { return status(); }},
         {"record", [&] { return record(rest); }},
         {"debug", [&] { return step_through(rest); }},

@@ -2,8 +2,8 @@
 // What a person or a script tells a running board, a line each.
 #pragma once
 
-#include "board_files.h"
 #include "commands.h"
+#include "configuration_commands.h"
 #include "follower.h"
 #include "output_file.h"
 
@@ -62,11 +62,7 @@ private:
     debug::Answer speed(const std::string &value);
     debug::Answer position(const std::string &value);
     debug::Answer torque(const std::string &value);
-    FileChoice files_of(const config_block_t &block) const;
-    debug::Answer set(const std::string &assignment);
-    debug::Answer adopt();
-    debug::Answer apply(const Config &config);
-    debug::Answer defaults();
+    debug::Answer store();
     debug::Answer record(const std::string &path);
     debug::Answer record_ring(OutputFile &file);
     debug::Answer record_shown(const RecordedRun &run, OutputFile &file);
@@ -78,7 +74,7 @@ private:
     bool dump_once();
 
     Follower &follower_;
-    FileChoice files_;
+    ConfigurationCommands configuration_;
     Surroundings surroundings_;
     std::optional<drive_command_t>
         commanded_; // last, by this session; none: only a part of it is known

@@ -2,7 +2,6 @@
 #include "board_files.h"
 
 #include "about_text.h"
-#include "cfg_rows.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -94,10 +93,6 @@ Config load(const FileChoice &choice)
     return load_parts(choice.motor, choice.board, choice.tuning, {}, choice.set);
 }
 
-namespace
-{
-
-// The CRC, and the exponent of another row's value, say nothing to a person.
 bool says_something(const CfgRow &row)
 {
     const bool is_crc = row.offset == offsetof(drive_cfg_t, crc);
@@ -106,8 +101,6 @@ bool says_something(const CfgRow &row)
                     [&](const CfgRow &other) { return other.exponent == &row; });
     return !is_crc && !is_exponent;
 }
-
-} // namespace
 
 std::string differences(const drive_cfg_t &from, const drive_cfg_t &to, const Bases &bases,
                         std::size_t most)

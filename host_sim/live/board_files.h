@@ -3,6 +3,7 @@
 #pragma once
 
 #include "block.h"
+#include "cfg_rows.h"
 #include "config.h"
 
 #include <string>
@@ -29,6 +30,9 @@ void check(const std::string &block_name, const FileChoice &given);
 
 // Throws ConfigError.
 Config load(const FileChoice &choice);
+
+// The CRC, and the exponent of another row's value, say nothing to a person.
+bool says_something(const CfgRow &row);
 
 // The settings of the drive that differ, "observer.eta 569.75 to 449.81", and how many more there are than `most`. `bases`: of
 // the motor and board of both.

@@ -2,7 +2,10 @@
 #include "live_command.h"
 
 #include "paced_channel.h"
+#include "port_search.h"
 #include "serial_port.h"
+
+#include <fmt/ranges.h>
 
 namespace nf::live
 {
@@ -23,15 +26,33 @@ Examples:
 Exit status: 0 done, 1 the board's state departed from the one here or a command of a script was refused, 2 wrong usage,
 no board, or another firmware.)";
 
-// Reading the board file is left to where it is needed: the rate of the port.
-unsigned rate_of(const LiveArguments &arguments)
+// What is said, by option or board file, is taken; else the rates of the shipped boards are tried.
+std::vector<unsigned> rates_of(const LiveArguments &arguments)
 {
     if (arguments.rate != 0) {
-        return arguments.rate;
+        return {arguments.rate};
     }
-    const BoardSettings board =
-        arguments.files.board.empty() ? BoardSettings{} : load_board(arguments.files.board);
-    return static_cast<unsigned>(board.baud);
+    if (!arguments.files.board.empty()) {
+        return {static_cast<unsigned>(load_board(arguments.files.board).baud)};
+    }
+    return known_rates();
+}
+
+unsigned rate_of(const LiveArguments &arguments)
+{
+    try {
+        return find_rate(
+            [&](unsigned rate) { return std::make_unique<SerialPort>(arguments.port, rate); },
+            rates_of(arguments));
+    } catch (const LinkError &error) {
+        throw LinkError(fmt::format("{}: {}", arguments.port, error.what()));
+    }
+}
+
+std::string ports_here()
+{
+    const std::vector<std::string> ports = list_ports();
+    return ports.empty() ? "no USB port is here" : fmt::format("here: {}", fmt::join(ports, ", "));
 }
 
 void describe_outputs(CLI::App &command, LiveArguments &arguments)
@@ -58,8 +79,9 @@ void refuse_what_does_not_go_together(const LiveArguments &arguments)
     const bool follows = !arguments.port.empty();
     const bool serves = !arguments.serve.scenario.empty();
     if (follows == serves) {
-        throw ChannelError(follows ? "name a port or --simulate SCENARIO, not both"
-                                   : "name a port, or --simulate SCENARIO");
+        throw ChannelError(
+            follows ? "name a port or --simulate SCENARIO, not both"
+                    : fmt::format("name a port ({}), or --simulate SCENARIO", ports_here()));
     }
 }
 
@@ -83,7 +105,10 @@ void describe(CLI::App &command, LiveArguments &arguments)
     command.footer(LIVE_HELP);
     command.add_option("port", arguments.port, "serial port of the board");
     describe(command, arguments.serve);
-    command.add_option("--baud", arguments.rate, "of the port; else board.baud of --board")
+    command
+        .add_option(
+            "--baud", arguments.rate,
+            "of the port; else board.baud of --board; else those of the shipped boards are tried")
         ->check(CLI::Range(1200, 12000000));
     describe_outputs(command, arguments);
     command

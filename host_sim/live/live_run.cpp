@@ -177,7 +177,8 @@ void LiveRun::connect()
     follower_.connect();
     check(follower_.about().name, options_.files);
     const Identity &identity = follower_.identity();
-    say(fmt::format("{}, {:g} ticks per s", follower_.about().name, PS_PER_S / identity.tick_ps));
+    say(fmt::format("{}, {:g} ticks per s, {} baud", follower_.about().name,
+                    PS_PER_S / identity.tick_ps, identity.baud));
     warn_of_a_slow_line();
 }
 

@@ -34,9 +34,10 @@ void flush_output()
 
 std::optional<int> parse(CLI::App &app, int argc, char **argv)
 {
+    app.set_version_flag("--version", fmt::format("{} {}", app.get_name(), NF_VERSION));
     try {
         app.parse(argc, argv);
-    } catch (const CLI::Success &asked) { // --help
+    } catch (const CLI::Success &asked) { // --help, --version
         return app.exit(asked);
     } catch (const CLI::ParseError &error) {
         fmt::print(stderr, "{0}: {1}; `{0} --help` shows how\n", app.get_name(), error.what());

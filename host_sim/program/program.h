@@ -14,8 +14,8 @@ namespace nf
 /// Exit status of wrong usage, a wrong file or a file that cannot be written.
 constexpr int BAD_INPUT = 2;
 
-/// Parses the command line of a program with commands. Returns the exit status where that is all there is to do: help
-/// was asked for, or no command was given or a wrong one, which one line on stderr says.
+/// Parses the command line of a program with commands. Returns the exit status where that is all there is to do: help or
+/// version was asked for, or no command was given or a wrong one, which one line on stderr says.
 std::optional<int> parse(CLI::App &app, int argc, char **argv);
 
 /// Runs `body`; what it throws ends as one line on stderr behind the program's name, with BAD_INPUT. So does a standard

@@ -46,7 +46,7 @@ class OwnBoard(unittest.TestCase):
         cls.greeting = cls.board.said()
 
     def test_it_is_the_image_of_the_files_that_were_named(self):
-        self.assertIn("neurofoc: my motor, my board, robust", self.greeting)
+        self.assertIn("neurofoc: my motor, my board, any motor", self.greeting)
 
     def test_behind_an_external_amplifier_the_chips_own_ones_follow_their_pins(self):
         amplifiers = self.board.chip.amplifiers

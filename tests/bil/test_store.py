@@ -39,7 +39,7 @@ def name_of(motor, tuning):
     return f"neurofoc: {motor_file(motor)['name']}, {STAGE['name']}, {tuning}"
 
 
-IMAGES_NAME = name_of(IMAGES, "robust")
+IMAGES_NAME = name_of(IMAGES, "robust for motor A")
 OTHERS_NAME = name_of(OTHERS, "any motor")
 
 
@@ -77,7 +77,7 @@ class Store(unittest.TestCase):
         self.assertIn(f"at most {motor_file(OTHERS)['max_speed_rpm']:.0f} either way", answer(self.made, "speed x"))
 
     def test_of_two_blocks_the_newer_one_counts(self):
-        images, others = block(IMAGES, "robust"), block()
+        images, others = block(IMAGES, "robust_motor_a"), block()
         self.assertEqual(self.start(slot(0, images, 4), slot(1, others, 6))[0], OTHERS_NAME)
         self.assertEqual(self.start(slot(0, images, 8), slot(1, others, 6))[0], IMAGES_NAME)
 
@@ -150,7 +150,7 @@ class Cuts(Linked):
         self.apply(data)
         self.assert_cuts(units + 2, of_image, first)  # an erase, the block, a stamp
         self.assertEqual(self.link.store(), "")
-        self.apply(block(IMAGES, "robust"))
+        self.apply(block(IMAGES, "robust_motor_a"))
         self.assert_cuts(units + 4, first, second)    # and two stamps of the block that is kept
 
 

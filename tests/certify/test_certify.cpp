@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A certificate: the box, the draws, the runs, and what is made of them.
+#include "alike.h"
 #include "campaign.h"
 #include "certificate_json.h"
 #include "certificate_page.h"
@@ -53,6 +54,25 @@ void expect_range(double low, double high, const Axis &axis)
 void expect_says(const char *words, const std::string &text)
 {
     TEST_ASSERT_TRUE_MESSAGE(text.find(words) != std::string::npos, text.c_str());
+}
+
+// --- The motors of the zoo that are like it ---
+
+TEST(test_a_motor_of_the_zoo_is_most_like_itself)
+{
+    for (const char *name : {"zoo:3", "zoo:17"}) {
+        const auto alike = most_alike(name, name, 20, 2);
+        TEST_ASSERT_EQUAL_UINT(2, alike.size());
+        TEST_ASSERT_EQUAL_STRING((name + std::string(":user")).c_str(), alike[0].c_str());
+        TEST_ASSERT_TRUE(alike[0] != alike[1]);
+    }
+}
+
+TEST(test_a_tuning_that_loses_or_cannot_be_computed_does_not_hold)
+{
+    const std::vector<std::string> servos = {"zoo:servo:1:user", "zoo:servo:2:user"};
+    TEST_ASSERT_EQUAL_INT(2, count_held(servos, nf::DEFAULT_TUNING));
+    TEST_ASSERT_EQUAL_INT(0, count_held(servos, "published"));
 }
 
 // --- The box ---
@@ -285,12 +305,12 @@ TEST(test_a_drive_that_believes_another_motor_runs_otherwise)
 
 TEST(test_all_tunings_have_the_same_machines)
 {
-    Campaign campaign = plan({"any", "robust"}, {}, MOTOR_A);
+    Campaign campaign = plan({"any", "robust_motor_a"}, {}, MOTOR_A);
     run(campaign, 2, 1);
     TEST_ASSERT_EQUAL(2, campaign.points.size());
     TEST_ASSERT_EQUAL(2, campaign.series[0].trials.size());
     TEST_ASSERT_EQUAL(2, campaign.series[1].trials.size());
-    Campaign again = plan({"any", "robust"}, {}, MOTOR_A);
+    Campaign again = plan({"any", "robust_motor_a"}, {}, MOTOR_A);
     run(again, 2, 1);
     TEST_ASSERT_EQUAL_STRING(json_of(campaign, judge(campaign)).c_str(),
                              json_of(again, judge(again)).c_str());

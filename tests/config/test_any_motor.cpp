@@ -21,7 +21,7 @@ namespace
 
 using Lines = std::vector<std::string>;
 
-const char *const TUNINGS[] = {"published", "robust", "any", "voltage_phase"};
+const char *const TUNINGS[] = {"published", "robust_motor_a", "any", "voltage_phase"};
 const char *const SOURCES[] = {"observer", "sensor"};
 
 // What the shipped board and the published tuning say of another motor.
@@ -272,15 +272,15 @@ TEST(any_combination_of_ends_is_accepted_or_refused_as_written)
 TEST(a_limit_that_leaves_another_key_nothing_is_blamed_itself)
 {
     const Lines none = {"board.overcurrent_a=19.989"};
-    expect_a_written_line("robust", none);
+    expect_a_written_line("robust_motor_a", none);
     TEST_ASSERT_EQUAL_INT(
-        0, refusal_of("robust", none).rfind("--set: board.overcurrent_a = 19.989: ", 0));
+        0, refusal_of("robust_motor_a", none).rfind("--set: board.overcurrent_a = 19.989: ", 0));
     const Lines cold = {"motor=outrunner_24v", "board=b_g431b_esc1", "board.adc_bits=8",
                         "board.temperature_points_c=[-50,149,150]",
                         "board.temperature_points_pct=[0,1,100]"};
-    expect_a_written_line("robust", cold);
+    expect_a_written_line("robust_motor_a", cold);
     TEST_ASSERT_NOT_EQUAL_size_t(std::string::npos,
-                                 refusal_of("robust", cold).find("b_g431b_esc1.toml:"));
+                                 refusal_of("robust_motor_a", cold).find("b_g431b_esc1.toml:"));
 }
 
 // 1.25 times the highest speed is a power of two of the speed base's steps: just inside, on it, just outside.
@@ -289,7 +289,7 @@ TEST(a_highest_speed_on_a_step_of_the_speed_base_is_accepted)
     for (const double rpm : {1500 * (1 - 1e-9), 1500.0, 1500 * (1 + 1e-9)}) {
         const Lines set = {"motor=motor_b", "board.pwm_frequency_hz=16000",
                            fmt::format("motor.max_speed_rpm={:.12g}", rpm)};
-        TEST_ASSERT_EQUAL_STRING("", refusal_of("robust", set).c_str());
+        TEST_ASSERT_EQUAL_STRING("", refusal_of("robust_motor_a", set).c_str());
     }
 }
 

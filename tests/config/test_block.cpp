@@ -21,7 +21,7 @@ namespace
 
 nf::Config esc1(const std::vector<std::string> &set = {})
 {
-    return nf::load_parts("outrunner_24v", "b_g431b_esc1", "robust", {}, set);
+    return nf::load_parts("outrunner_24v", "b_g431b_esc1", "robust_motor_a", {}, set);
 }
 
 TEST(a_block_is_good_for_an_image_of_the_same_files)
@@ -34,7 +34,7 @@ TEST(a_block_is_good_for_an_image_of_the_same_files)
     TEST_ASSERT_EQUAL_MEMORY(&cfg, &block.cfg, sizeof cfg);
     TEST_ASSERT_EQUAL_UINT32(7, block.about.pole_pairs);
     TEST_ASSERT_EQUAL_INT32(5000, block.about.speed_max_rpm);
-    TEST_ASSERT_EQUAL_STRING("neurofoc: 24 V outrunner, example, B-G431B-ESC1, robust",
+    TEST_ASSERT_EQUAL_STRING("neurofoc: 24 V outrunner, example, B-G431B-ESC1, robust for motor A",
                              block.about.name);
 }
 
@@ -77,7 +77,7 @@ TEST(a_limit_of_the_board_that_the_drive_is_told_is_no_other_board)
 TEST(boards_without_a_binding_are_told_apart_too)
 {
     const auto board = [](const char *name) {
-        return nf::identity_of(nf::load_parts("motor_a", name, "robust")).board;
+        return nf::identity_of(nf::load_parts("motor_a", name, "robust_motor_a")).board;
     };
     TEST_ASSERT_NOT_EQUAL(board("bench_310v"), board("g431_bench"));
 }

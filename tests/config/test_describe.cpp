@@ -51,7 +51,7 @@ void expect(const nf::Config &config, const std::vector<Expected> &all)
 TEST(settings_are_what_the_files_say_in_si_units)
 {
     const nf::Config config =
-        nf::load_parts("motor_a", "bench_310v", "robust", {},
+        nf::load_parts("motor_a", "bench_310v", "robust_motor_a", {},
                        {"speed_loop.ramp_rpm_s=5000", "model.dead_time_s=2e-6",
                         "model.device_drop_v=1.2", "observer.kappa=0.025"});
     expect(config, {
@@ -93,8 +93,8 @@ TEST(settings_of_the_voltage_drive_are_what_its_file_says_in_si_units)
 
 std::string meaning(const char *path)
 {
-    const nf::Config config =
-        nf::load_parts("motor_a", "bench_310v", "robust", {}, {"speed_loop.bandwidth_hz=14"});
+    const nf::Config config = nf::load_parts("motor_a", "bench_310v", "robust_motor_a", {},
+                                             {"speed_loop.bandwidth_hz=14"});
     for (const nf::ConfigRow &row : nf::describe(config, nf::build(config))) {
         if (row.path == path) {
             return row.meaning;

@@ -20,7 +20,7 @@ Numbers numbers(const std::vector<std::string> &set = {})
 {
     Numbers found;
     for (const nf::Dimensionless &one :
-         nf::dimensionless(nf::load_parts("motor_a", "bench_310v", "robust", {}, set))) {
+         nf::dimensionless(nf::load_parts("motor_a", "bench_310v", "robust_motor_a", {}, set))) {
         found[one.name] = one.value;
     }
     return found;

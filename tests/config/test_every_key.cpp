@@ -32,7 +32,7 @@ namespace
 
 using Lines = std::vector<std::string>;
 
-const char *const TUNINGS[] = {"published", "robust", "voltage_phase"};
+const char *const TUNINGS[] = {"published", "robust_motor_a", "voltage_phase"};
 const char *const SOURCES[] = {"observer", "sensor"};
 const int STARTUPS[] = {0, 100};
 
@@ -451,7 +451,7 @@ TEST(every_key_acts_or_is_noted_or_refused)
 TEST(a_line_that_does_not_act_is_noted_by_its_place)
 {
     const Scenarios scenarios;
-    const std::string file = scenarios.file("robust");
+    const std::string file = scenarios.file("robust_motor_a");
     std::ofstream(file, std::ios::app) << "[observer]\nkappa_p = 0.3\n";
     const std::vector<std::string> notes =
         nf::load_scenario(file, {}, {"drive.angle_source=sensor"}).scenario.notes;

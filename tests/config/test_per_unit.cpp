@@ -100,7 +100,7 @@ constexpr double MANTISSA =
 constexpr double CONTINUOUS_Q15 = 3.53778 / 40 * 32768; // 2898.15
 constexpr double STEPS_PER_RPM = 14316.5577;
 
-drive_cfg_t motor_b(const std::vector<std::string> &set = {}, const char *tuning = "robust")
+drive_cfg_t motor_b(const std::vector<std::string> &set = {}, const char *tuning = "robust_motor_a")
 {
     return nf::build(nf::load_parts("motor_b", "bench_310v", tuning, {}, set));
 }
@@ -344,7 +344,7 @@ TEST(torque_filter)
 
 TEST(steps_and_rpm_are_turned_into_each_other)
 {
-    const nf::Config c = nf::load_parts("motor_b", "bench_310v", "robust", {}, {});
+    const nf::Config c = nf::load_parts("motor_b", "bench_310v", "robust_motor_a", {}, {});
     const nf::Bases b = nf::make_bases(c.motor, c.board);
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 1800 * STEPS_PER_RPM, b.step_from_rpm(1800));
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING / STEPS_PER_RPM, 1800,
@@ -471,7 +471,7 @@ TEST(the_time_without_a_message)
 // T_b = 1.5·P·U_b·I_b/Ω_b. Without a speed of its own the window ends where the speed loop does.
 TEST(torque)
 {
-    const nf::Config config = nf::load_parts("motor_b", "bench_310v", "robust", {}, {});
+    const nf::Config config = nf::load_parts("motor_b", "bench_310v", "robust_motor_a", {}, {});
     const nf::Bases bases = nf::make_bases(config.motor, config.board);
     const double base = 1.5 * 2 * bases.voltage_v * bases.current_a / bases.speed_el_rad_s;
     TEST_ASSERT_DOUBLE_WITHIN(1e-9 * base, base, bases.torque_nm());
@@ -516,7 +516,7 @@ TEST(the_field_is_weakened_by_a_share_of_the_largest_current_and_no_more_than_th
 // Motor B, L_q − L_d and φ as in its file, 6.3 A.
 TEST(the_magnets_bear_the_current_of_the_largest_torque)
 {
-    nf::Config config = nf::load_parts("motor_b", "bench_310v", "robust", {}, {});
+    nf::Config config = nf::load_parts("motor_b", "bench_310v", "robust_motor_a", {}, {});
     const double saliency = config.motor.inductance_q_h - config.motor.inductance_d_h;
     const double flux = config.motor.flux_linkage_wb;
     const double c = flux / (2 * saliency);
@@ -637,12 +637,12 @@ TEST(the_lowest_speed_of_run_with_a_load)
 TEST(the_time_of_a_start)
 {
     constexpr double swing_error_s = 1e-5; // four digits of ω_n
-    const nf::Config c =
-        nf::load_parts("motor_b", "bench_310v", "robust", {}, {"board.bootstrap_charge_s=0.01"});
+    const nf::Config c = nf::load_parts("motor_b", "bench_310v", "robust_motor_a", {},
+                                        {"board.bootstrap_charge_s=0.01"});
     TEST_ASSERT_DOUBLE_WITHIN(swing_error_s, (274 + 4096 + 80) * 1e-4 + 30 / SWING + 0.01,
                               nf::startup_time(c.motor, c.board, c.tuning));
     const nf::Config least =
-        nf::load_parts("motor_b", "bench_310v", "robust", {}, {"startup.current_pct=1"});
+        nf::load_parts("motor_b", "bench_310v", "robust_motor_a", {}, {"startup.current_pct=1"});
     TEST_ASSERT_TRUE(nf::startup_time(least.motor, least.board, least.tuning) > 10 * 30 / SWING);
 }
 
@@ -703,7 +703,7 @@ TEST(what_a_field_cannot_hold_is_refused_with_what_it_can)
     const struct {
         std::vector<std::string> set; // the first is blamed
         const char *limit;            // and the beginning of the reason
-        const char *tuning = "robust";
+        const char *tuning = "robust_motor_a";
     } cases[] = {
         // The lowest speed of a voltage drive is above the highest speed: the rated one may be at most 1000/0.9.
         {{"motor.rated_speed_rpm=1200", "motor.max_speed_rpm=1000",

@@ -111,7 +111,7 @@ TEST(every_shipped_imperfection_fits_the_firmware)
 {
     for (const std::string &name : nf::list_imperfections()) {
         const drive_cfg_t cfg =
-            nf::build(nf::load_parts("motor_a", "bench_310v", "robust", {name}));
+            nf::build(nf::load_parts("motor_a", "bench_310v", "robust_motor_a", {name}));
         TEST_ASSERT_NULL(config_check(&cfg));
     }
 }
@@ -129,7 +129,7 @@ TEST(every_shipped_scenario_fits_the_firmware)
 TEST(the_set_all_is_the_sum_of_its_parts)
 {
     const nf::PlantSettings plant =
-        nf::load_parts("motor_a", "bench_310v", "robust", {"all"}).plant;
+        nf::load_parts("motor_a", "bench_310v", "robust_motor_a", {"all"}).plant;
     TEST_ASSERT_EQUAL_DOUBLE(1.3, plant.resistance_scale);
     TEST_ASSERT_EQUAL_DOUBLE(0.95, plant.flux_scale);
     TEST_ASSERT_EQUAL_DOUBLE(0.8, plant.inductance_scale);
@@ -144,11 +144,12 @@ TEST(the_set_all_is_the_sum_of_its_parts)
 // But for the dead time and drop of the board, which the drive is told.
 TEST(imperfections_of_the_plant_leave_the_firmware_alone)
 {
-    const drive_cfg_t plain = nf::build(nf::load_parts("motor_a", "bench_310v", "robust"));
+    const drive_cfg_t plain = nf::build(nf::load_parts("motor_a", "bench_310v", "robust_motor_a"));
     const drive_cfg_t all =
-        nf::build(nf::load_parts("motor_a", "bench_310v", "robust", {"all"},
+        nf::build(nf::load_parts("motor_a", "bench_310v", "robust_motor_a", {"all"},
                                  {"model.dead_time_s=0", "model.device_drop_v=0"}));
-    const drive_cfg_t imp = nf::build(nf::load_parts("motor_a", "bench_310v", "robust", {"imp"}));
+    const drive_cfg_t imp =
+        nf::build(nf::load_parts("motor_a", "bench_310v", "robust_motor_a", {"imp"}));
     TEST_ASSERT_EQUAL_MEMORY(&plain, &all, sizeof plain);
     TEST_ASSERT_NOT_EQUAL_INT(plain.observer.flux_q27, imp.observer.flux_q27);
 }
@@ -177,7 +178,7 @@ std::string refused_for_the_chip(std::vector<std::string> set)
     set.insert(set.begin(), SLOW.begin(), SLOW.end());
     try {
         const std::string header =
-            nf::make_hal_header(nf::load_parts("motor_a", "g431_bench", "robust", {}, set));
+            nf::make_hal_header(nf::load_parts("motor_a", "g431_bench", "robust_motor_a", {}, set));
         TEST_ASSERT_EQUAL_DOUBLE(170e6, defined(header, "HAL_TIMER_CLOCK_HZ"));
         TEST_ASSERT_EQUAL_DOUBLE(12, defined(header, "HAL_ADC_BITS"));
         TEST_ASSERT_TRUE(defined(header, "HAL_DEAD_TIME_TICKS") <= 1008);
@@ -226,7 +227,7 @@ TEST(an_image_gives_back_the_dead_time_that_its_timer_makes)
     const std::map<std::string, std::string> images = {{"g431_bench", "motor_a"},
                                                        {"b_g431b_esc1", "outrunner_24v"}};
     for (const auto &[board, motor] : images) {
-        const nf::Config config = nf::load_parts(motor, board, "robust");
+        const nf::Config config = nf::load_parts(motor, board, "robust_motor_a");
         const double period_s = 1 / config.board.pwm_frequency_hz;
         const double tolerance_s = 1 / config.board.timer_clock_hz + period_s / 32768 / 2;
         const double given_back_s = nf::build(config).modulator.dead_time_q15 * period_s / 32768;
@@ -260,7 +261,7 @@ TEST(the_temperature_of_the_board_as_sold_is_right_within_a_degree_from_0_to_100
     for (const char *name : {"b_g431b_esc1", "g431_bench"}) {
         const nf::BoardSettings board =
             nf::load_parts(std::strcmp(name, "g431_bench") == 0 ? "motor_a" : "outrunner_24v", name,
-                           "robust")
+                           "robust_motor_a")
                 .board;
         for (int tenths = 0; tenths <= 1000; tenths++) {
             TEST_ASSERT_DOUBLE_WITHIN(1.0, tenths / 10.0,
@@ -272,7 +273,7 @@ TEST(the_temperature_of_the_board_as_sold_is_right_within_a_degree_from_0_to_100
 // A line of two points is the straight one that it was before there could be more.
 TEST(a_line_of_two_points_is_straight)
 {
-    const nf::BoardSettings board = nf::load_parts("motor_a", "bench_310v", "robust").board;
+    const nf::BoardSettings board = nf::load_parts("motor_a", "bench_310v", "robust_motor_a").board;
     for (int celsius = -50; celsius <= 150; celsius++) {
         TEST_ASSERT_DOUBLE_WITHIN(1e-9, (celsius + 50) / 200.0 * 4096,
                                   nf::temperature_count(board, celsius));
@@ -284,7 +285,7 @@ TEST(an_offset_within_the_tolerances_of_each_board_of_the_chip_is_accepted)
 {
     const char *const parts[][2] = {{"outrunner_24v", "b_g431b_esc1"}, {"motor_a", "g431_bench"}};
     for (const auto &part : parts) {
-        const nf::Config config = nf::load_parts(part[0], part[1], "robust");
+        const nf::Config config = nf::load_parts(part[0], part[1], "robust_motor_a");
         const nf::HalSettings &hal = config.hal;
         const double volts =
             3e-3 * hal.pga_gain + 0.02 * hal.amplifier_zero_v + 0.02 * hal.amplifier_zero_v;
@@ -295,7 +296,7 @@ TEST(an_offset_within_the_tolerances_of_each_board_of_the_chip_is_accepted)
 
 TEST(the_rows_cover_every_byte_of_the_configuration)
 {
-    const nf::Config config = nf::load_parts("motor_a", "bench_310v", "robust");
+    const nf::Config config = nf::load_parts("motor_a", "bench_310v", "robust_motor_a");
     std::size_t bytes = 0;
     std::set<std::string> names;
     for (const nf::ConfigRow &row : nf::describe(config, nf::build(config))) {
@@ -309,8 +310,8 @@ TEST(the_rows_cover_every_byte_of_the_configuration)
 TEST(the_compiled_header_is_the_run_time_configuration_byte_for_byte)
 {
     const drive_cfg_t a = nf::build(nf::load_parts("motor_a", "bench_310v", "published"));
-    const drive_cfg_t b = nf::build(nf::load_parts("motor_b", "bench_310v", "robust", {"imp"},
-                                                   {"motor.name=quote \" */ ?\?/ \\"}));
+    const drive_cfg_t b = nf::build(nf::load_parts("motor_b", "bench_310v", "robust_motor_a",
+                                                   {"imp"}, {"motor.name=quote \" */ ?\?/ \\"}));
     TEST_ASSERT_EQUAL_MEMORY(&a, generated_motor_a(), sizeof a);
     TEST_ASSERT_EQUAL_MEMORY(&b, generated_motor_b(), sizeof b);
 }
@@ -329,17 +330,17 @@ TEST(the_compiled_header_gives_the_numbers_their_units)
     TEST_ASSERT_EQUAL_UINT32(450000000, a.bus_full_scale_uv);
     TEST_ASSERT_EQUAL_INT32(-50, temperature_celsius(&a.temperature, 0));
     TEST_ASSERT_EQUAL_INT32(150, temperature_celsius(&a.temperature, 4095));
-    TEST_ASSERT_EQUAL_STRING("neurofoc: quote _ */ __/ _, 310 V bench inverter, robust",
+    TEST_ASSERT_EQUAL_STRING("neurofoc: quote _ */ __/ _, 310 V bench inverter, robust for motor A",
                              about_generated_motor_b()->name);
 }
 
 TEST(the_header_names_its_files_and_no_folder_of_this_machine)
 {
-    const std::string text = nf::make_header(
-        nf::load_parts("motor_a", "bench_310v", "robust", {"imp"}, {"observer.kappa=0.01"}));
+    const std::string text = nf::make_header(nf::load_parts(
+        "motor_a", "bench_310v", "robust_motor_a", {"imp"}, {"observer.kappa=0.01"}));
     for (const char *line :
          {" *     motor   motors/motor_a.toml (", " *     board   boards/bench_310v.toml (",
-          " *     tuning  tunings/robust.toml (", " *     with    imperfections/imp.toml\n",
+          " *     tuning  tunings/robust_motor_a.toml (", " *     with    imperfections/imp.toml\n",
           " *     set     observer.kappa=0.01\n"}) {
         TEST_ASSERT_NOT_NULL(std::strstr(text.c_str(), line));
     }

@@ -60,9 +60,9 @@ struct Parts {
 };
 
 constexpr Parts PARTS[] = {
-    {"motor_a", "bench_310v", "robust"},
+    {"motor_a", "bench_310v", "robust_motor_a"},
     {"motor_b", "bench_310v", "voltage_phase"},
-    {"outrunner_24v", "b_g431b_esc1", "robust"},
+    {"outrunner_24v", "b_g431b_esc1", "robust_motor_a"},
     {"motor_a", "g431_bench", "published"},
 };
 

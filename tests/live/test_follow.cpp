@@ -25,6 +25,8 @@ extern "C" {
 #include <optional>
 #include <set>
 
+#include <unistd.h>
+
 #include <fmt/format.h>
 
 namespace
@@ -718,6 +720,100 @@ TEST(a_key_of_the_image_is_refused_and_a_refused_key_is_named)
                          std::string::npos);
     }
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, bench.log.states.back());
+}
+
+// A board whose drive rests, and which is asked.
+struct Resting : Bench {
+    Resting() : Bench(scripted("60"))
+    {
+        follower.connect();
+        pass(0.1);
+        do_line("stop");
+        pass(0.1);
+    }
+
+    std::string text_of(const std::string &typed)
+    {
+        const nf::debug::Answer answer = commands.execute(typed);
+        TEST_ASSERT_EQUAL_MESSAGE(nf::debug::Outcome::done, answer.outcome, answer.text.c_str());
+        return answer.text;
+    }
+};
+
+struct TemporaryFile {
+    std::string path = (std::filesystem::temp_directory_path() / fmt::format("block{}", getpid()));
+
+    ~TemporaryFile()
+    {
+        std::filesystem::remove(path);
+    }
+};
+
+TEST(several_keys_are_one_change_and_can_be_read_back)
+{
+    Resting bench;
+    const uint32_t before = bench.follower.block_in_force().cfg.crc;
+    const std::string shown = bench.text_of("get observer");
+    bench.do_line("set observer.kappa=0.024 speed_loop.ramp_rpm_s=700");
+    bench.pass(1);
+    TEST_ASSERT_TRUE(shown != bench.text_of("get observer"));
+    TEST_ASSERT_EQUAL(1, bench.follower.shadow().run(1)->changes.size());
+    TEST_ASSERT_TRUE(before != bench.follower.block_in_force().cfg.crc);
+    TEST_ASSERT_TRUE(bench.refusal_of("get no.such").find("no.such") != std::string::npos);
+    // One of them is wrong: none acts.
+    const uint32_t now = bench.follower.block_in_force().cfg.crc;
+    bench.refusal_of("set observer.kappa=0.03 speed_loop.ramp_rpm_s=-1");
+    TEST_ASSERT_EQUAL_UINT32(now, bench.follower.block_in_force().cfg.crc);
+}
+
+TEST(who_comes_later_sets_other_keys_and_keeps_what_was_set)
+{
+    Resting bench;
+    bench.do_line("set observer.kappa=0.024");
+    BoardCommands later(bench.follower, {},
+                        {[](const std::string &) {}, [&](double seconds) { bench.pass(seconds); },
+                         [](const nf::RecordedRun &) { return true; }});
+    TEST_ASSERT_EQUAL(nf::debug::Outcome::done,
+                      later.execute("set speed_loop.ramp_rpm_s=700").outcome);
+    const nf::debug::Answer over = later.execute("set observer.kappa=0.03");
+    TEST_ASSERT_EQUAL(nf::debug::Outcome::refused, over.outcome);
+    TEST_ASSERT_TRUE_MESSAGE(over.text.find("observer.") == 0, over.text.c_str());
+    // What both have set is what one would have.
+    const uint32_t both = bench.follower.block_in_force().cfg.crc;
+    Resting other;
+    other.do_line("set observer.kappa=0.024 speed_loop.ramp_rpm_s=700");
+    TEST_ASSERT_EQUAL_UINT32(other.follower.block_in_force().cfg.crc, both);
+}
+
+TEST(a_dump_is_loaded_on_another_board_and_a_file_is_neither_replaced_nor_believed)
+{
+    const TemporaryFile file;
+    Resting one;
+    one.do_line("set observer.kappa=0.024");
+    one.do_line("dump " + file.path);
+    TEST_ASSERT_EQUAL_UINT(0, one.refusal_of("dump " + file.path).find(file.path));
+    Resting other;
+    other.do_line("load " + file.path);
+    const config_block_t loaded = other.follower.block_in_force();
+    const config_block_t dumped = one.follower.block_in_force();
+    TEST_ASSERT_EQUAL_MEMORY(&dumped, &loaded, sizeof dumped);
+    std::ofstream(file.path, std::ios::app) << "more";
+    TEST_ASSERT_EQUAL_UINT(0, other.refusal_of("load " + file.path).find(file.path));
+    TEST_ASSERT_TRUE(other.refusal_of("load no/such").find("no/such") != std::string::npos);
+    TEST_ASSERT_EQUAL_UINT32(loaded.cfg.crc, other.follower.block_in_force().cfg.crc);
+}
+
+TEST(a_store_waits_for_a_rotor_that_comes_to_rest_and_not_for_one_that_is_driven)
+{
+    Bench bench(scripted("60"));
+    bench.follower.connect();
+    bench.pass(2);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, bench.log.states.back());
+    const double begun_s = bench.line.now_s();
+    TEST_ASSERT_TRUE(bench.refusal_of("store").find("stop it first") != std::string::npos);
+    TEST_ASSERT_TRUE(bench.line.now_s() < begun_s + 1);
+    bench.do_line("stop");
+    bench.do_line("store");
 }
 
 } // namespace

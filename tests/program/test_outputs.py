@@ -31,6 +31,7 @@ WRITERS = {
     **{(MOTORSIM, "certify", option): CERTIFY for option in ("--output", "--json")},
     (NFCONFIG, "header", "--out"): PARTS,
     (NFCONFIG, "hal-header", "--out"): PARTS,
+    (NFCONFIG, "alike", "--out"): (*PARTS, "--count", "1"),
     (NFCONFIG, "block", "--out"): (*PARTS, "--overwrite"),
     (GAINDESIGN, "design", "--json"): (),
 }

@@ -52,7 +52,8 @@ std::string recorded(const nf::Config &config, nf::ScriptedRun &run)
 // Most users have the default tuning, a rotor that stands, or turns already.
 std::vector<std::string> overrides(unsigned number, const nf::Config &config)
 {
-    const char *const tunings[] = {"robust", "robust", "robust", "voltage_phase"};
+    const char *const tunings[] = {"robust_motor_a", "robust_motor_a", "robust_motor_a",
+                                   "voltage_phase"};
     constexpr double speeds[] = {0, 0.5, 0, -0.8};
     return {
         fmt::format("tuning={}", tunings[number % std::size(tunings)]),

@@ -48,7 +48,7 @@ struct Machine {
     const char *tuning;
 };
 
-const Machine MOTOR_A = {"motor_a", "bench_310v", "robust"};
+const Machine MOTOR_A = {"motor_a", "bench_310v", "robust_motor_a"};
 const Machine SERVO = {"teknic_m2310p", "frdm_mc_lvpmsm", "any"};
 const Machine VOLTAGE = {"motor_a", "bench_310v", "voltage_phase"};
 

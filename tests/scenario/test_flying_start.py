@@ -39,7 +39,7 @@ def run(imperfection, *settings):
 def restart(motor, imperfection, times):
     speed, torque, later_ms = times
     again_s = STOP_S + later_ms / 1000
-    return run(imperfection, f"motor={motor}", "tuning=robust", f"scenario.duration_s={END_S}",
+    return run(imperfection, f"motor={motor}", "tuning=robust_motor_a", f"scenario.duration_s={END_S}",
                f"scenario.evaluate_from_s={again_s + SETTLING_S}",
                f"scenario.command=[{{time_s=0, speed_pct={speed}}}]",
                f"scenario.load=[{{time_s=0, torque_pct={torque}}}]",

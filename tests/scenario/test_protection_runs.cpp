@@ -180,8 +180,8 @@ struct Driven {
     double load_pct; // of the rated torque
     const char *angle_source;
 };
-constexpr Driven DRIVEN[] = {{"motor_a", "bench_310v", "robust", 200, "observer"},
-                             {"motor_a", "bench_310v", "robust", 200, "sensor"},
+constexpr Driven DRIVEN[] = {{"motor_a", "bench_310v", "robust_motor_a", 200, "observer"},
+                             {"motor_a", "bench_310v", "robust_motor_a", 200, "sensor"},
                              {"motor_b", "bench_310v", "any", 300, "observer"},
                              {"motor_b", "bench_310v", "any", 300, "sensor"},
                              {"odrive_d5065", "b_g431b_esc1", "any", 160, "sensor"},
@@ -236,9 +236,9 @@ struct TooFast {
     Driven machine;
     double share;
 };
-constexpr TooFast TOO_FAST[] = {{{"motor_a", "bench_310v", "robust", 0, "observer"}, 1.3},
-                                {{"motor_a", "bench_310v", "robust", 0, "observer"}, 1.5},
-                                {{"motor_a", "bench_310v", "robust", 0, "sensor"}, 1.3},
+constexpr TooFast TOO_FAST[] = {{{"motor_a", "bench_310v", "robust_motor_a", 0, "observer"}, 1.3},
+                                {{"motor_a", "bench_310v", "robust_motor_a", 0, "observer"}, 1.5},
+                                {{"motor_a", "bench_310v", "robust_motor_a", 0, "sensor"}, 1.3},
                                 {{"motor_b", "bench_310v", "any", 0, "observer"}, 1.2},
                                 {{"motor_b", "bench_310v", "any", 0, "observer"}, 1.4},
                                 {{"motor_b", "bench_310v", "any", 0, "observer"}, 1.5},

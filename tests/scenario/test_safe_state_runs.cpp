@@ -39,7 +39,7 @@ const Machine COMPRESSOR = {"compressor",
                             8000};
 const Machine MOTOR_A = {"motor_a_weakened",
                          "bench_310v_short",
-                         "robust",
+                         "robust_motor_a",
                          {"plant.bus_capacitance_f=1e-3", "plant.bus_source_resistance_ohm=1"},
                          3000};
 

@@ -13,7 +13,7 @@ JOBS = 2
 INDUCTANCE = 0.0116  # of motor A
 SCENARIOS = ("s1_robust", "s2_robust", "s3_robust")
 SETS = ("ideal", "all")
-TUNINGS = ("robust", "any")
+TUNINGS = ("robust_motor_a", "any")
 SALIENCIES = (0.7, 1.3, 1.5, 2.0)
 # What a drive of the true file has may grow by so much, and by the scatter of a largest value of runs whose switching instants
 # differ: one seed of `all` has 17 to 23 rpm of 1800 in s1_robust, another phase of the bus's ripple 15 to 21 in s2_robust.
@@ -75,7 +75,7 @@ class MotorA(unittest.TestCase):
     def test_without_the_measurement_they_do_not(self):
         for scenario, saliency in LOST:
             with self.subTest(scenario=scenario, saliency=saliency):
-                found = run_motor_a("robust", scenario, "ideal", saliency, "adaptation.saliency_pct=0")
+                found = run_motor_a("robust_motor_a", scenario, "ideal", saliency, "adaptation.saliency_pct=0")
                 self.assertFalse(found["locked"])
 
 

@@ -19,7 +19,7 @@ using nf::Machine;
 using nf::Words;
 using Bench = nf::RunBench;
 
-constexpr Machine MOTOR_A = {"motor_a", "bench_310v", "robust"};
+constexpr Machine MOTOR_A = {"motor_a", "bench_310v", "robust_motor_a"};
 
 // Beyond this angle error the torque has the wrong sign.
 constexpr double LOST_DEG = 90;

@@ -16,7 +16,7 @@ using nf::Machine;
 using nf::Words;
 using Bench = nf::RunBench;
 
-constexpr Machine MACHINES[] = {{"motor_a_weakened", "bench_310v_short", "robust"},
+constexpr Machine MACHINES[] = {{"motor_a_weakened", "bench_310v_short", "robust_motor_a"},
                                 {"motor_b_weakened", "bench_310v_short", "any"},
                                 {"compressor", "compressor_310v", "any"}};
 constexpr int DIRECTIONS = 2000;

@@ -247,7 +247,7 @@ class Refusals(MineTest):
             self.assertFalse((self.folder / "out").exists())
 
     def test_a_scenario_without_limits_judges_nothing(self):
-        self.write("own.toml", 'motor = "motor_a"\nboard = "bench_310v"\ntuning = "robust"\n'
+        self.write("own.toml", 'motor = "motor_a"\nboard = "bench_310v"\ntuning = "robust_motor_a"\n'
                    '[scenario]\ntitle = "t"\nmode = "speed"\nduration_s = 0.1\n')
         self.assert_refused(self.changed('"campaign"', '"./own.toml"'),
                             r"own\.toml has no limits for these .*expected \[accept\.any\]")

@@ -149,8 +149,8 @@ test("Store says ok; what is in force is so for whoever connects next, until Ado
     await answers(page, "store", /^ok$/);
     await button(page, "Disconnect").click();
     await connect(page);
-    await tell(page, "set observer.kappa_p=0.3");
-    await answers(page, "set observer.kappa_p=0.3", /is not that of .*: observer\.eta [\d.]+ to [\d.]+\./);
+    await tell(page, "set observer.kappa=0.04");
+    await answers(page, "set observer.kappa=0.04", /observer\.eta = \d+ in the board is not that of the files/);
     await button(page, "Adopt files").click();
     await answers(page, "adopt", /^ok$/);
     await tell(page, "set observer.kappa_p=0.3");

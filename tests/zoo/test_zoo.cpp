@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The zoo: how a motor is named, that it is the same everywhere, and that each is a motor somebody could have.
+#include "block.h"
 #include "config.h"
 #include "draw.h"
 #include "machine.h"
@@ -101,12 +102,12 @@ TEST(only_a_scenario_is_of_a_user_and_nothing_is_a_tuning)
     const auto parts = [](const char *motor, const char *tuning) {
         return refusal([&] { nf::load_parts(motor, "zoo:1", tuning); });
     };
-    TEST_ASSERT_EQUAL_STRING("", parts("zoo:1", "robust").c_str());
-    TEST_ASSERT_EQUAL_INT(
-        0, parts("zoo:1:user", "robust").rfind("command line: motor = \"zoo:1:user\": is not", 0));
+    TEST_ASSERT_EQUAL_STRING("", parts("zoo:1", "robust_motor_a").c_str());
+    TEST_ASSERT_EQUAL_INT(0, parts("zoo:1:user", "robust_motor_a")
+                                 .rfind("command line: motor = \"zoo:1:user\": is not", 0));
     TEST_ASSERT_EQUAL_STRING(
         "command line: tuning = \"zoo:1\": is not in the zoo; allowed: any, published, "
-        "robust, voltage_phase or a path ending in .toml",
+        "robust_motor_a, voltage_phase or a path ending in .toml",
         parts("zoo:1", "zoo:1").c_str());
 }
 
@@ -249,6 +250,18 @@ TEST(each_is_a_motor_and_a_board_of_its_class_that_the_firmware_takes)
         seen.insert(parsed(name).kind);
     }
     TEST_ASSERT_TRUE(seen == CLASSES);
+}
+
+// What is sent to a board, and what its image is made of, is what the simulator runs.
+TEST(a_block_of_motor_and_board_has_the_configuration_of_the_simulated_drive)
+{
+    const unsigned motors = testing_runs(60, 600);
+    for (unsigned k = 0; k < motors; k++) {
+        const std::string name = fmt::format("zoo:{}", k);
+        const config_block_t block = nf::make_block(nf::load_parts(name, name, nf::DEFAULT_TUNING));
+        const drive_cfg_t simulated = nf::build(load(name + ":user"));
+        TEST_ASSERT_EQUAL_MEMORY_MESSAGE(&simulated, &block.cfg, sizeof simulated, name.c_str());
+    }
 }
 
 void expect_errors(const std::string &name, const nf::Config &exact, const nf::Config &user)

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: MIT
+#include "configuration_commands.h"
+
+#include "about_text.h"
+#include "answers.h"
+#include "cfg_rows.h"
+#include "files.h"
+#include "header.h"
+#include "identity.h"
+#include "output_file.h"
+#include "trimmed.h"
+
+#include <cstring>
+#include <filesystem>
+#include <regex>
+#include <utility>
+#include <vector>
+
+extern "C" {
+#include "config_guard.h"
+}
+
+#include <fmt/format.h>
+
+namespace nf::live
+{
+namespace
+{
+
+using debug::Answer;
+using debug::Outcome;
+
+constexpr std::size_t DIFFERENCES_SHOWN = 3;
+
+// What is compiled into an image is another, which no block carries.
+bool is_of_image(const Config &before, const Config &after)
+{
+    return identity_of(before).board != identity_of(after).board ||
+           about_name(before) != about_name(after) || before.board.baud != after.board.baud ||
+           recorder_segment_entries(before.board) != recorder_segment_entries(after.board);
+}
+
+// A value may have blanks in it; a blank before the next TABLE.KEY= ends it.
+std::vector<std::string> split_assignments(const std::string &text)
+{
+    static const std::regex between(R"(\s+(?=[a-z_]+\.[a-z0-9_]+\s*=))");
+    const std::sregex_token_iterator first(text.begin(), text.end(), between, -1);
+    return {first, {}};
+}
+
+std::string key_of(const std::string &assignment)
+{
+    return debug::trimmed(assignment.substr(0, assignment.find('=')));
+}
+
+void put_raw(drive_cfg_t &cfg, const CfgRow &row, const drive_cfg_t &from)
+{
+    std::memcpy(reinterpret_cast<unsigned char *>(&cfg) + row.offset,
+                reinterpret_cast<const unsigned char *>(&from) + row.offset, sizeof(uint32_t));
+}
+
+// A configuration with what is other in `after` than in `before`.
+drive_cfg_t patched(const drive_cfg_t &in_force, const drive_cfg_t &before,
+                    const drive_cfg_t &after)
+{
+    drive_cfg_t cfg = in_force;
+    for (const CfgRow &row : cfg_rows()) {
+        if (raw_value(row, before) == raw_value(row, after)) {
+            continue;
+        }
+        const bool is_crc = row.offset == offsetof(drive_cfg_t, crc);
+        if (!is_crc && raw_value(row, in_force) != raw_value(row, before)) {
+            throw ConfigError(fmt::format(
+                "{} = {} in the board is not that of the files, {}, and the change "
+                "would overwrite it: give what was set with --set, or `adopt` the files",
+                row.path, raw_value(row, in_force), raw_value(row, before)));
+        }
+        put_raw(cfg, row, after);
+    }
+    cfg.crc = config_guard_crc(&cfg);
+    return cfg;
+}
+
+// Likewise: pole pairs, highest speed and name, which go together.
+config_about_t about_of(const config_block_t &in_force, const config_block_t &before,
+                        const config_block_t &after)
+{
+    const bool changes = std::memcmp(&before.about, &after.about, sizeof before.about) != 0;
+    return changes ? after.about : in_force.about;
+}
+
+} // namespace
+
+ConfigurationCommands::ConfigurationCommands(Follower &follower, FileChoice files)
+    : follower_(follower), files_(std::move(files))
+{
+}
+
+FileChoice ConfigurationCommands::files_in_force()
+{
+    const config_block_t block = follower_.block_in_force();
+    FileChoice choice = choice_of(block.about.name, files_);
+    const drive_cfg_t of_files = build(nf::live::load(choice));
+    if (of_files.crc != block.cfg.crc) {
+        throw ConfigError(fmt::format(
+            "the configuration in force is not that of {}, {}, {}: {}. Give its own motor, board and "
+            "tuning file, or `adopt` these first",
+            choice.motor, choice.board, choice.tuning,
+            differences(of_files, block.cfg, follower_.bases(), DIFFERENCES_SHOWN)));
+    }
+    return choice;
+}
+
+Answer ConfigurationCommands::set(const std::string &assignments)
+{
+    config_block_t block = follower_.block_in_force();
+    FileChoice wanted = choice_of(block.about.name, files_);
+    const Config before = nf::live::load(wanted);
+    const std::vector<std::string> each = split_assignments(assignments);
+    wanted.set.insert(wanted.set.end(), each.begin(), each.end());
+    const Config after = nf::live::load(wanted);
+    if (is_of_image(before, after)) {
+        return refused(key_of(assignments) + " is in the image only: build and flash");
+    }
+    const drive_cfg_t in_force = block.cfg;
+    const drive_cfg_t cfg = patched(in_force, build(before), build(after));
+    if (cfg.crc == in_force.crc) {
+        return done("ok, and no number of the drive is another one");
+    }
+    const config_about_t about = about_of(block, make_block(before), make_block(after));
+    const config_identity_t identity = block.identity;
+    config_block_make(&block, &identity, &about, &cfg);
+    Answer answer = apply(block);
+    if (answer.outcome == Outcome::done) {
+        files_ = std::move(wanted);
+        answer.text = "ok: " + differences(in_force, cfg, follower_.bases(), DIFFERENCES_SHOWN);
+    } else {
+        // The board knows only its own name of a key.
+        answer.text = fmt::format("{}: {}", key_of(assignments), answer.text);
+    }
+    return answer;
+}
+
+Answer ConfigurationCommands::adopt()
+{
+    return apply(
+        make_block(nf::live::load(choice_of(follower_.block_in_force().about.name, files_))));
+}
+
+Answer ConfigurationCommands::apply(const config_block_t &block)
+{
+    return of_verdict(follower_.change(block));
+}
+
+Answer ConfigurationCommands::defaults()
+{
+    const Answer answer = of_verdict(follower_.defaults());
+    if (answer.outcome == Outcome::done) {
+        files_.set.clear();
+    }
+    return answer;
+}
+
+Answer ConfigurationCommands::get(const std::string &part)
+{
+    const drive_cfg_t cfg = follower_.block_in_force().cfg;
+    const Bases bases = rescaled(follower_.bases(), cfg);
+    std::string text;
+    for (const CfgRow &row : cfg_rows()) {
+        if (says_something(row) && std::strstr(row.path, part.c_str()) != nullptr) {
+            text += fmt::format("{}{:39} {}", text.empty() ? "" : "\n", row.path,
+                                value_text(row, bases, cfg));
+        }
+    }
+    return text.empty()
+               ? refused(fmt::format("no setting has \"{}\" in its path; `get` alone shows "
+                                     "them all",
+                                     part))
+               : done(text);
+}
+
+Answer ConfigurationCommands::dump(const std::string &path)
+{
+    if (path.empty()) {
+        return refused("dump takes the name of a file");
+    }
+    if (std::filesystem::exists(path)) {
+        return refused(path + ": is there already; dump takes the name of a new file");
+    }
+    OutputFile file(path);
+    file.write(block_bytes(follower_.block_in_force()));
+    file.close();
+    return done(fmt::format("ok: `nfconfig show {}`", path));
+}
+
+Answer ConfigurationCommands::load(const std::string &path)
+{
+    if (path.empty()) {
+        return refused("load takes the file of a block, of `dump` or `nfconfig block`");
+    }
+    const drive_cfg_t before = follower_.block_in_force().cfg;
+    const config_block_t block = parse_block(path, read_bytes(path));
+    Answer answer = apply(block);
+    if (answer.outcome == Outcome::done) {
+        files_.set.clear();
+        const std::string changed =
+            differences(before, block.cfg, follower_.bases(), DIFFERENCES_SHOWN);
+        answer.text = changed.empty() ? "ok, it was in force" : "ok: " + changed;
+    }
+    return answer;
+}
+
+} // namespace nf::live

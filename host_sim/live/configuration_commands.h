@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: MIT */
+// What a person tells a running board about its configuration: keys of files, blocks of files, the one that is stored.
+#pragma once
+
+#include "board_files.h"
+#include "commands.h"
+#include "follower.h"
+
+#include <string>
+
+namespace nf::live
+{
+
+// All throw ConfigError, OutputError and LinkError, each in one line.
+class ConfigurationCommands
+{
+public:
+    // The follower is connected and outlives it.
+    ConfigurationCommands(Follower &follower, FileChoice files);
+
+    // One or several KEY=VALUE, which act together from one tick on. Only settings of the drive that these keys change are
+    // written; a setting that somebody has changed without the files is not changed again, and its path is said.
+    debug::Answer set(const std::string &assignments);
+    // That of the files.
+    debug::Answer adopt();
+    // That of the image.
+    debug::Answer defaults();
+    // The settings in force whose paths have this text in them, a line each; all when it is empty.
+    debug::Answer get(const std::string &part);
+    // The block in force as a file that is not there yet.
+    debug::Answer dump(const std::string &path);
+    // The block of a file.
+    debug::Answer load(const std::string &path);
+
+    // The files, and what was set in them, that make the configuration in force. Refused where they make another one.
+    FileChoice files_in_force();
+
+private:
+    debug::Answer apply(const config_block_t &block);
+
+    Follower &follower_;
+    FileChoice files_;
+};
+
+} // namespace nf::live
