@@ -70,8 +70,8 @@ macro(nf_refer option folder reference)
     endif()
 endmacro()
 
-# Lets <target> include <file>, made by the nfconfig <command>.
-function(nf_config_file target file command)
+# Lets <target> include <output>, made by the nfconfig <command>.
+function(nf_config_file target output command)
     cmake_parse_arguments(PARSE_ARGV 3 arg "" "MOTOR;BOARD;TUNING" "WITH")
     get_property(nfconfig GLOBAL PROPERTY NF_NFCONFIG)
     if(NOT nfconfig OR (IS_ABSOLUTE ${nfconfig} AND NOT EXISTS ${nfconfig}))
@@ -90,12 +90,12 @@ function(nf_config_file target file command)
     endforeach()
     set(folder ${CMAKE_CURRENT_BINARY_DIR}/${target}_config)
     file(MAKE_DIRECTORY ${folder})
-    add_custom_command(OUTPUT ${folder}/${file}
-        COMMAND ${nfconfig} ${command} ${arguments} --out ${folder}/${file}
+    add_custom_command(OUTPUT ${folder}/${output}
+        COMMAND ${nfconfig} ${command} ${arguments} --out ${folder}/${output}
         DEPENDS ${nfconfig} ${files}
-        COMMENT "${file} of ${target}: ${arg_MOTOR}, ${arg_BOARD}, ${arg_TUNING}"
+        COMMENT "${output} of ${target}: ${arg_MOTOR}, ${arg_BOARD}, ${arg_TUNING}"
         VERBATIM)
-    target_sources(${target} PRIVATE ${folder}/${file})
+    target_sources(${target} PRIVATE ${folder}/${output})
     target_include_directories(${target} PRIVATE ${folder})
 endfunction()
 

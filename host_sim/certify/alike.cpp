@@ -77,7 +77,7 @@ std::vector<std::string> most_alike(const std::string &motor, const std::string 
     for (std::size_t number = 0; number < own.size(); number++) {
         deviations.push_back(deviation(kin, number));
     }
-    std::stable_sort(kin.begin(), kin.end(), [&](const Kin &a, const Kin &b) {
+    std::sort(kin.begin(), kin.end(), [&](const Kin &a, const Kin &b) {
         return distance(own, a.logs, deviations) < distance(own, b.logs, deviations);
     });
     std::vector<std::string> scenarios;

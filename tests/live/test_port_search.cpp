@@ -49,7 +49,9 @@ struct Port {
     std::vector<unsigned> opened;
 
     explicit Port(unsigned baud)
-        : config(nf::load_scenario("any", {}, {"board.baud=" + std::to_string(baud)})),
+        : config(nf::load_scenario(
+              "any", {},
+              {"motor=outrunner_24v", "board=b_g431b_esc1", "board.baud=" + std::to_string(baud)})),
           board(config), rate(baud)
     {
     }

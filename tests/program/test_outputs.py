@@ -46,7 +46,7 @@ PRINTERS = (
     (MOTORSIM, "certify", *CERTIFY), (MOTORSIM, "certify", *CERTIFY, "--json", "-"),
     (NFCONFIG, "header", *PARTS), (NFCONFIG, "hal-header", *PARTS), (NFCONFIG, "show", *PARTS), (NFCONFIG, "keys"),
     (NFCONFIG, "block", *PARTS, "--out", "-"),
-    (NFCONFIG, "list"),
+    (NFCONFIG, "list"), (NFCONFIG, "alike", *PARTS, "--count", "1"),
     (GAINDESIGN, "design"), (GAINDESIGN, "compare"), (GAINDESIGN, "check", "0.264", "0.035"),
 )
 PRINTERS = [printer for printer in PRINTERS if printer[0] in PROGRAMS]
