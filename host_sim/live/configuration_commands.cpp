@@ -21,6 +21,7 @@ extern "C" {
 }
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace nf::live
 {
@@ -48,9 +49,14 @@ std::vector<std::string> split_assignments(const std::string &text)
     return {first, {}};
 }
 
-std::string key_of(const std::string &assignment)
+std::string keys_of(const std::vector<std::string> &assignments)
 {
-    return debug::trimmed(assignment.substr(0, assignment.find('=')));
+    std::vector<std::string> keys;
+    keys.reserve(assignments.size());
+    for (const std::string &each : assignments) {
+        keys.push_back(debug::trimmed(each.substr(0, each.find('='))));
+    }
+    return fmt::format("{}", fmt::join(keys, ", "));
 }
 
 void put_raw(drive_cfg_t &cfg, const CfgRow &row, const drive_cfg_t &from)
@@ -120,14 +126,16 @@ Answer ConfigurationCommands::set(const std::string &assignments)
     wanted.set.insert(wanted.set.end(), each.begin(), each.end());
     const Config after = nf::live::load(wanted);
     if (is_of_image(before, after)) {
-        return refused(key_of(assignments) + " is in the image only: build and flash");
+        return refused(keys_of(each) + " is in the image only: build and flash");
     }
     const drive_cfg_t in_force = block.cfg;
-    const drive_cfg_t cfg = patched(in_force, build(before), build(after));
+    const config_block_t from = make_block(before);
+    const config_block_t to = make_block(after);
+    const drive_cfg_t cfg = patched(in_force, from.cfg, to.cfg);
     if (cfg.crc == in_force.crc) {
         return done("ok, and no number of the drive is another one");
     }
-    const config_about_t about = about_of(block, make_block(before), make_block(after));
+    const config_about_t about = about_of(block, from, to);
     const config_identity_t identity = block.identity;
     config_block_make(&block, &identity, &about, &cfg);
     Answer answer = apply(block);
@@ -136,7 +144,7 @@ Answer ConfigurationCommands::set(const std::string &assignments)
         answer.text = "ok: " + differences(in_force, cfg, follower_.bases(), DIFFERENCES_SHOWN);
     } else {
         // The board knows only its own name of a key.
-        answer.text = fmt::format("{}: {}", key_of(assignments), answer.text);
+        answer.text = fmt::format("{}: {}", keys_of(each), answer.text);
     }
     return answer;
 }

@@ -17,7 +17,7 @@ import console
 import core
 from digital import NEVER, CLOCK_HZ, WatchdogBites
 from registers import WrongAccess
-from rig import (BUS, CALIBRATION_TICKS, FULL_SCALE_A, HAL, HALF_PERIOD, IMAGE, MIDDLE, STAGE, answer, booted,
+from rig import (BOARD, BUS, CALIBRATION_TICKS, FULL_SCALE_A, HAL, HALF_PERIOD, IMAGE, MIDDLE, STAGE, answer, booted,
                  lose_a_conversion, make, ready, run, running)
 
 REST = (HALF_PERIOD // 2,) * 3
@@ -26,6 +26,7 @@ GIVING_UP_S = 0.1          # more than the image waits for a register and then s
 HOT = 4000                # counts of the temperature, beyond every limit
 TEMPERATURE_TICKS = 1026  # from one conversion to the next, and to the frame
 GATES_TICKS = 150         # from FLYING_START on: the gates are on, and it is not too hot for long enough yet
+TUNING = "any motor" if BOARD.stem == "b_g431b_esc1" else "robust for motor A"  # of the two images
 OVERTEMPERATURE_TICKS = round(0.11 * STAGE["pwm_frequency_hz"])  # for 0.1 s
 
 STRIDE = 37  # instructions, fewer than the store needs to read a block, and in step with none of its loops
@@ -54,7 +55,7 @@ class Boots(unittest.TestCase):
     def test_says_what_it_is_and_opens_no_gate_unasked(self):
         made = ready()
         said = made.said()
-        self.assertRegex(said, rf"^neurofoc: .*, {re.escape(STAGE['name'])}, [^,]+\r?\n")
+        self.assertRegex(said, rf"^neurofoc: .*, {re.escape(STAGE['name'])}, {TUNING}\r?\n")
         self.assertIn("READY", said)
         self.assertNotIn("watchdog", said)
         self.assertFalse(made.chip.timer.gates_on())

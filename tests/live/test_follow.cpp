@@ -764,6 +764,8 @@ TEST(several_keys_are_one_change_and_can_be_read_back)
     const uint32_t now = bench.follower.block_in_force().cfg.crc;
     bench.refusal_of("set observer.kappa=0.03 speed_loop.ramp_rpm_s=-1");
     TEST_ASSERT_EQUAL_UINT32(now, bench.follower.block_in_force().cfg.crc);
+    TEST_ASSERT_EQUAL(0, bench.refusal_of("set observer.kappa=0.03 board.baud=230400")
+                             .find("observer.kappa, board.baud "));
 }
 
 TEST(who_comes_later_sets_other_keys_and_keeps_what_was_set)
