@@ -314,6 +314,20 @@ TEST(test_a_zero_without_a_frame_keeps_a_person_away_for_a_tenth_of_a_second)
     assert_text("ok\r\n", "stop\n");
 }
 
+/* A person is kept away by it anyway. */
+TEST(test_a_frame_of_the_pc_that_stops_half_way_for_longer_is_whole_all_the_same)
+{
+    const size_t behind_the_pause = 3U;
+
+    tag++;
+    line_ask(LINK_PING, tag, NULL, 0U);
+    line.in_length -= behind_the_pause;
+    passes(2U * 1001U);
+    line.in_length += behind_the_pause;
+    hear(SHORT_WHILE);
+    TEST_ASSERT_NOT_NULL(line_find(LINK_PING + LINK_ANSWER));
+}
+
 TEST(test_a_frame_that_is_broken_leaves_the_console_as_it_is)
 {
     static const uint8_t message[] = {LINK_HELLO, 1U, LINK_VERSION};
