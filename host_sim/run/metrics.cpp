@@ -92,6 +92,11 @@ void Metrics::load_step()
     after_ = After::load;
 }
 
+void Metrics::disturbed()
+{
+    close_swings();
+}
+
 void Metrics::add(const Instant &now)
 {
     const double speed_error = now.speed_rpm - now.speed_estimated_rpm;
@@ -132,7 +137,7 @@ void Metrics::watch_steps(double beyond)
 
 void Metrics::watch_window(const Instant &now)
 {
-    ripple_.add(now.angle_el_rad, {now.speed_rpm, now.i_q_a});
+    ripple_.add(now.angle_el_rad, {now.speed_rpm, now.i_q_a}, now.supply_rad);
     if (quiet_ticks_ > settled_ticks_) {
         add_settled(now);
     }
@@ -220,8 +225,8 @@ void Metrics::close_swings()
 {
     const auto [speed, current] = ripple_.split(static_cast<std::size_t>(settled_ticks_));
     const auto watch = [](const Ripple::Split &split, Worst &amplitude, SwingFinder &finder) {
-        for (const double value : split.rest) {
-            finder.add(value);
+        for (std::size_t k = 0; k < split.rest.size(); k++) {
+            finder.add(split.rest[k], split.signal[k]);
         }
         if (split.amplitude) {
             amplitude.add(*split.amplitude);

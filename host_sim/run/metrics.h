@@ -71,11 +71,12 @@ struct MetricValues {
     // tick is of the load, whose torque no drive knows.
     std::optional<double> speed_error_command_pct;
     std::optional<double> speed_error_load_pct;
-    // What the rotor's own turning forces (ripple.h) at a command and a load that do not change, amplitudes: of the speed, % of
-    // rated speed, and of the torque's current, % of that of rated torque. The largest.
+    // What the rotor's own turning forces (ripple.h) while nothing from outside changes, neither command nor load nor
+    // by a fault, amplitudes: of the speed, % of rated speed, and of the torque's current, % of that of rated torque.
+    // The largest.
     std::optional<double> ripple_speed_pct;
     std::optional<double> ripple_current_pct;
-    // Without that, the largest sustained swings (swing.h), likewise. The frequency: the current's, if it swings. A window
+    // Without that and the supply's ripple, the largest sustained swings (swing.h), likewise. The frequency: the current's, if it swings. A window
     // is watched from its beginning: what goes on after it has settled began before.
     std::optional<double> swing_speed_pct;
     std::optional<double> swing_current_pct;
@@ -120,6 +121,7 @@ struct Instant {
     double speed_estimated_rpm;
     double angle_error_deg; // electrical, wrapped
     double angle_el_rad;    // of the rotor
+    double supply_rad;      // of the supply's ripple; 0: it has none
     double iq_error_a;
     double i_q_a;
     double i_d_a;
@@ -145,6 +147,9 @@ public:
     // in the tick of a command step has no dip of its own.
     void command_step(double command);
     void load_step();
+    // Something else from outside begins or ends, before the tick at which it acts: a fault of the scenario, as a supply that
+    // drops. It ends no window but that of ripple and swings.
+    void disturbed();
 
     void add(const Instant &now);
     // The evaluation ends after the last add(). Call once.

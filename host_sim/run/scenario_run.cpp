@@ -2,6 +2,7 @@
 #include "scenario_run.h"
 
 #include "numbers.h"
+#include "si.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +14,7 @@ namespace nf
 namespace
 {
 
-constexpr double RPM_PER_RAD_S = 30.0 / 3.14159265358979323846;
+constexpr double RPM_PER_RAD_S = 30.0 / PI;
 
 std::vector<Parameter> parameters_of(const Config &config, const drive_t &drive)
 {
@@ -66,7 +67,8 @@ ScenarioRun::ScenarioRun(const Config &real, const Config &believed, const RunOp
                believed.motor.rated_speed_rpm, rated_current(believed.motor),
                believed.motor.rated_torque_nm),
       rpm_per_step_(run_.sim().bases().rpm_from_step(1)),
-      ampere_per_bit_(run_.sim().bases().current_a / Q15)
+      ampere_per_bit_(run_.sim().bases().current_a / Q15),
+      supply_rad_s_(real.plant.bus_ripple_pct > 0 ? 2 * PI * real.plant.bus_ripple_hz : 0)
 {
 }
 
@@ -81,6 +83,9 @@ void ScenarioRun::judge_steps(const Tick &tick)
     }
     if (run_.new_load() && evaluated) {
         metrics_.load_step();
+    }
+    if (run_.new_fault() && evaluated) {
+        metrics_.disturbed();
     }
 }
 
@@ -111,6 +116,7 @@ void ScenarioRun::evaluate(const Tick &tick)
     now.speed_estimated_rpm = tick.speed_estimate * rpm_per_step_;
     now.angle_error_deg = angle_error_deg(tick);
     now.angle_el_rad = truth.theta_el_rad;
+    now.supply_rad = std::remainder(supply_rad_s_ * tick.time_s, 2 * PI);
     now.iq_error_a = truth.i_q_a - drive.observer.current.q * ampere_per_bit_;
     now.i_q_a = truth.i_q_a;
     now.i_d_a = truth.i_d_a;

@@ -44,6 +44,7 @@ private:
     Metrics metrics_;
     double rpm_per_step_;
     double ampere_per_bit_;
+    double supply_rad_s_; // of its ripple; 0: it has none
     int64_t reference_ = 0;
     drive_state_t state_ = DRIVE_STATE_INIT;
     RunResult result_;

@@ -163,7 +163,8 @@ void ScriptedRun::act()
     if (new_load_) {
         sim_.set_load_nm(load_.value());
     }
-    if (injection_.act(tick_, sim_)) {
+    new_fault_ = injection_.act(tick_, sim_);
+    if (new_fault_) {
         impose_forced();
     }
     if (is_commanded_) {

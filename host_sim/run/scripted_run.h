@@ -116,6 +116,11 @@ public:
     {
         return new_load_;
     }
+    // Or a fault began or ended.
+    bool new_fault() const
+    {
+        return new_fault_;
+    }
 
     Simulation &sim()
     {
@@ -179,6 +184,7 @@ private:
     int64_t tick_;
     bool new_command_ = false;
     bool new_load_ = false;
+    bool new_fault_ = false;
 };
 
 } // namespace nf

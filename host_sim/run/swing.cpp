@@ -25,15 +25,15 @@ void SwingFinder::restart()
     count_ = 0;
 }
 
-void SwingFinder::add(double value)
+void SwingFinder::add(double value, double signal)
 {
     tick_++;
     if (!begun_) {
         begun_ = true;
-        low_ = high_ = {tick_, value};
+        low_ = high_ = {tick_, value, signal};
     }
-    low_ = value < low_.value ? Turn{tick_, value} : low_;
-    high_ = value > high_.value ? Turn{tick_, value} : high_;
+    low_ = value < low_.value ? Turn{tick_, value, signal} : low_;
+    high_ = value > high_.value ? Turn{tick_, value, signal} : high_;
     const bool falls = direction_ >= 0 && high_.value - value >= least_;
     const bool rises = direction_ <= 0 && value - low_.value >= least_;
     if (!falls && !rises) {
@@ -43,7 +43,7 @@ void SwingFinder::add(double value)
         turned_at(falls ? high_ : low_);
     }
     direction_ = falls ? -1 : 1;
-    low_ = high_ = {tick_, value};
+    low_ = high_ = {tick_, value, signal};
 }
 
 void SwingFinder::turned_at(const Turn &found)
@@ -68,8 +68,15 @@ void SwingFinder::judge()
         return;
     }
     double sum = 0;
+    double along = 0; // how far the signal itself goes the same ways
     for (std::size_t k = 1; k <= HALVES; k++) {
-        sum += std::abs(turns_[k + 1].value - turns_[k].value);
+        const double way = turns_[k + 1].value - turns_[k].value;
+        const double signal = turns_[k + 1].signal - turns_[k].signal;
+        sum += std::abs(way);
+        along += way > 0 ? signal : -signal;
+    }
+    if (along < KEPT * sum) {
+        return;
     }
     const double amplitude = sum / HALVES / 2;
     const double seconds =

@@ -8,6 +8,10 @@
 //
 // Half-swings are the ways between turning points. The signal turns where it has come back by `least` from its extreme:
 // noise and ripple below that do not end a half-swing, and make none.
+//
+// What is watched may be a part of a signal: what is left of it once a ripple has been taken off. Taking off what is not
+// there makes a swing that no machine has, one of speed without the torque for it. So the signal itself has to go the same
+// ways, by half of their height in the sum of three periods.
 #pragma once
 
 #include <array>
@@ -31,7 +35,12 @@ public:
 
     // The conditions are other ones: what was seen so far says nothing of what comes.
     void restart();
-    void add(double value);
+    // What is left of the signal, and the signal.
+    void add(double value, double signal);
+    void add(double value)
+    {
+        add(value, value);
+    }
 
     // The largest sustained swing since construction.
     const std::optional<Swing> &largest() const
@@ -45,6 +54,7 @@ private:
     struct Turn {
         int64_t tick;
         double value;
+        double signal;
     };
     void turned_at(const Turn &found);
     void judge();

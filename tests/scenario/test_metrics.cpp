@@ -245,6 +245,24 @@ TEST(test_a_limit_cycle_needs_a_constant_command)
     TEST_ASSERT_FALSE(with_swing(100, 5, true).limit_cycle);
 }
 
+// Faults that follow each other more quickly than three periods make no swing that the drive sustains.
+TEST(test_what_disturbs_the_drive_from_outside_is_no_limit_cycle)
+{
+    const auto limit_cycle = [](int ticks_between) {
+        constexpr double pi = 3.14159265358979323846;
+        Metrics metrics(DriveMode::speed, PERIOD_S, RATED_RPM, RATED_A);
+        for (int k = 0; k < 1000; k++) {
+            if (k % ticks_between == 0) {
+                metrics.disturbed();
+            }
+            metrics.add(perfect(RATED_RPM + 100 * std::sin(2 * pi * 10 * k * PERIOD_S)));
+        }
+        return metrics.finish().limit_cycle;
+    };
+    TEST_ASSERT_FALSE(limit_cycle(250)); // 2.5 periods
+    TEST_ASSERT_TRUE(limit_cycle(500));
+}
+
 TEST(test_lock_is_lost_when_the_drive_stops)
 {
     Metrics metrics(DriveMode::speed, PERIOD_S, RATED_RPM, RATED_A);

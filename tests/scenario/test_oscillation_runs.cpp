@@ -67,6 +67,28 @@ TEST(test_an_elastic_shaft_that_swings_is_a_fault)
                                "motor B");
 }
 
+// The supply drops to what the drive bears just so, or the power stage becomes as hot: the drive gives way until the rotor
+// rests, and accelerates again. No swing of it, and no ripple: the cogging is zero.
+TEST(test_a_drive_that_gives_way_rests_and_comes_back_does_not_swing)
+{
+    constexpr double NO_RIPPLE_PCT = 1; // of rated speed
+    const Words idle = {"scenario.load=[{time_s=0,torque_nm=0}]", "plant.coulomb_friction_nm=3"};
+    const char *const disturbances[] = {
+        "{time_s=1.2,what=\"bus_voltage\",value=201,until_s=1.6}",
+        "{time_s=1.0,what=\"bus_voltage\",value=201,until_s=1.1},"
+        "{time_s=1.2,what=\"bus_voltage\",value=202,until_s=1.3},"
+        "{time_s=1.4,what=\"bus_voltage\",value=203,until_s=1.5}",
+        "{time_s=1.2,what=\"temperature\",value=99,until_s=1.6}",
+    };
+    for (const char *const disturbance : disturbances) {
+        const nf::RunResult result =
+            run("any", {}, idle + Words{fmt::format("scenario.fault=[{}]", disturbance)});
+        TEST_ASSERT_TRUE_MESSAGE(result.metrics.locked, disturbance);
+        TEST_ASSERT_FALSE_MESSAGE(result.metrics.limit_cycle, disturbance);
+        TEST_ASSERT_TRUE_MESSAGE(*result.metrics.ripple_speed_pct < NO_RIPPLE_PCT, disturbance);
+    }
+}
+
 // When the true torque current passed zero in RUN. After a fault the shaft swings on by itself, at another frequency.
 class Passages : public nf::TickSink
 {

@@ -77,7 +77,7 @@ double height(const std::vector<double> &values)
 
 TEST(test_what_repeats_with_the_angle_is_ripple)
 {
-    for (const int order : {2, 6, 12}) {
+    for (const int order : {1, 2, 6, 12}) {
         const auto split = split_of([order](double share) {
             return 100 + 3 * std::sin(order * uneven(share, TURNS) + 0.7);
         });
@@ -171,6 +171,46 @@ TEST(test_nothing_and_what_has_not_settled_is_left_as_it_is)
     TEST_ASSERT_EQUAL_DOUBLE(7, split_of(ripple, 5).rest.front());
     ripple.clear();
     TEST_ASSERT_EQUAL_size_t(0, split_of(ripple, 0).rest.size());
+}
+
+// One fit to a rotor that gives way, rests and accelerates again would find ripple in the change of its speed.
+TEST(test_a_rotor_that_rests_meanwhile_has_the_ripple_of_its_steady_stretches)
+{
+    constexpr double STEADY = 0.01; // rad a tick
+    nf::Ripple ripple;
+    std::vector<double> speeds;
+    double angle = 0;
+    for (int k = 0; k < 12000; k++) {
+        const double gives_way = std::max(0.0, 1 - (k - 4000) / 500.0);
+        const double comes_back = std::min(1.0, (k - 8000) / 500.0);
+        const double share = k < 4000 ? 1 : k < 8000 ? gives_way : comes_back;
+        angle += STEADY * share;
+        const double speed = 1000 * share + 5 * share * std::sin(6 * angle);
+        speeds.push_back(speed);
+        add_to(ripple, std::remainder(angle, 2 * PI), speed);
+    }
+    const auto split = split_of(ripple, 0);
+    check_amplitude(0.02, 5, split); // of it a stretch at the edges may have lost 2 %
+    for (std::size_t k = 0; k < speeds.size(); k++) {
+        TEST_ASSERT_DOUBLE_WITHIN(5.1, speeds[k], split.rest[k]);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 1000, split.rest[2000]);
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 1000, split.rest[11000]);
+}
+
+// It counts as no ripple of the rotor.
+TEST(test_what_goes_with_the_supply_is_taken_off_too)
+{
+    nf::Ripple ripple;
+    for (std::size_t k = 0; k < TICKS; k++) {
+        const double share = static_cast<double>(k) / TICKS;
+        const double supply = angle_at(share, 8.3);
+        const double value = 100 + 7 * std::sin(supply + 1);
+        ripple.add(angle_at(share, TURNS), {value, -3 * value}, std::remainder(supply, 2 * PI));
+    }
+    const auto split = split_of(ripple, 0);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0, height(split.rest));
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0, split.amplitude.value_or(1));
 }
 
 } // namespace

@@ -116,4 +116,21 @@ TEST(test_the_largest_is_kept)
     check(4, HZ, found_in([](double t) { return (t > 1 && t < 2 ? 4 : 3) * sine(t); }, 3 * SECOND));
 }
 
+// A ripple was taken off that the signal does not have: what is left swings, the signal rests, or goes the other way.
+TEST(test_a_swing_that_the_signal_does_not_make_is_none)
+{
+    const auto found_beside = [](double share) {
+        nf::SwingFinder finder(LEAST, PERIOD_S);
+        for (int k = 0; k < SECOND; k++) {
+            const double left = 3 * sine(k * PERIOD_S);
+            finder.add(left, 100 + share * left);
+        }
+        return finder.largest();
+    };
+    TEST_ASSERT_FALSE(found_beside(0).has_value());
+    TEST_ASSERT_FALSE(found_beside(-1).has_value());
+    TEST_ASSERT_FALSE(found_beside(0.49).has_value());
+    check(3, HZ, found_beside(0.51));
+}
+
 } // namespace
