@@ -464,19 +464,6 @@ int bench(const BenchArguments &arguments)
     return LIMITS_HOLD;
 }
 
-std::vector<std::string> lines_of(const std::string &path)
-{
-    std::ifstream file(path, std::ios::binary);
-    if (!file) {
-        throw FileError(fmt::format("{}: cannot read: {}", path, std::strerror(errno)));
-    }
-    std::vector<std::string> lines;
-    for (std::string line; std::getline(file, line);) {
-        lines.push_back(line);
-    }
-    return lines;
-}
-
 std::string joined(const std::vector<std::string> &lines)
 {
     std::string text;
@@ -541,8 +528,7 @@ int identify_records(const IdentifyArguments &arguments)
     }
     const nf::Config plate = nf::load_plate(arguments.motor, arguments.board, {}, arguments.set);
     check_findings(arguments, plate);
-    const nf::identify::Records records =
-        nf::identify::read_records(lines_of(arguments.records), arguments.records);
+    const nf::identify::Records records = nf::identify::read_records_file(arguments.records);
     show(arguments, nf::identify::evaluate(records, plate, arguments.temperature_c), std::nullopt,
          records.duration_s,
          fmt::format("Measured by the drive, of the records {}.", arguments.records));

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "identify.h"
 
+#include "crc32.h"
 #include "fault_text.h"
 #include "identify_aim.h"
 #include "identify_rest.h"
@@ -113,20 +114,30 @@ static void add_words(text_t *text, dq_t value)
     add_word(text, value.q);
 }
 
-static void say_scales(const identify_t *identify, text_t *text)
+/* The end of a record, which is all that the text has. */
+static void end_record(identify_t *identify, text_t *text)
+{
+    identify->crc = text_crc(identify->crc, text->characters, text->length);
+    text_add(text, " #");
+    text_hex(text, ~identify->crc);
+}
+
+static void say_scales(identify_t *identify, text_t *text)
 {
     const about_t *const about = identify->about;
 
-    text_add(text, "identify 1");
+    identify->crc = CRC32_START;
+    text_add(text, "identify 2");
     add_word(text, (int32_t)about->rotation.tick_ps);
     add_word(text, (int32_t)about->current_full_scale_ua);
     add_word(text, (int32_t)about->bus_full_scale_uv);
     add_word(text, (int32_t)about->rotation.pole_pairs);
     add_word(text, (int32_t)identify->app->drive.cfg->speed_shift);
+    end_record(identify, text);
     text_end_line(text);
 }
 
-static void say_record(const identify_t *identify, text_t *text)
+static void say_record(identify_t *identify, text_t *text)
 {
     static const probe_word_t shown[] = {PROBE_CURRENT, PROBE_SPEED, PROBE_PULSE_D, PROBE_PULSE_Q,
                                          PROBE_PULSE_TICKS};
@@ -148,6 +159,7 @@ static void say_record(const identify_t *identify, text_t *text)
     add_word(text, sums->turn_q16);
     add_word(text, sums->across);
     add_word(text, sums->torque);
+    end_record(identify, text);
     text_end_line(text);
 }
 
@@ -162,10 +174,11 @@ static void add_amperes(text_t *text, int32_t current_ma)
     text_add(text, " A");
 }
 
-static void say_end(const identify_t *identify, text_t *text)
+static void say_end(identify_t *identify, text_t *text)
 {
     if (identify->why == NULL) {
         text_add(text, "identify done");
+        end_record(identify, text);
     } else {
         text_add(text, "identify refused: ");
         text_add(text, identify->why);
@@ -188,7 +201,7 @@ static void add_highest_speed(const identify_t *identify, text_t *text, const ch
 }
 
 /* Before each phase: what it will do, with which current and speed. */
-static void say_phase(const identify_t *identify, text_t *text)
+static void say_phase(identify_t *identify, text_t *text)
 {
     const int32_t continuous = milliamperes(identify, identify_aim_continuous(identify));
 

@@ -21,8 +21,11 @@
  *
  * Records. `= KIND` and 19 numbers: axis, current, speed, pulse along, pulse across, quarter, ticks; the sums of
  * probe_sums_t in their order. KIND: pulse, catch, still, burst (pulses on a current), spin, ramp, hold (the speed after a
- * ramp), coast. A first line gives their scales: `identify 1`, tick in ps, full scale of the current in µA and of the bus in
- * µV, pole pairs, and the shift of speeds (drive_cfg_t.speed_shift).
+ * ramp), coast. A first line gives their scales: `identify 2`, tick in ps, full scale of the current in µA and of the bus in
+ * µV, pole pairs, and the shift of speeds (drive_cfg_t.speed_shift). The last one is `identify done`. Each of these lines ends
+ * with ` #` and eight hexadecimal digits: the CRC-32 of its characters before that, and of those of all these lines before
+ * it. So a line that was changed, lost or exchanged shows in the next one at the latest, and a line that a log has twice is
+ * known. Lines of another kind may come between them. Records of `identify 1` had no CRC and no end.
  *
  * Context: background.
  */

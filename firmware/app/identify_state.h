@@ -96,6 +96,7 @@ typedef struct {
     identify_aim_t aim;
     drive_command_t before; /* the user's command, in force again at the end, without its request */
     uint32_t began;         /* tick of its start */
+    uint32_t crc;           /* of the records so far, see text_crc() */
     int32_t in_force[IDENTIFY_WORDS];
     identify_wait_t wait;
     uint32_t since;   /* tick in which the wait began */

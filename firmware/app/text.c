@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "text.h"
 
+#include "crc32.h"
+
 #include <stddef.h>
 
 #define DIGITS_MAX (10U) /* of 2^32 − 1 */
@@ -63,6 +65,25 @@ void text_number(text_t *text, int32_t value, uint32_t decimals)
             add_character(text, '.');
         }
     }
+}
+
+void text_hex(text_t *text, uint32_t value)
+{
+    static const char figures[] = "0123456789ABCDEF";
+
+    for (uint32_t shift = 32U; shift > 0U; shift -= 4U) {
+        add_character(text, figures[(value >> (shift - 4U)) & 0xFU]);
+    }
+}
+
+uint32_t text_crc(uint32_t before, const char *characters, uint32_t length)
+{
+    uint32_t crc = before;
+
+    for (uint32_t k = 0U; k < length; k++) {
+        crc = crc32_byte(crc, (uint8_t)characters[k]);
+    }
+    return crc;
 }
 
 const char *text_after(const char *string, const char *start)

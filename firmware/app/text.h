@@ -25,6 +25,15 @@ void text_end_line(text_t *text);
 /* Append a number with 0 to 6 decimals: 12345 with 2 is "123.45". */
 void text_number(text_t *text, int32_t value, uint32_t decimals);
 
+/* Append the eight digits of a hexadecimal number, capital letters. */
+void text_hex(text_t *text, uint32_t value);
+
+/*
+ * Returns the CRC-32 (crc32.h) of so many characters from `characters` on, behind what `before` is of; CRC32_START: of
+ * nothing. As crc32_byte() it is to be complemented where it is shown. For the sender and the reader of lines.
+ */
+uint32_t text_crc(uint32_t before, const char *characters, uint32_t length);
+
 /* What follows `start` in `string`; NULL when the string does not start so. */
 const char *text_after(const char *string, const char *start);
 

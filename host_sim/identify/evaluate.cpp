@@ -206,6 +206,9 @@ Result evaluate(const Records &records, const Config &plate, double temperature_
     const Inductances inductances =
         fit_inductances(records, legs, current_a, rotor_h_s2(flux, shaft, plate.motor.pole_pairs));
     Result result;
+    if (!records.remark.empty()) {
+        result.remarks.push_back(records.remark);
+    }
     result.motor = plate.motor;
     fill_motor(result.motor, legs, inductances, flux, shaft);
     bound_max_speed(result.motor, plate, flux.wb.value + bar_of(flux.wb), result.remarks);

@@ -2,7 +2,13 @@
 #include "records.h"
 
 #include "config.h"
+#include "log_file.h"
 #include "si.h"
+
+extern "C" {
+#include "crc32.h"
+#include "text.h"
+}
 
 #include <algorithm>
 #include <charconv>
@@ -22,7 +28,8 @@ namespace
 constexpr double Q15 = 32768;
 constexpr double Q16 = 65536;
 constexpr double STEPS = 4294967296; // of a turn
-constexpr long VERSION = 1;          // of the records, firmware/app/identify.h
+constexpr long VERSION = 2;          // of the records, firmware/app/identify.h
+constexpr long UNCHECKED = 1;        // the one before it, without checksums and end
 constexpr std::size_t SCALE_NUMBERS = 5;
 constexpr std::size_t RECORD_NUMBERS = 19;
 const char *const KINDS[] = {"pulse", "catch", "still", "burst", "spin", "ramp", "hold", "coast"};
@@ -93,9 +100,9 @@ std::vector<double> numbers_of(const std::vector<std::string> &words, std::size_
 // Other versions may have other numbers behind theirs: it is looked at before them.
 void check_version(long version, const Place &place)
 {
-    if (version != VERSION) {
-        place.refuse(
-            fmt::format("records of version {}, this program reads version {}", version, VERSION));
+    if (version != VERSION && version != UNCHECKED) {
+        place.refuse(fmt::format("records of version {}, this program reads versions {} and {}",
+                                 version, UNCHECKED, VERSION));
     }
 }
 
@@ -117,9 +124,14 @@ Scales scales_of(const std::vector<double> &n, const Place &place)
     return scales;
 }
 
+bool is_kind(const std::string &kind)
+{
+    return std::find(std::begin(KINDS), std::end(KINDS), kind) != std::end(KINDS);
+}
+
 void check_kind(const std::string &kind, const Place &place)
 {
-    if (std::find(std::begin(KINDS), std::end(KINDS), kind) == std::end(KINDS)) {
+    if (!is_kind(kind)) {
         place.refuse(fmt::format("a record of the kind \"{}\", expected one of {}", kind,
                                  fmt::join(KINDS, ", ")));
     }
@@ -160,6 +172,55 @@ std::vector<std::string> words_of(const std::string &line)
     return {std::istream_iterator<std::string>(stream), {}};
 }
 
+// What of a line the firmware may have sent as a record: from its mark on, and its checksum.
+struct Part {
+    std::string text; // without the checksum
+    std::optional<uint32_t> crc;
+    bool first; // nothing is in front of it
+
+    bool operator==(const Part &other) const
+    {
+        return text == other.text && crc == other.crc;
+    }
+};
+
+// ` #` and eight digits at the end.
+std::optional<uint32_t> take_checksum(std::string &text)
+{
+    constexpr std::string_view MARK = " #";
+    constexpr std::size_t DIGITS = 8;
+    constexpr int BASE = 16;
+    const std::size_t at = text.rfind(MARK);
+    if (at == std::string::npos || text.size() - at != MARK.size() + DIGITS) {
+        return std::nullopt;
+    }
+    uint32_t value = 0;
+    const char *const end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(end - DIGITS, end, value, BASE);
+    if (error != std::errc() || stop != end) {
+        return std::nullopt;
+    }
+    text.resize(at);
+    return value;
+}
+
+// A logger may put anything in front, so the part begins at the last mark. Nothing where there is none.
+std::optional<Part> part_of(const std::string &line)
+{
+    std::size_t from = std::string::npos;
+    for (const char *const mark : {"= ", "identify "}) {
+        const std::size_t at = line.rfind(mark);
+        const bool later = from == std::string::npos || at > from;
+        from = at != std::string::npos && later ? at : from;
+    }
+    if (from == std::string::npos) {
+        return std::nullopt;
+    }
+    Part part = {line.substr(from, line.find_last_not_of(" \t\r") + 1 - from), {}, from == 0};
+    part.crc = take_checksum(part.text);
+    return part;
+}
+
 // The line of its cause, and where it stands. Nothing: it was not refused.
 struct Refusal {
     std::size_t line = 0;
@@ -172,17 +233,14 @@ class Reader
 public:
     void take(const std::string &line, const Place &place)
     {
-        const std::vector<std::string> words = words_of(line);
-        if (words.size() < 2) {
-            return;
-        }
-        const bool first = words[0] == "identify";
-        if (first && words[1] == "refused:") {
-            refusal_ = {place.line, fmt::format("{}", fmt::join(words, " "))};
-        } else if (const std::optional<long> version = whole_of(words[1]); first && version) {
-            begin(*version, words, place);
-        } else if (words[0] == "=") {
-            add(words, place);
+        constexpr std::string_view BY_DRIVE = "identify refused: ";
+        const std::size_t refused = line.find(BY_DRIVE);
+        const std::optional<Part> part = part_of(line);
+        if (refused != std::string::npos) {
+            refusal_ = {place.line,
+                        line.substr(refused, line.find_last_not_of(" \t\r") + 1 - refused)};
+        } else if (part && !is_twice(*part)) {
+            take_part(*part, words_of(part->text), place);
         }
     }
 
@@ -194,24 +252,87 @@ public:
         if (records_.all.empty()) {
             throw ConfigError(fmt::format("{}: no record of an identification in it", name));
         }
+        if (version_ == VERSION && !ended_) {
+            throw ConfigError(fmt::format(
+                "{}: it ends after {} records, without the line `identify done`: the log is cut off",
+                name, records_.all.size()));
+        }
         return records_;
     }
 
 private:
-    void begin(long version, const std::vector<std::string> &words, const Place &place)
+    void take_part(const Part &part, const std::vector<std::string> &words, const Place &place)
     {
+        if (words.size() < 2) {
+            return;
+        }
+        const bool identify = words[0] == "identify";
+        const std::optional<long> version = whole_of(words[1]);
+        if (identify && version) {
+            begin(*version, part, words, place);
+        } else if (identify && words[1] == "done") {
+            check(part, place);
+            ended_ = true;
+        } else if (words[0] == "=" && (part.first || part.crc || is_kind(words[1]))) {
+            add(part, words, place);
+        }
+        last_ = part;
+    }
+
+    // A log that has each line twice. Without checksums the first line says it, which no identification sends twice: two
+    // records may be alike.
+    bool is_twice(const Part &part)
+    {
+        const bool alike = last_ && *last_ == part;
+        doubled_ = doubled_ || (alike && part.text.rfind("identify ", 0) == 0);
+        return alike && (part.crc || doubled_);
+    }
+
+    // The checksum is also that of all records before this one.
+    void check(const Part &part, const Place &place)
+    {
+        if (version_ == UNCHECKED) {
+            return;
+        }
+        crc_ = text_crc(crc_, part.text.data(), static_cast<uint32_t>(part.text.size()));
+        if (!part.crc) {
+            place.refuse("the record has no checksum: the line is not complete");
+        }
+        if (*part.crc != ~crc_) {
+            place.refuse(fmt::format(
+                "the record's checksum is {:08X}, its characters with the records before it make "
+                "{:08X}: it was changed, or one before it is missing",
+                *part.crc, ~crc_));
+        }
+    }
+
+    void begin(long version, const Part &part, const std::vector<std::string> &words,
+               const Place &place)
+    {
+        const bool unchecked = version == UNCHECKED && !part.crc;
+        version_ = unchecked ? UNCHECKED : VERSION;
+        crc_ = CRC32_START;
+        ended_ = false;
+        if (!part.crc) { // of a changed digit the checksum tells more
+            check_version(version, place);
+        }
+        check(part, place);
         check_version(version, place);
         records_ = {};
         refusal_ = {};
+        records_.remark = unchecked ? "The records have no checksums, as of an older firmware: a "
+                                      "digit that was changed does not show."
+                                    : "";
         records_.scales = scales_of(numbers_of(words, SCALE_NUMBERS, place), place);
     }
 
-    void add(const std::vector<std::string> &words, const Place &place)
+    void add(const Part &part, const std::vector<std::string> &words, const Place &place)
     {
         if (records_.scales.pole_pairs == 0) {
             place.refuse(
                 fmt::format("a record without the line `identify {} …` before it", VERSION));
         }
+        check(part, place);
         records_.all.push_back(
             record_of(words[1], numbers_of(words, RECORD_NUMBERS, place), records_.scales, place));
         records_.duration_s += records_.all.back().ticks * records_.scales.period_s;
@@ -219,6 +340,11 @@ private:
 
     Records records_;
     Refusal refusal_;
+    long version_ = VERSION;
+    uint32_t crc_ = CRC32_START; // of all records so far
+    bool ended_ = false;
+    bool doubled_ = false;
+    std::optional<Part> last_;
 };
 
 } // namespace
@@ -238,6 +364,11 @@ Records read_records(const std::vector<std::string> &lines, const std::string &n
         reader.take(lines[k], {name, k + 1});
     }
     return reader.end(name);
+}
+
+Records read_records_file(const std::string &path)
+{
+    return read_records(log_lines(read_log(path, "keep the lines of one identification")), path);
 }
 
 } // namespace nf::identify

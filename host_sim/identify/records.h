@@ -44,14 +44,20 @@ struct Records {
     Scales scales;
     std::vector<Record> all; // in their order
     double duration_s = 0;   // of all windows
+    std::string remark;      // what a person should know of the log, in one line; may be empty
 
     std::vector<Record> of(const std::string &kind) const;
 };
 
-// Reads the lines that a console has sent; of several identifications the last one counts, and what is no record is
-// skipped. Throws ConfigError with one line that names `name`, the line, what was found and what is expected: for records of
-// another version, a record before the scales, a number too many or too few, no number or one that the firmware cannot
-// send, an unknown kind; with the drive's own words where it has refused; and for no record at all.
+// Reads the lines of a console's log (log_file.h); of several identifications the last one counts. What a logger puts in
+// front of a line is skipped, and so is what is no record, and a line that the log has twice. Throws ConfigError with one
+// line that names `name`, the line, what was found and what is expected: for a checksum that does not come out, as where a
+// digit was changed or a record is missing; for records that end early; for records of another version, a record before the
+// scales, a number too many or too few, no number or one that the firmware cannot send, an unknown kind; with the drive's own
+// words where it has refused; and for no record at all. Records of version 1, which had no checksums, are read with a remark.
 Records read_records(const std::vector<std::string> &lines, const std::string &name);
+
+// Of a log file. Throws ConfigError, or LogError where it cannot be read.
+Records read_records_file(const std::string &path);
 
 } // namespace nf::identify

@@ -17,6 +17,15 @@ namespace nf::replay
 struct Line {
     uint32_t number;
     std::array<uint32_t, RECORDER_LINE_WORDS> words;
+
+    bool operator==(const Line &other) const
+    {
+        return number == other.number && words == other.words;
+    }
+    bool operator!=(const Line &other) const
+    {
+        return !(*this == other);
+    }
 };
 
 // Of a line with its mark, without its end. Throws RecordingError.

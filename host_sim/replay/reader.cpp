@@ -2,10 +2,8 @@
 #include "reader.h"
 
 #include "line_code.h"
+#include "log_file.h"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <optional>
 #include <string>
 
@@ -24,7 +22,11 @@ public:
     {
         place_ = place;
         try {
-            put(decode_line(text), place);
+            const Line line = decode_line(text);
+            if (line != last_) { // else a log that has each line twice
+                last_ = line;
+                put(line, place);
+            }
         } catch (const RecordingError &error) {
             begin_after_a_whole_one();
             spoil(fmt::format("line {}: {}", place, error.what()));
@@ -132,6 +134,7 @@ private:
         whole_number_ = number_;
     }
 
+    std::optional<Line> last_;
     std::vector<uint32_t> words_; // of the lines so far
     std::string problem_;         // the first of this recording
     std::optional<Recording> whole_;
@@ -140,21 +143,19 @@ private:
     std::size_t place_ = 0;        // the last line of a recording, in the file
 };
 
-// The recording's line in a line of the log, with its mark; empty when there is none. A logger may put anything in front and
-// blanks behind. No digit of base64 is a mark, so it begins at the last one; whether it is one its CRC says.
+// The recording's line in a line of the log, with its mark; empty when there is none. A logger may put anything in front. No
+// digit of base64 is a mark, so it begins at the last one; whether it is one its CRC says.
 std::string_view recorded_part(std::string_view line)
 {
-    constexpr std::string_view BLANKS = " \t";
-    const std::string_view text = line.substr(0, line.find_last_not_of(BLANKS) + 1);
-    const std::size_t mark = text.rfind(RECORDER_LINE_MARK);
+    const std::size_t mark = line.rfind(RECORDER_LINE_MARK);
     if (mark == std::string_view::npos) {
         return {};
     }
-    const std::string_view part = text.substr(mark);
+    const std::string_view part = line.substr(mark);
     if (part.size() == RECORDER_LINE_CHARACTERS) {
         return part;
     }
-    return text[0] == RECORDER_LINE_MARK ? text : std::string_view{};
+    return line[0] == RECORDER_LINE_MARK ? line : std::string_view{};
 }
 
 } // namespace
@@ -162,16 +163,11 @@ std::string_view recorded_part(std::string_view line)
 Recording read(std::string_view bytes)
 {
     Assembly assembly;
-    std::size_t place = 0;
-    while (!bytes.empty()) {
-        const std::size_t end = bytes.find_first_of("\r\n");
-        const std::string_view line = bytes.substr(0, end);
-        const bool crlf = end != std::string_view::npos && bytes.substr(end, 2) == "\r\n";
-        place++;
-        if (const std::string_view part = recorded_part(line); !part.empty()) {
-            assembly.add(part, place);
+    const std::vector<std::string> lines = log_lines(bytes);
+    for (std::size_t k = 0; k < lines.size(); k++) {
+        if (const std::string_view part = recorded_part(lines[k]); !part.empty()) {
+            assembly.add(part, k + 1);
         }
-        bytes.remove_prefix(end == std::string_view::npos ? bytes.size() : end + (crlf ? 2 : 1));
     }
     return assembly.finish();
 }
@@ -179,29 +175,14 @@ Recording read(std::string_view bytes)
 namespace
 {
 
-// What is longer than a log of days may be without an end, as a device or a pipe.
 std::string bytes_of(const std::filesystem::path &path)
 {
-    std::ifstream file(path, std::ios::binary);
-    if (!file || std::filesystem::is_directory(path)) {
-        throw RecordingError(fmt::format("{}: cannot read: {}", path.string(),
-                                         std::strerror(errno == 0 ? EISDIR : errno)));
+    try {
+        return read_log(path, fmt::format("keep the lines with a '{}', they are the recordings",
+                                          RECORDER_LINE_MARK));
+    } catch (const LogError &error) {
+        throw RecordingError(error.what());
     }
-    constexpr std::size_t AT_ONCE = 1U << 20U;
-    std::string bytes;
-    while (file && bytes.size() <= FILE_BYTES_MAX) {
-        const std::size_t had = bytes.size();
-        bytes.resize(had + AT_ONCE);
-        file.read(bytes.data() + had, AT_ONCE);
-        bytes.resize(had + static_cast<std::size_t>(file.gcount()));
-    }
-    if (bytes.size() > FILE_BYTES_MAX) {
-        throw RecordingError(
-            fmt::format("{}: it is longer than {} MiB; keep the lines with a '{}', they are the "
-                        "recordings",
-                        path.string(), FILE_BYTES_MAX >> 20U, RECORDER_LINE_MARK));
-    }
-    return bytes;
 }
 
 } // namespace

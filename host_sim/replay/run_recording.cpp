@@ -48,7 +48,7 @@ std::size_t frames_max()
     constexpr std::size_t BYTES_OF_LINE = RECORDER_LINE_CHARACTERS + 1; // with its end
     constexpr std::size_t WORDS_OF_ENTRY = sizeof(recorder_entry_t) / sizeof(uint32_t);
     constexpr std::size_t OTHER_WORDS = 4096; // header, configurations, state
-    return (FILE_BYTES_MAX / BYTES_OF_LINE * RECORDER_LINE_WORDS - OTHER_WORDS) /
+    return (LOG_BYTES_MAX / BYTES_OF_LINE * RECORDER_LINE_WORDS - OTHER_WORDS) /
            (WORDS_OF_ENTRY * ENTRIES_OF_A_FRAME);
 }
 

@@ -90,6 +90,30 @@ class Records(Identify):
         self.before = self.content()
         self.assert_refused(self.of_records(records="half.log"), "half.log")
 
+    def table_of(self, log):
+        """What the records in these bytes say."""
+        (self.folder / "other.log").write_bytes(log)
+        done = self.of_records(records="other.log")
+        self.assertEqual(done.returncode, DONE, done.stderr)
+        return done.stdout
+
+    def test_what_a_terminal_program_adds_does_not_matter(self):
+        table = self.table_of(self.console.encode())
+        stamped = [f"[12:00:{k % 60:02}.{k:03}] {line}" for k, line in enumerate(self.console.splitlines())]
+        self.assertEqual(self.table_of("\r\n".join(stamped).encode()), table)
+        self.assertEqual(self.table_of("\n".join(line for line in stamped for _ in (1, 2)).encode()), table)
+        for encoding in ("utf-8-sig", "utf-16", "utf-16-be"):
+            self.assertEqual(self.table_of(self.console.encode(encoding)), table)
+
+    def test_a_changed_digit_is_refused_with_its_line(self):
+        lines = self.console.splitlines(keepends=True)
+        for k in [number for number, line in enumerate(lines) if line.startswith("= ")][::10]:
+            at = next(place for place, c in enumerate(lines[k]) if c.isdigit())
+            changed = lines[k][:at] + str((int(lines[k][at]) + 1) % 10) + lines[k][at + 1 :]
+            (self.folder / "changed.log").write_text("".join([*lines[:k], changed, *lines[k + 1 :]]), encoding="utf-8")
+            self.before = self.content()
+            self.assert_refused(self.of_records(records="changed.log"), f"changed.log:{k + 1}: the record's checksum is ")
+
     def test_a_scenario_beside_them_is_refused(self):
         self.assert_refused(self.of_records("s1"), "name a scenario", "--records")
         self.assert_refused(identify(self.folder), "name a scenario", "--records")

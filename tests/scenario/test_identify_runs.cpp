@@ -153,7 +153,7 @@ public:
     void line(const std::string &text)
     {
         const std::size_t rpm = text.find(" rpm");
-        if (text.rfind("= ", 0) != 0 && text.rfind("identify 1", 0) != 0) {
+        if (text.rfind("= ", 0) != 0 && text.rfind("identify 2", 0) != 0) {
             phase_ = text;
             begun_ = false;
         }

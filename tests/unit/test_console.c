@@ -458,7 +458,7 @@ TEST(test_records_wait_for_the_line)
     TEST_ASSERT_EQUAL(IDENTIFY_BEGINS, console.identify.phase);
     line.room = SIZE_MAX;
     (void)said_to("");
-    assert_contains("identify 1 100000000", said_to(""));
+    assert_contains("identify 2 100000000", said_to(""));
 }
 
 /* Nobody reads: after two minutes the gates open all the same. */

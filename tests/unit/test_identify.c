@@ -92,7 +92,7 @@ TEST(test_a_current_that_the_converter_hardly_sees_is_refused_with_the_one_it_ta
     TEST_ASSERT_EQUAL(DRIVE_STATE_READY, app.drive.state);
     cfg.derating.current_continuous = 192;
     TEST_ASSERT_NULL(identify_start(&identify));
-    TEST_ASSERT_EQUAL_STRING_LEN("identify 1 ", pass(), 11U);
+    TEST_ASSERT_EQUAL_STRING_LEN("identify 2 ", pass(), 11U);
 }
 
 /* 24 counts of 8 bits, which has 128 of them from its middle to its end. */
@@ -129,7 +129,7 @@ TEST(test_it_is_refused_while_it_is_under_way)
 TEST(test_it_says_its_scales_and_what_it_will_do_before_it_does_it)
 {
     start();
-    TEST_ASSERT_EQUAL_STRING("identify 1 100000000 20000000 450000000 2 11\r\n", pass());
+    TEST_ASSERT_EQUAL_STRING("identify 2 100000000 20000000 450000000 2 11 #500ABCC2\r\n", pass());
     TEST_ASSERT_EQUAL_UINT8(PROBE_CURRENT, command_mailbox_take(&app.mailbox).mode);
     TEST_ASSERT_EQUAL_INT32(0, command_mailbox_take(&app.mailbox).target);
     TEST_ASSERT_EQUAL_STRING("pulses on each phase, the shaft hardly moves, up to 6.718 A; behind "
@@ -322,7 +322,7 @@ TEST(test_each_phase_is_told_before_it_begins)
     cfg.derating.current_continuous = 5505; /* 6.71997 A */
     assert_says_of(IDENTIFY_CATCH,
                    "the shaft turns by up to one and a half electrical turns, with 6.719 A\r\n");
-    assert_says_of(IDENTIFY_ENDS, "identify done\r\n");
+    assert_says_of(IDENTIFY_ENDS, "identify done #42071888\r\n");
     assert_ended();
 }
 
@@ -462,13 +462,16 @@ static const char *next_record(void)
     return next_line();
 }
 
-TEST(test_a_record_has_what_was_asked_for_and_the_sums_in_their_order)
+/* The checksums were computed apart from the firmware. Each is of all records so far. */
+TEST(test_a_record_has_what_was_asked_for_the_sums_in_their_order_and_a_checksum)
 {
     begin();
-    TEST_ASSERT_EQUAL_STRING("= pulse 0 0 0 88 0 1 64 11 -12 13 -14 15 16 17 18 -19 -21 22 -23\r\n",
-                             next_record());
-    TEST_ASSERT_EQUAL_STRING("= pulse 1 0 0 88 0 1 64 11 -12 13 -14 15 16 17 18 -19 -21 22 -23\r\n",
-                             next_record());
+    TEST_ASSERT_EQUAL_STRING(
+        "= pulse 0 0 0 88 0 1 64 11 -12 13 -14 15 16 17 18 -19 -21 22 -23 #9FD16D2D\r\n",
+        next_record());
+    TEST_ASSERT_EQUAL_STRING(
+        "= pulse 1 0 0 88 0 1 64 11 -12 13 -14 15 16 17 18 -19 -21 22 -23 #4247D70B\r\n",
+        next_record());
 }
 
 static uint32_t next_number(void)

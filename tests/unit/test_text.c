@@ -134,3 +134,22 @@ TEST(test_what_is_no_decimal_number_is_none)
         assert_millionths(false, 0, wrong[k]);
     }
 }
+
+TEST(test_a_hexadecimal_number_has_eight_digits)
+{
+    text_t text = {0};
+
+    text_hex(&text, 0x0012ABEFU);
+    TEST_ASSERT_EQUAL_UINT32(8U, text.length);
+    TEST_ASSERT_EQUAL_STRING("0012ABEF", text.characters);
+}
+
+/* The published check value of CRC-32 is that of the characters 1 to 9. */
+TEST(test_the_crc_of_characters_is_the_published_one_also_in_parts)
+{
+    const uint32_t part = text_crc(0xFFFFFFFFU, "1234", 4U);
+
+    TEST_ASSERT_EQUAL_HEX32(0xCBF43926U, ~text_crc(0xFFFFFFFFU, "123456789", 9U));
+    TEST_ASSERT_EQUAL_HEX32(0xCBF43926U, ~text_crc(part, "56789", 5U));
+    TEST_ASSERT_EQUAL_HEX32(part, text_crc(part, "", 0U));
+}
