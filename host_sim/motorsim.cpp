@@ -11,6 +11,7 @@
 #include "data_list.h"
 #include "extremes.h"
 #include "findings.h"
+#include "injection.h"
 #include "interrupt.h"
 #include "live_command.h"
 #include "measure.h"
@@ -544,15 +545,42 @@ void show_phase(const std::string &line)
     }
 }
 
+// So that a fault may come at any time of it.
+constexpr const char *LONGEST_IDENTIFICATION = "scenario.duration_s=130";
+
+// The drive commands itself, and its shaft is free. Faults act, from power-up on; what else the scenario's file has is of its
+// run.
+void check_measurable(const std::vector<std::string> &set)
+{
+    for (const char *const list : {"command", "load", "request", "load_scale", "mode"}) {
+        const std::string key = fmt::format("scenario.{}=", list);
+        for (const std::string &text : set) {
+            if (text.rfind(key, 0) == 0) {
+                throw FileError(fmt::format(
+                    "--set {}: an identification has no {} of a scenario: the drive commands itself "
+                    "with a free shaft; allowed: scenario.fault, times from power-up on, and any "
+                    "other table",
+                    text, list));
+            }
+        }
+    }
+}
+
 int identify_simulated(const IdentifyArguments &arguments)
 {
-    const Choice choice = {arguments.scenario, arguments.with, arguments.set, arguments.motor,
-                           arguments.board};
+    Choice choice = {arguments.scenario, arguments.with, arguments.set, arguments.motor,
+                     arguments.board};
+    check_measurable(arguments.set);
+    choice.set.insert(choice.set.begin(), LONGEST_IDENTIFICATION);
     const nf::Config config = choice.load();
     const nf::Config plate = nf::known_from_plate(config);
     check_findings(arguments, config);
     nf::Simulation sim(config, nf::with_typical(plate));
-    const nf::identify::Measurement found = nf::identify::measure(sim, show_phase);
+    nf::Injection injection(config, sim.bases().control_period_s, 0);
+    const nf::identify::Measurement found =
+        nf::identify::measure(sim, show_phase, [&, tick = int64_t{0}](nf::Simulation &now) mutable {
+            injection.act(tick++, now);
+        });
     if (!arguments.log.empty()) {
         nf::write_text(arguments.log, joined(found.lines));
     }

@@ -187,6 +187,32 @@ toml::parse_result parse(std::string text)
     return result;
 }
 
+bool is_digit(char c)
+{
+    return std::isdigit(static_cast<unsigned char>(c)) != 0;
+}
+
+// A person writes .5 and 7. too: a zero to each point that has a digit on one side only.
+std::string with_digits_at_points(const std::string &text)
+{
+    std::string found;
+    for (std::size_t k = 0; k < text.size(); k++) {
+        const bool digit_before = k > 0 && is_digit(text[k - 1]);
+        const bool digit_behind = k + 1 < text.size() && is_digit(text[k + 1]);
+        const bool point = text[k] == '.' && digit_before != digit_behind;
+        found += point && !digit_before ? "0" : "";
+        found += text[k];
+        found += point && digit_before ? "0" : "";
+    }
+    return found;
+}
+
+toml::parse_result parse_value(const std::string &text)
+{
+    toml::parse_result result = parse("value = " + text);
+    return result ? std::move(result) : parse("value = " + with_digits_at_points(text));
+}
+
 // An override has no lines, nor has what is in it.
 void set_origin(Node &node, const Origin &origin)
 {
@@ -211,6 +237,16 @@ double Node::number() const
     return kind == Kind::integer ? static_cast<double>(integer) : real;
 }
 
+std::optional<int64_t> Node::whole() const
+{
+    constexpr double LARGEST = 9007199254740992; // a double has each whole number up to it
+    const bool exact = kind == Kind::real && std::abs(real) <= LARGEST && real == std::round(real);
+    if (kind != Kind::integer && !exact) {
+        return std::nullopt;
+    }
+    return kind == Kind::integer ? integer : static_cast<int64_t>(real);
+}
+
 Node parse_document(const std::string &name, const std::string &text)
 {
     guard_text(name, text);
@@ -233,7 +269,7 @@ Node parse_override(const std::string &key, const std::string &value)
     node.kind = Node::Kind::text;
     node.text = value;
     if (value.find_first_of("\r\n") == std::string::npos && is_safe(value)) {
-        const toml::parse_result result = parse("value = " + value);
+        const toml::parse_result result = parse_value(value);
         if (result && result.table().size() == 1) {
             node = convert(*result.table().get("value"), origin.file);
         }

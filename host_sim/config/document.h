@@ -5,6 +5,7 @@
 #include "origin.h"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,7 +33,9 @@ struct Node {
     Origin origin;
 
     bool is_number() const;
-    double number() const; // of an integer or real
+    double number() const;
+    // Of a number without a fraction, written with a point or without; nothing of any other.
+    std::optional<int64_t> whole() const; // of an integer or real
 };
 
 // A document as a table. `name` is the file's name for messages. Any bytes are allowed; throws

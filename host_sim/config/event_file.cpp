@@ -96,7 +96,7 @@ std::optional<double> read_value(const Node &entry, const Word &word)
     if (word.value == Value::none) {
         fail(value->origin, name, shown(*value), fmt::format("{} takes no value", word.what), "");
     }
-    if (word.value == Value::whole && value != nullptr && value->kind != Node::Kind::integer) {
+    if (word.value == Value::whole && value != nullptr && !value->whole()) {
         fail(value->origin, name, shown(*value), std::string("is ") + kind_name(*value),
              "a whole number, " + range_text(word.min, word.max, word.unit));
     }

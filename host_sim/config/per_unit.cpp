@@ -259,6 +259,13 @@ int32_t bus_current(double limit_a, const Source &setting, const Bases &b)
     return c;
 }
 
+// A supply that takes nothing back gets the least that the firmware can tell from 0, which is its word for no limit.
+int32_t regeneration(const BoardSettings &board, const Bases &b)
+{
+    const double limit_a = board.bus_regeneration_max_a;
+    return limit_a == 0 ? 1 : bus_current(limit_a, {"board.bus_regeneration_max_a", limit_a}, b);
+}
+
 // A start imposes its current whatever the bus gives: what that takes at standstill has to be allowed.
 void check_imposed_power(const startup_cfg_t &c, const BoardSettings &board, const Model &m,
                          const Bases &b)
@@ -287,9 +294,7 @@ derating_cfg_t make_derating(const MotorSettings &motor, const BoardSettings &bo
     keep(c.regeneration_speed, b.step_from_rpm(motor.max_speed_rpm) * STANDSTILL, 0, Q30 / 2);
     c.bus_current_max = bus_current(board.bus_current_max_a,
                                     {"board.bus_current_max_a", board.bus_current_max_a}, b);
-    c.bus_regeneration_max =
-        bus_current(board.bus_regeneration_max_a,
-                    {"board.bus_regeneration_max_a", board.bus_regeneration_max_a}, b);
+    c.bus_regeneration_max = regeneration(board, b);
     return c;
 }
 

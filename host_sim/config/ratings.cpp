@@ -2,6 +2,7 @@
 #include "ratings.h"
 
 #include "numbers.h"
+#include "per_unit.h"
 #include "rules.h"
 #include "speed_margin.h"
 #include "torque_filter_units.h"
@@ -58,6 +59,31 @@ void note_rated_point(Config &config)
     }
 }
 
+// What the firmware's numbers hold of a motor on a board; it reckons with the largest then.
+void note_held(Config &config, const char *key, double believed, double largest, const char *what)
+{
+    if (believed > largest) {
+        note(config, key, believed,
+             fmt::format("the firmware holds at most {:.4g} with the scales of this board and "
+                         "motor.max_speed_rpm, and reckons with that: {}",
+                         largest, what));
+    }
+}
+
+void note_parameters(Config &config)
+{
+    const Bases b = make_bases(config.motor, config.board);
+    const double voltage = MANTISSA_MAX / Q13 * b.voltage_v / b.speed_el_rad_s;
+    const char *const coupling = "above some speed the axes are decoupled in part only";
+    const double scale = config.model.inductance;
+    note_held(config, "motor.inductance_d_h", config.motor.inductance_d_h * scale,
+              voltage / b.current_a, coupling);
+    note_held(config, "motor.inductance_q_h", config.motor.inductance_q_h * scale,
+              voltage / b.current_a, coupling);
+    note_held(config, "motor.flux_linkage_wb", config.motor.flux_linkage_wb * config.model.flux,
+              voltage, "the EMF is fed forward in part only");
+}
+
 void note_kappa(Config &config)
 {
     const TuningSettings &t = config.tuning;
@@ -109,6 +135,7 @@ void note_ratings(Config &config)
 {
     note_torque(config);
     note_rated_point(config);
+    note_parameters(config);
     note_kappa(config);
     note_margin(config);
 }

@@ -36,7 +36,8 @@ const std::vector<std::string> METRICS = {"speed_error_max_rpm",
                                           "speed_error_load_pct",
                                           "torque_error_settled_pct",
                                           "saturation_internal_count"};
-const std::map<std::string, bool> FLAGS = {{"locked", true}, {"limit_cycle", false}};
+const std::map<std::string, bool> FLAGS = {
+    {"locked", true}, {"limit_cycle", false}, {"reached", true}};
 const std::string ANY = "any";
 const std::string IDEAL = "ideal";
 const std::string INHERIT_LIMITS = "scenario.inherit_limits";
@@ -132,7 +133,9 @@ bool drops_limits(const Layer &layer)
     });
 }
 
-void read_extra(const Layer &layer, const MotorSettings &motor, ScenarioSettings &scenario)
+// `replaced`: a later layer has commands of its own.
+void read_extra(const Layer &layer, const MotorSettings &motor, ScenarioSettings &scenario,
+                bool replaced = false)
 {
     if (drops_limits(layer)) {
         scenario.accept.clear();
@@ -146,9 +149,38 @@ void read_extra(const Layer &layer, const MotorSettings &motor, ScenarioSettings
             scenario.faults = read_faults(node);
         } else if (name == "request") {
             scenario.requests = read_requests(node);
-        } else {
+        } else if (!replaced) {
             scenario.command = read_commands(node, scenario.mode, motor);
         }
+    }
+}
+
+const char *const MODE = "scenario.mode";
+
+const Setting *mode_of(const Layer &layer)
+{
+    for (const Setting &setting : layer.settings) {
+        if (setting.field->name() == MODE) {
+            return &setting;
+        }
+    }
+    return nullptr;
+}
+
+// The commands of a base are of its mode: a layer that states another one brings its own.
+void check_mode(const std::vector<const Layer *> &layers, std::size_t commands)
+{
+    const Setting *before = nullptr; // NULL: that of the default
+    for (std::size_t k = 0; k < layers.size(); k++) {
+        const Setting *const mode = mode_of(*layers[k]);
+        const std::string had = before == nullptr ? "speed" : before->value.text;
+        if (mode != nullptr && k > commands && mode->value.text != had) {
+            const Node &list = layers[commands]->extra.at("command");
+            fail(mode->value.origin, MODE, shown(mode->value),
+                 fmt::format("the commands are of the mode \"{}\" ({})", had, list.origin.text()),
+                 "that mode, or a list scenario.command of its own");
+        }
+        before = mode == nullptr ? before : mode;
     }
 }
 
@@ -250,8 +282,14 @@ void check_scenario(const Layer &layer)
 void apply_scenario(const std::vector<const Layer *> &layers, Config &config)
 {
     std::map<std::string, const Node *> lists; // those in force
-    for (const Layer *layer : layers) {
-        read_extra(*layer, config.motor, config.scenario);
+    std::size_t commands = layers.size();
+    for (std::size_t k = 0; k < layers.size(); k++) {
+        commands = layers[k]->extra.count("command") != 0 ? k : commands;
+    }
+    check_mode(layers, commands);
+    for (std::size_t k = 0; k < layers.size(); k++) {
+        const Layer *const layer = layers[k];
+        read_extra(*layer, config.motor, config.scenario, k < commands);
         for (const auto &[name, node] : layer->extra) {
             lists[name] = &node;
         }

@@ -105,7 +105,7 @@ const std::vector<Field> FIELDS = {
     {"board", "bus_low_v", "V", 0, 1000, OPTIONAL, board<&B::bus_low_v>, "motoring is derated below; 0: bus_min_v and a quarter of the way to nominal"},
     {"board", "bus_brake_v", "V", 0, 1500, OPTIONAL, board<&B::bus_brake_v>, "braking is derated above; 0: half way from nominal to where the over-voltage fault comes"},
     {"board", "bus_current_max_a", "A", 0, 2000, OPTIONAL, board<&B::bus_current_max_a>, "from the supply: motoring is derated to it; 0: no limit"},
-    {"board", "bus_regeneration_max_a", "A", 0, 2000, OPTIONAL, board<&B::bus_regeneration_max_a>, "back into the supply: braking is derated to it; 0: no limit"},
+    {"board", "bus_regeneration_max_a", "A", -1, 2000, OPTIONAL, board<&B::bus_regeneration_max_a>, "back into the supply: braking is derated to it; 0: it takes nothing back; -1: no limit"},
     {"board", "overcurrent_a", "A", 0.01, 2000, NEEDED, board<&B::overcurrent_a>, "phase current that opens the gates"},
     {"board", "trip_a", "A", 0, 5000, OPTIONAL, board<&B::trip_a>, "comparators open the gates by themselves at this phase current; 0: there are none"},
     {"board", "safe_state", "", 0, 0, OPTIONAL, board<&B::safe_state>, "at a stop or a fault of a rotor that is too fast for open gates: open, which refuses such a speed, or short, which turns all low sides on until it is slow"},
@@ -338,7 +338,7 @@ void check_real(const Field &field, const Node &value)
 
 void check_whole(const Field &field, const Node &value)
 {
-    if (value.kind != Node::Kind::integer) {
+    if (!value.whole()) {
         wrong(field, value, std::string("is ") + kind_name(value));
     }
     check_real(field, value);
@@ -612,8 +612,8 @@ void apply_value(const Field &field, const Node &value, Config &config)
 {
     std::visit(Overloaded{
                    [&](double *place) { *place = value.number(); },
-                   [&](int *place) { *place = static_cast<int>(value.integer); },
-                   [&](unsigned *place) { *place = static_cast<unsigned>(value.integer); },
+                   [&](int *place) { *place = static_cast<int>(*value.whole()); },
+                   [&](unsigned *place) { *place = static_cast<unsigned>(*value.whole()); },
                    [&](bool *place) { *place = value.boolean; },
                    [&](std::string *place) { *place = value.text; },
                    [&](std::array<double, 2> *place) {

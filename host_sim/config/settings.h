@@ -87,8 +87,8 @@ struct BoardSettings {
     double bus_max_v = 0;   // what the bus bears
     double bus_low_v = 0;   // below it motoring is derated; 0: a quarter of the way up to nominal
     double bus_brake_v = 0; // above it braking is derated; 0: half way from nominal to the fault
-    double bus_current_max_a = 0;      // of the supply, motoring; 0: no limit
-    double bus_regeneration_max_a = 0; // back into it, braking; 0: no limit
+    double bus_current_max_a = 0;       // of the supply, motoring; 0: no limit
+    double bus_regeneration_max_a = -1; // back into it, braking; 0: none; -1: no limit
     double overcurrent_a = 0;
     double trip_a = 0; // the power stage's comparators open the gates by themselves; 0: it has none
     SafeState safe_state = SafeState::open;

@@ -42,6 +42,7 @@ const std::vector<FlagField> &flag_fields()
         {"locked", &MetricValues::locked},
         {"locked_coarse", &MetricValues::locked_coarse},
         {"limit_cycle", &MetricValues::limit_cycle},
+        {"reached", &MetricValues::reached},
     };
     return fields;
 }
@@ -70,6 +71,7 @@ Metrics::Metrics(DriveMode mode, double period_s, double rated_speed_rpm, double
 void Metrics::command_step(double command)
 {
     close_step_window();
+    close_approach();
     if (mode_ == DriveMode::position && ticks_ > 0) {
         position_error_.add(std::abs(command_ - last_actual_));
     }
@@ -78,6 +80,7 @@ void Metrics::command_step(double command)
     excess_ = 0;
     settling_ = {true, SETTLING_BAND * step_height_, ticks_, ticks_};
     command_ = command;
+    approach_ = {step_height_, {}};
     after_ = After::command;
 }
 
@@ -120,6 +123,9 @@ void Metrics::add(const Instant &now)
     ticks_++;
     watch_steps(now.actual - command_);
     last_actual_ = now.actual;
+    const double nearest = approach_.nearest.value_or(now.actual);
+    const bool nearer = std::abs(now.actual - command_) < std::abs(nearest - command_);
+    approach_.nearest = nearer ? now.actual : nearest;
     watch_window(now);
 }
 
@@ -252,6 +258,18 @@ void Metrics::close_step_window()
     }
 }
 
+// A torque has a slope and limits of its own: torque_error_settled_pct judges it.
+void Metrics::close_approach()
+{
+    const bool asks = approach_.height > 0 && approach_.nearest;
+    if (mode_ == DriveMode::torque || missed_ || !asks) {
+        return;
+    }
+    if (std::abs(*approach_.nearest - command_) > REACHED_BAND * approach_.height) {
+        missed_ = MetricValues::Missed{command_, *approach_.nearest};
+    }
+}
+
 std::optional<double> Metrics::of_rated(const Worst &worst, double rated)
 {
     const std::optional<double> value = worst.get();
@@ -292,7 +310,10 @@ void Metrics::finish_swings(MetricValues &m) const
 MetricValues Metrics::finish()
 {
     close_step_window();
+    close_approach();
     MetricValues m;
+    m.reached = !missed_ && ticks_ > 0;
+    m.missed = missed_;
     m.locked_coarse = locked_coarse_ && ticks_ > 0;
     m.locked = !lost_time_s_ && ticks_ > 0;
     if (ticks_ == 0) {

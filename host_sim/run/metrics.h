@@ -27,6 +27,7 @@ namespace nf
 
 constexpr double SETTLED_AFTER_S = 0.15;
 constexpr double SETTLING_BAND = 0.02;  // of the height of a command step
+constexpr double REACHED_BAND = 0.05;   // of the height of a command step
 constexpr double RECOVERY_BAND = 0.005; // of rated speed: above the ripple that sensor noise makes
 constexpr double LOST_DEG = 90.0;       // electrical; beyond it torque has the wrong sign
 constexpr double LOST_SPEED = 0.05;     // of rated speed; the estimate no longer is the speed
@@ -98,6 +99,15 @@ struct MetricValues {
     bool locked = false;
     // One of the swings was found. It may be locked all the same.
     bool limit_cycle = false;
+    // Speed and position mode: before the next command step, or the end, the commanded quantity came within 5 % of the step's
+    // height of each command; of the command, if that was in force before the evaluation.
+    bool reached = false;
+    // The first command that was not reached, and how near it came.
+    struct Missed {
+        double command;
+        double nearest; // value of the commanded quantity
+    };
+    std::optional<Missed> missed;
 };
 
 // The numeric figures by their names in files, in the order of MetricValues.
@@ -142,6 +152,7 @@ public:
     void start(double command)
     {
         command_ = command;
+        approach_ = {std::abs(command), {}};
     }
     // A step, before the tick at which it acts; of both in one tick, the command's first. A load step
     // in the tick of a command step has no dip of its own.
@@ -182,6 +193,7 @@ private:
     };
 
     void close_step_window();
+    void close_approach();
     void close_wait(Wait &wait, Worst &into) const;
     void close_settled_window();
     void close_torque_window();
@@ -243,6 +255,13 @@ private:
 
     Wait settling_;
     Wait recovery_;
+    // To a command: the height of its step, and the nearest value so far.
+    struct Approach {
+        double height = 0;
+        std::optional<double> nearest;
+    };
+    Approach approach_;
+    std::optional<MetricValues::Missed> missed_;
     double step_sign_ = 0; // +1 up, −1 down
     double step_height_ = 0;
     double excess_ = 0; // beyond the command, in the direction of the step

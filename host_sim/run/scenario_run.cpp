@@ -84,6 +84,9 @@ void ScenarioRun::judge_steps(const Tick &tick)
     if (run_.new_load() && evaluated) {
         metrics_.load_step();
     }
+    if (run_.new_load()) {
+        note_load(tick);
+    }
     if (run_.new_fault() && evaluated) {
         metrics_.disturbed();
     }
@@ -172,6 +175,29 @@ void ScenarioRun::note_swing()
     }
 }
 
+void ScenarioRun::note_missed()
+{
+    if (const auto &missed = result_.metrics.missed) {
+        const bool turns = config_.scenario.mode == DriveMode::speed;
+        result_.notes.push_back(fmt::format(
+            "the {} never reached its command of {:.5g} {}, it came to {:.5g}",
+            turns ? "speed" : "shaft", missed->command, turns ? "rpm" : "rad", missed->nearest));
+    }
+}
+
+// A step of the load that comes while the start still runs is one of the start: no dip, no recovery of RUN.
+void ScenarioRun::note_load(const Tick &tick)
+{
+    const drive_state_t state = run_.sim().drive().state;
+    const bool starts = drive_is_driving(state) && state != DRIVE_STATE_RUN;
+    if (starts && tick.command != 0 && !run_.new_command()) {
+        result_.notes.push_back(fmt::format(
+            "the load of {:.4g} N·m at {:.4g} s comes while the start still runs: dip and recovery are "
+            "those of the start",
+            tick.load_nm, tick.time_s));
+    }
+}
+
 void ScenarioRun::advance(int64_t ticks)
 {
     const int64_t until = std::min(run_.end(), run_.tick() + ticks);
@@ -190,6 +216,7 @@ RunResult ScenarioRun::finish()
     result_.state_final = run_.sim().drive().state;
     result_.gates_enabled_final = run_.sim().plant().gates_on;
     note_swing();
+    note_missed();
     return result_;
 }
 

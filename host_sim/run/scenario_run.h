@@ -32,6 +32,8 @@ public:
 private:
     void one();
     void note_swing();
+    void note_missed();
+    void note_load(const Tick &tick);
     void judge_steps(const Tick &tick);
     void evaluate(const Tick &tick);
     void watch_state();

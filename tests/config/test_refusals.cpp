@@ -734,4 +734,39 @@ TEST(overrides_are_refused_like_lines_of_files)
                     "motor.resistance_ohm = \"1?[board]\": is a string; allowed: 0.001 to 50 Ω");
 }
 
+// As a person writes numbers: a point without a digit on one side, and a whole number with a point.
+TEST(numbers_of_an_override_may_have_a_point_without_a_digit)
+{
+    const auto loaded = [](const std::string &set) { return nf::load_scenario("s1", {}, {set}); };
+    TEST_ASSERT_EQUAL_DOUBLE(0.045, loaded("observer.kappa=.045").tuning.observer_kappa);
+    TEST_ASSERT_EQUAL_DOUBLE(1, loaded("scenario.evaluate_from_s=1.").scenario.evaluate_from_s);
+    TEST_ASSERT_EQUAL_DOUBLE(-0.5,
+                             loaded("scenario.initial_speed_rpm=-.5").scenario.initial_speed_rpm);
+    TEST_ASSERT_EQUAL_INT(7, loaded("motor.pole_pairs=7.0").motor.pole_pairs);
+    TEST_ASSERT_EQUAL_INT(7, loaded("motor.pole_pairs=7.").motor.pole_pairs);
+    TEST_ASSERT_EQUAL_UINT32(20, loaded("scenario.seed=2e1").scenario.seed);
+    const auto load = loaded("scenario.load=[{time_s=.5, torque_nm=1.}]").scenario.load;
+    TEST_ASSERT_EQUAL_DOUBLE(0.5, load.front().time_s);
+    TEST_ASSERT_EQUAL_DOUBLE(1, load.front().value);
+    expect_overrides({
+        {"motor.pole_pairs=7.5", "is a number with a fraction; allowed: a whole number, 1 to 50"},
+    });
+    expect_override("observer.kappa=.", "observer.kappa = \".\": is a string; allowed: 0 to 0.5");
+    expect_override("observer.kappa=1.2.3",
+                    "observer.kappa = \"1.2.3\": is a string; allowed: 0 to 0.5");
+}
+
+// The commands of a base are of its mode.
+TEST(another_mode_than_that_of_the_bases_commands_is_named_where_it_stands)
+{
+    const Folder folder;
+    const std::string said = "scenario.mode = \"torque\": the commands are of the mode \"speed\" "
+                             "(scenarios/s.toml:8); allowed: that mode, or a list scenario.command "
+                             "of its own";
+    TEST_ASSERT_EQUAL_STRING(("--set: " + said).c_str(),
+                             refusal({}, {"scenario.mode=torque"}).c_str());
+    expect_accepted({"scenario.mode=torque", "scenario.command=[{time_s=.1, torque_nm=.5}]"});
+    expect_accepted({"scenario.mode=speed"});
+}
+
 } // namespace

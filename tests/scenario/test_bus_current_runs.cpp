@@ -15,6 +15,7 @@ namespace
 
 constexpr double LOAD_END_S = 1.8;
 constexpr double SETTLED_S = 1.75; // the speed has gone down to where the limit carries the load
+constexpr double BRAKED_S = 2.4;   // from it on
 constexpr double WINDOW_S = 0.01;  // what a supply's filter and a fuse do not see is shorter
 
 // Power at the motor over the bus: torque and copper. What the inductances hold cancels out within a window. Only in RUN:
@@ -43,6 +44,9 @@ public:
             largest_a = std::max(largest_a, mean);
             smallest_a = std::min(smallest_a, mean);
         }
+        if (tick.time_s >= BRAKED_S + WINDOW_S) {
+            braked_a = std::min(braked_a, mean);
+        }
         if (tick.time_s >= SETTLED_S && tick.time_s < LOAD_END_S) {
             const double demand = tick.sim->drive().signals.current_ref.q;
             settled_a = std::min(settled_a, mean);
@@ -53,6 +57,7 @@ public:
 
     double largest_a = 0; // means over a window
     double smallest_a = 0;
+    double braked_a = 0;          // the smallest while it is braked
     double settled_a = HUGE_VAL;  // the smallest under load
     double demand_low = HUGE_VAL; // i_q* there, Q15
     double demand_high = -HUGE_VAL;
@@ -78,8 +83,8 @@ BusCurrent measure(const Run &one, const char *with, std::vector<std::string> li
 {
     limits.push_back("scenario.duration_s=3.2");
     limits.push_back(
-        fmt::format("scenario.command=[{{time_s=0.1,speed_rpm={}}},{{time_s=2.4,speed_rpm={}}}]",
-                    one.rpm, one.slow_rpm));
+        fmt::format("scenario.command=[{{time_s=0.1,speed_rpm={}}},{{time_s={},speed_rpm={}}}]",
+                    one.rpm, BRAKED_S, one.slow_rpm));
     limits.push_back(
         fmt::format("scenario.load=[{{time_s=1,torque_nm={}}},{{time_s={},torque_nm=0}}]",
                     one.load_nm, LOAD_END_S));
@@ -149,6 +154,26 @@ TEST(test_the_bus_current_stays_at_its_limits_motoring_and_braking)
             /* The limit follows a voltage that it makes: that must not ring. */
             near(held.demand_low, held.demand_high, allowed.taken, text);
         }
+    }
+}
+
+// 0 is a limit like any other: braked as hard as the load and the losses allow, and two counts of the current converter.
+TEST(test_a_supply_that_takes_nothing_back_gets_nothing)
+{
+    for (const char *scenario : {"s1_robust", "s1_odrive_d5065"}) {
+        const nf::Config c = nf::load_scenario(scenario, {"ideal"}, {});
+        const double rpm = c.motor.rated_speed_rpm;
+        const Run one = {scenario, rpm, 0, 0, 0, 0};
+        const double lsb_a = c.board.current_full_scale_a / std::ldexp(1.0, c.board.adc_bits - 1);
+        const double emf_v = c.motor.pole_pairs * c.motor.flux_linkage_wb * rpm * 3.14159265 / 30;
+        const double rounding_a = 2 * lsb_a * 1.5 * emf_v / c.board.bus_nominal_v;
+        const BusCurrent free = measure(one, "ideal", {});
+        const BusCurrent held = measure(one, "ideal", {"board.bus_regeneration_max_a=0"});
+        const std::string text =
+            fmt::format("{}: {:.4g} A, without a limit {:.4g} A, allowed {:.4g} A", scenario,
+                        held.braked_a, free.braked_a, rounding_a);
+        TEST_ASSERT_TRUE_MESSAGE(free.braked_a < -10 * rounding_a, text.c_str());
+        TEST_ASSERT_TRUE_MESSAGE(held.braked_a >= -rounding_a, text.c_str());
     }
 }
 

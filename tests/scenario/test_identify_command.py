@@ -150,5 +150,22 @@ class Outputs(Identify):
         self.assertEqual(found["inertia_kg_m2"].keys(), {"value", "bar", "truth"})
 
 
+
+class Script(Identify):
+    """What of a scenario an identification has."""
+
+    def test_a_fault_of_the_scenario_acts_also_late(self):
+        for time_s, says in ((0.01, "phase a is open"), (6, "identify refused: ")):
+            fault = f'scenario.fault=[{{time_s={time_s}, what="phase_a_open"}}]'
+            done = identify(self.folder, "any", "--set", fault)
+            self.assertEqual(done.returncode, REFUSED, done.stdout)
+            self.assertIn(says, done.stderr)
+
+    def test_commands_and_loads_are_refused(self):
+        for list_name, entry in (("load", "torque_nm=1"), ("command", "speed_rpm=5"), ("request", "run=true")):
+            done = identify(self.folder, "any", "--set", f"scenario.{list_name}=[{{time_s=1, {entry}}}]")
+            self.assert_refused(done, f"--set scenario.{list_name}=", f"an identification has no {list_name} of a scenario")
+
+
 if __name__ == "__main__":
     unittest.main(argv=sys.argv[:1])

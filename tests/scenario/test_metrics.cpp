@@ -263,6 +263,54 @@ TEST(test_what_disturbs_the_drive_from_outside_is_no_limit_cycle)
     TEST_ASSERT_TRUE(limit_cycle(500));
 }
 
+// It settles at a share of the way from 100 to 200 rpm, in two windows of which the second is one of load.
+MetricValues approached(double share)
+{
+    Metrics metrics(DriveMode::speed, PERIOD_S, RATED_RPM, RATED_A);
+    metrics.start(100);
+    run(metrics, 50, [](int) { return perfect(100); });
+    metrics.command_step(200);
+    run(metrics, 50, [](int) { return perfect(100); });
+    metrics.load_step();
+    run(metrics, 50, [share](int k) { return perfect(100 + 100 * share * k / 49); });
+    return metrics.finish();
+}
+
+TEST(test_a_command_is_reached_within_a_share_of_its_step)
+{
+    TEST_ASSERT_TRUE(approached(0.951).reached);
+    TEST_ASSERT_FALSE(approached(0.951).missed.has_value());
+    const MetricValues missed = approached(0.949);
+    TEST_ASSERT_FALSE(missed.reached);
+    TEST_ASSERT_TRUE(missed.locked);
+    TEST_ASSERT_DOUBLE_WITHIN(EXACT, 200, missed.missed->command);
+    TEST_ASSERT_DOUBLE_WITHIN(EXACT, 194.9, missed.missed->nearest);
+}
+
+TEST(test_the_first_command_that_was_missed_is_told)
+{
+    Metrics metrics(DriveMode::speed, PERIOD_S, RATED_RPM, RATED_A);
+    metrics.start(100);
+    run(metrics, 10, [](int) { return perfect(90); });
+    metrics.command_step(0);
+    run(metrics, 10, [](int) { return perfect(0); });
+    TEST_ASSERT_EQUAL_DOUBLE(100, metrics.finish().missed->command);
+}
+
+// A command of 0 from the beginning asks for nothing, and a torque has figures of its own.
+TEST(test_where_nothing_is_asked_for_nothing_is_missed)
+{
+    Metrics still(DriveMode::speed, PERIOD_S, RATED_RPM, RATED_A);
+    still.start(0);
+    run(still, 10, [](int) { return perfect(1); });
+    TEST_ASSERT_TRUE(still.finish().reached);
+    Metrics torque(DriveMode::torque, PERIOD_S, RATED_RPM, RATED_A);
+    torque.start(0);
+    torque.command_step(5);
+    run(torque, 10, [](int) { return perfect(1); });
+    TEST_ASSERT_TRUE(torque.finish().reached);
+}
+
 TEST(test_lock_is_lost_when_the_drive_stops)
 {
     Metrics metrics(DriveMode::speed, PERIOD_S, RATED_RPM, RATED_A);

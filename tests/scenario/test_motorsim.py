@@ -26,7 +26,7 @@ scenario with set notes seed speed_error_max_rpm speed_error_rms_rpm speed_error
 command_error_settled_pct angle_error_max_deg iq_error_max_a settling_time_s overshoot_pct
 speed_dip_rpm recovery_time_s position_error_final_rad id_settled_a angle_error_rms_deg
 speed_error_command_pct speed_error_load_pct torque_error_settled_pct ripple_speed_pct ripple_current_pct swing_speed_pct swing_current_pct swing_hz lost_time_s
-locked locked_coarse limit_cycle faults state_final
+locked locked_coarse limit_cycle reached faults state_final
 gates_enabled_final parameters motor dimensionless saturations saturation_internal_count accepted failed_limits""".split()
 COLUMNS = """
 time_s state speed_command_rpm speed_rpm speed_estimated_rpm speed_reference_rpm

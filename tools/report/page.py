@@ -39,6 +39,7 @@ METRICS = {     # key: name, unit
     "locked": ("rotor kept", ""),
     "locked_coarse": ("rotor kept, against rated speed", ""),
     "limit_cycle": ("swings", ""),
+    "reached": ("commands reached", ""),
     "faults": ("faults", ""),
     "saturations": ("saturations", ""),
     "saturation_internal_count": ("saturations inside the arithmetic", ""),
