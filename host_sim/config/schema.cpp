@@ -210,6 +210,9 @@ const std::vector<Field> FIELDS = {
     {"plant", "flux_scale", "", 0.1, 10, OPTIONAL, plant<&P::flux_scale>, "real motor / motor file"},
     {"plant", "inertia_scale", "", 0.01, 100, OPTIONAL, plant<&P::inertia_scale>, "real motor / motor file"},
     {"plant", "coulomb_friction_nm", "N·m", 0, 1000, OPTIONAL, plant<&P::coulomb_friction_nm>, "constant friction torque"},
+    {"plant", "fan_torque_nm", "N·m", 0, 10000, OPTIONAL, plant<&P::fan_torque_nm>, "at motor.rated_speed_rpm, of a load that grows with the square of the speed: a propeller, a fan, a pump"},
+    {"plant", "pole_pairs", "", 0, 50, OPTIONAL, plant<&P::pole_pairs>, "of the real motor; 0: motor.pole_pairs"},
+    {"plant", "wires", "", 0, 0, OPTIONAL, plant<&P::wires>, "of the motor at the terminals a, b, c of the board: bac exchanges the first two, so it turns the other way"},
     {"plant", "emf_5th_pct", "%", -30, 30, OPTIONAL, plant<&P::emf_5th_pct>, "5th harmonic of the EMF, of its fundamental; the torque has it as well"},
     {"plant", "emf_7th_pct", "%", -30, 30, OPTIONAL, plant<&P::emf_7th_pct>, "likewise the 7th"},
     {"plant", "saturation_d_pct", "%", 0, 30, OPTIONAL, plant<&P::saturation_d_pct>, "fall of L_d at an i_d as large as the current of motor.rated_torque_nm; with as much i_d < 0 it rises"},
@@ -231,6 +234,7 @@ const std::vector<Field> FIELDS = {
     {"plant", "bus_source_resistance_ohm", "Ω", 0, 1000, OPTIONAL, plant<&P::bus_source_resistance_ohm>, "between rectifier and capacitor", WITH_CAPACITOR},
     {"plant", "adc_noise_lsb", "LSB", 0, 1000, OPTIONAL, plant<&P::adc_noise_lsb>, "Gaussian noise of the current sensors, rms"},
     {"plant", "adc_offset_lsb", "LSB", -10000, 10000, OPTIONAL, plant<&P::adc_offset_lsb>, "offset of the current sensors a, b before calibration"},
+    {"plant", "adc_drift_lsb_s", "LSB/s", -10000, 10000, OPTIONAL, plant<&P::adc_drift_lsb_s>, "change of the offset in a second, of the current sensors a, b, from power-up on: calibration sees what has come before it only"},
     {"plant", "adc_gain_error_pct", "%", -50, 50, OPTIONAL, plant<&P::adc_gain_error_pct>, "gain error of the current sensors a, b"},
     {"plant", "sensor_bandwidth_hz", "Hz", 0, 1e6, OPTIONAL, plant<&P::sensor_bandwidth_hz>, "corner of the current sensors' first-order low pass; 0: none"},
     {"plant", "angle_counts", "", 0, 65536, OPTIONAL, plant<&P::angle_counts>, "of the angle sensor in a turn of the shaft; 0: as fine as the frame, 65536", WITH_ANGLE_SENSOR},
@@ -303,6 +307,11 @@ Words words_of(const OscillationAct *)
 Words words_of(const SafeState *)
 {
     return {"open", "short"};
+}
+
+Words words_of(const Wires *)
+{
+    return {"abc", "acb", "bac", "bca", "cab", "cba"};
 }
 
 Words words_of(const Chip *)

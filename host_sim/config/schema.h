@@ -28,7 +28,7 @@ const char *kind_name(FileKind kind);
 using Target =
     std::variant<double *, int *, unsigned *, bool *, std::string *, std::array<double, 2> *,
                  std::array<double, 3> *, std::vector<double> *, DriveMode *, ControlMethod *,
-                 AngleSource *, OscillationAct *, SafeState *, Chip *, BreakPolarity *>;
+                 AngleSource *, OscillationAct *, SafeState *, Wires *, Chip *, BreakPolarity *>;
 
 struct Field {
     const char *section;

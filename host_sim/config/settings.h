@@ -199,6 +199,16 @@ struct TuningSettings {
     int oscillation_half_waves = 10;       // in a row
 };
 
+// Which wire of the motor hangs at the terminals a, b, c of the board.
+enum class Wires {
+    abc,
+    acb,
+    bac,
+    bca,
+    cab,
+    cba
+};
+
 // Dead time and device drop are one value unless a file tells them apart: the real board has what its file
 // says, and the drive believes what was measured, else what is real. Complete once a configuration is loaded.
 constexpr double AS_BOARD = -1;
@@ -225,6 +235,9 @@ struct PlantSettings {
     double flux_scale = 1;
     double inertia_scale = 1;
     double coulomb_friction_nm = 0;
+    double fan_torque_nm = 0; // of a load that grows with the square of the speed, at rated speed
+    int pole_pairs = 0;       // of the real motor; 0: those of the motor file
+    Wires wires = Wires::abc;
     double emf_5th_pct = 0; // of the fundamental
     double emf_7th_pct = 0;
     double saturation_d_pct = 0; // fall of L_d at rated current
@@ -246,6 +259,7 @@ struct PlantSettings {
     double bus_source_resistance_ohm = 0; // between supply and capacitor
     double adc_noise_lsb = 0;             // rms
     std::array<double, 2> adc_offset_lsb = {0, 0};
+    std::array<double, 2> adc_drift_lsb_s = {0, 0}; // of the offset
     std::array<double, 2> adc_gain_error_pct = {0, 0};
     double sensor_bandwidth_hz = 0; // of the low pass before the converter; 0: none
     int angle_counts = 0; // of the angle sensor in a turn of the shaft; 0: as fine as the frame

@@ -193,6 +193,17 @@ static inline double plant_motor_steps(double effort)
     return (effort > 1.0) ? ceil(effort) : 1.0;
 }
 
+/* Of the load, mechanical: its speed, rad/s, and 1 over its inertia, 1/(kg m2). On a rigid shaft it is the rotor's. */
+static inline double plant_motor_load_speed(const plant_motor_t *motor)
+{
+    return motor->load_gain > 0.0 ? motor->now.load_speed_rad_s
+                                  : motor->now.omega_el_rad_s / motor->pole_pairs;
+}
+static inline double plant_motor_load_gain(const plant_motor_t *motor)
+{
+    return motor->load_gain > 0.0 ? motor->load_gain : motor->free_acceleration / motor->pole_pairs;
+}
+
 /* Phase currents as a stationary vector, A. */
 plant_vector_t plant_motor_current(const plant_motor_t *motor);
 

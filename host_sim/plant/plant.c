@@ -99,6 +99,27 @@ static void choose_legs(plant_t *plant)
         !(plant->supply.device_drop_v > 0.0) && !has_capacitor(plant) && plant->broken == 0U;
 }
 
+/* Whether each phase hangs at one leg. */
+static bool connect_wires(plant_t *plant, const unsigned wire[PLANT_LEGS])
+{
+    uint32_t found = 0;
+    for (unsigned leg = 0; leg < PLANT_LEGS; leg++) {
+        plant->phase[leg] = (leg + wire[leg]) % PLANT_LEGS;
+        found |= 1U << plant->phase[leg];
+    }
+    return found == PLANT_ALL_LEGS;
+}
+
+/* Of a mask of legs. */
+static uint32_t phases_of(const plant_t *plant, uint32_t legs)
+{
+    uint32_t phases = 0;
+    for (unsigned leg = 0; leg < PLANT_LEGS; leg++) {
+        phases |= (legs >> leg & 1U) << plant->phase[leg];
+    }
+    return phases;
+}
+
 bool plant_init(plant_t *plant, const plant_cfg_t *cfg, const char **bad_field)
 {
     memset(plant, 0, sizeof *plant);
@@ -120,7 +141,16 @@ bool plant_init(plant_t *plant, const plant_cfg_t *cfg, const char **bad_field)
         *bad_field = "trip_a";
         return false;
     }
+    if (!plant_is_not_negative(cfg->fan_nm_s2)) {
+        *bad_field = "fan_nm_s2";
+        return false;
+    }
+    if (!connect_wires(plant, cfg->wire)) {
+        *bad_field = "wire";
+        return false;
+    }
     plant->trip_a = cfg->trip_a;
+    plant->fan_nm_s2 = cfg->fan_nm_s2;
     plant->supply = cfg->supply;
     plant->bus_v = supply_now_v(plant);
     plant_set_temperature(plant, PLANT_AMBIENT_C);
@@ -131,7 +161,7 @@ bool plant_init(plant_t *plant, const plant_cfg_t *cfg, const char **bad_field)
 void plant_write_compare(plant_t *plant, const uint32_t compare[PLANT_LEGS])
 {
     for (int leg = 0; leg < PLANT_LEGS; leg++) {
-        plant->compare_next[leg] = compare[leg];
+        plant->compare_next[plant->phase[leg]] = compare[leg];
     }
 }
 
@@ -147,9 +177,19 @@ bool plant_take_trip(plant_t *plant)
     return tripped;
 }
 
+/* A fan alone slows the load as w' = -c/J w^2: over a period its torque is c w^2 / (1 + c w T/J) in the mean. */
+static double fan_nm(const plant_t *plant)
+{
+    const double w = plant_motor_load_speed(&plant->motor);
+    const double slowing = plant->fan_nm_s2 * fabs(w);
+    return slowing * w /
+           (1.0 + slowing * plant->inverter.period_s * plant_motor_load_gain(&plant->motor));
+}
+
 void plant_set_load_torque(plant_t *plant, double torque_nm)
 {
-    plant->motor.load_torque_nm = torque_nm;
+    plant->load_nm = torque_nm;
+    plant->motor.load_torque_nm = torque_nm + fan_nm(plant);
 }
 
 void plant_set_supply(plant_t *plant, double voltage_v)
@@ -161,7 +201,7 @@ void plant_set_supply(plant_t *plant, double voltage_v)
 void plant_break_phases(plant_t *plant, uint32_t broken)
 {
     plant->broken = broken & PLANT_ALL_LEGS;
-    plant_bridge_break(&plant->motor, plant->broken);
+    plant_bridge_break(&plant->motor, phases_of(plant, plant->broken));
     choose_legs(plant);
 }
 
@@ -184,7 +224,8 @@ void plant_sample(plant_t *plant, plant_adc_t *adc)
 {
     double current[PLANT_LEGS];
     plant_phases(plant_motor_current(&plant->motor), current);
-    plant_sensors_convert(&plant->sensors, current[0], current[1], plant->bus_v, adc);
+    plant_sensors_convert(&plant->sensors, current[plant->phase[0]], current[plant->phase[1]],
+                          plant->bus_v, adc);
     adc->angle = plant_sensors_angle(&plant->sensors, plant_motor_angle_mech(&plant->motor));
 }
 
@@ -266,6 +307,15 @@ static void run_unseen(plant_t *plant, const plant_rails_t *rails, unsigned coun
     end_run(plant, pending, run);
 }
 
+/* The sensors are those of the first two legs. */
+static void follow(plant_t *plant, double duration_s, const double from[], const double to[])
+{
+    const unsigned *const phase = plant->phase;
+    const double from_a[2] = {from[phase[0]], from[phase[1]]};
+    const double to_a[2] = {to[phase[0]], to[phase[1]]};
+    plant_sensors_follow(&plant->sensors, duration_s, from_a, to_a);
+}
+
 /* One segment in parts, so short that the sensors can follow from one end to the other. */
 static void run_followed(plant_t *plant, const plant_rails_t *rails, const plant_segment_t *segment,
                          double *charge_c)
@@ -281,7 +331,7 @@ static void run_followed(plant_t *plant, const plant_rails_t *rails, const plant
         memcpy(from, to, sizeof from);
         run_unseen(plant, rails, 1, &part, charge_c);
         plant_phases(plant_motor_current(&plant->motor), to);
-        plant_sensors_follow(&plant->sensors, part.duration_s, from, to);
+        follow(plant, part.duration_s, from, to);
     }
 }
 
@@ -381,7 +431,7 @@ static double run_pattern(plant_t *plant, const plant_pattern_t *pattern)
 {
     const plant_rails_t rails = {acting_bus_v(plant), plant->supply.device_drop_v,
                                  plant->gates_on ? plant->supply.commutation_knee_a : 0.0,
-                                 plant->broken};
+                                 phases_of(plant, plant->broken)};
     double charge_c = 0.0;
     if (plant->gates_on && plant->trip_a > 0.0) {
         run_watched(plant, &rails, pattern, &charge_c);
@@ -405,6 +455,7 @@ static void settle_bus(plant_t *plant, double charge_c)
 void plant_step(plant_t *plant)
 {
     plant_pattern_t pattern;
+    plant->motor.load_torque_nm = plant->load_nm + fan_nm(plant);
     if (plant->gates_on) {
         plant_inverter_pattern(&plant->inverter, plant->compare, &pattern);
     } else {
@@ -412,6 +463,7 @@ void plant_step(plant_t *plant)
     }
     const double charge_c = run_pattern(plant, &pattern);
     plant_motor_wrap(&plant->motor);
+    plant_sensors_drift(&plant->sensors, plant->inverter.period_s);
     plant->periods++;
     settle_bus(plant, charge_c);
     for (int leg = 0; leg < PLANT_LEGS; leg++) {
@@ -419,15 +471,29 @@ void plant_step(plant_t *plant)
     }
 }
 
+/* From the axis of the phase at leg a on, where the wires turn in the order of their names. Two that are exchanged make the
+ * bridge's field turn the other way, which no shift of the angle tells. */
+static double terminal_angle(const plant_t *plant)
+{
+    const double theta = plant->motor.now.theta_el_rad;
+    const bool in_order = plant->phase[1] == (plant->phase[0] + 1U) % PLANT_LEGS;
+    const double shift = in_order ? plant->phase[0] * PLANT_TWO_PI / PLANT_LEGS : 0.0;
+    return (shift > 0.0) ? remainder(theta - shift, PLANT_TWO_PI) : theta;
+}
+
 void plant_view(const plant_t *plant, plant_view_t *view)
 {
     view->time_s = present_time_s(plant);
-    view->theta_el_rad = plant->motor.now.theta_el_rad;
+    view->theta_el_rad = terminal_angle(plant);
     view->theta_mech_rad = plant_motor_angle_mech(&plant->motor);
     view->omega_mech_rad_s = plant->motor.now.omega_el_rad_s / plant->motor.pole_pairs;
     view->i_d_a = plant_motor_i_d(&plant->motor);
     view->i_q_a = plant_motor_i_q(&plant->motor);
-    plant_phases(plant_motor_current(&plant->motor), view->i_abc_a);
+    double current[PLANT_LEGS];
+    plant_phases(plant_motor_current(&plant->motor), current);
+    for (int leg = 0; leg < PLANT_LEGS; leg++) {
+        view->i_abc_a[leg] = current[plant->phase[leg]];
+    }
     view->torque_nm = plant_motor_torque(&plant->motor);
     view->bus_v = plant->bus_v;
 }

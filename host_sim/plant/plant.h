@@ -63,6 +63,10 @@ typedef struct {
     plant_supply_cfg_t supply;
     plant_sensor_cfg_t sensor;
     double trip_a; /* A, >= 0, of the comparators; 0: there are none */
+    double
+        fan_nm_s2; /* N m s2, >= 0: load torque over the square of the load's speed, against it */
+    /* at leg k hangs phase (k + wire[k]) modulo 3 of the motor, each at one leg; zeros: as they are named */
+    unsigned wire[PLANT_LEGS];
 } plant_cfg_t;
 
 typedef struct {
@@ -74,12 +78,15 @@ typedef struct {
     uint64_t periods;                  /* completed so far */
     uint32_t compare_next[PLANT_LEGS]; /* preload registers */
     uint32_t compare[PLANT_LEGS];      /* active in the period that starts now */
-    uint32_t broken;                   /* mask of the phases whose wire is open */
+    uint32_t broken;                   /* mask of the legs whose wire is open */
     bool
         ideal_legs; /* a leg's potential is that of its rail, and nobody asks for the bus current */
     bool gates_on;
     double trip_a;
     bool tripped;
+    double load_nm;             /* as set */
+    double fan_nm_s2;           /* and what grows with the speed comes on top */
+    unsigned phase[PLANT_LEGS]; /* at each leg; all that the bridge does is by phases */
 } plant_t;
 
 /* Temperature of the power stage until it is set, degrees C. */
@@ -88,12 +95,13 @@ typedef struct {
 /* The truth at the present instant. */
 typedef struct {
     double time_s;
-    double theta_el_rad;     /* electrical, -pi ... pi */
+    double theta_el_rad; /* electrical, -pi ... pi, from the axis of the phase at leg a on; with two
+                                exchanged wires from that of phase a on */
     double theta_mech_rad;   /* mechanical, multi-turn */
     double omega_mech_rad_s; /* mechanical */
     double i_d_a;            /* true rotor frame */
     double i_q_a;
-    double i_abc_a[PLANT_LEGS]; /* into the motor, sum zero */
+    double i_abc_a[PLANT_LEGS]; /* of the legs into the motor, sum zero */
     double torque_nm;           /* air gap, motoring positive */
     double bus_v;               /* at the start of the period */
 } plant_view_t;
@@ -118,13 +126,13 @@ void plant_set_gates(plant_t *plant, bool on);
 bool plant_take_trip(plant_t *plant);
 
 /* Load torque, N m, constant until changed. Positive opposes positive rotation; it is an external
- * torque and does not turn with the speed. From the present instant. */
+ * torque and does not turn with the speed. That of fan_nm_s2 comes on top. From the present instant. */
 void plant_set_load_torque(plant_t *plant, double torque_nm);
 
 /* Mean supply voltage, V, > 0. From the present instant; a charged capacitor keeps what it has. */
 void plant_set_supply(plant_t *plant, double voltage_v);
 
-/* Opens the wires of the phases in a mask (bit k is phase k), closes the others. From the present
+/* Opens the wires at the legs in a mask (bit k is leg k), closes the others. From the present
  * instant; the current of a wire that opens is gone at once, with its energy. */
 void plant_break_phases(plant_t *plant, uint32_t broken);
 
@@ -137,7 +145,7 @@ void plant_turn_rotor(plant_t *plant, double angle_el_rad);
 /* Temperature of the power stage, degrees C. */
 void plant_set_temperature(plant_t *plant, double temperature_c);
 
-/* Converts the currents of phases a and b, bus and temperature at the present instant. */
+/* Converts the currents of legs a and b, bus and temperature at the present instant. */
 void plant_sample(plant_t *plant, plant_adc_t *adc);
 
 /* Lets one PWM period pass, then takes over the preloaded compare values. */

@@ -31,6 +31,8 @@ static const char *sensors_bad_field(const plant_sensor_cfg_t *cfg)
         {"sensor.noise_lsb_rms", plant_is_not_negative(cfg->noise_lsb_rms)},
         {"sensor.offset_lsb[0]", isfinite(cfg->offset_lsb[0])},
         {"sensor.offset_lsb[1]", isfinite(cfg->offset_lsb[1])},
+        {"sensor.drift_lsb_s[0]", isfinite(cfg->drift_lsb_s[0])},
+        {"sensor.drift_lsb_s[1]", isfinite(cfg->drift_lsb_s[1])},
         {"sensor.gain_error[0]", plant_is_positive(1.0 + cfg->gain_error[0])},
         {"sensor.gain_error[1]", plant_is_positive(1.0 + cfg->gain_error[1])},
         {"sensor.current_bandwidth_hz", plant_is_not_negative(cfg->current_bandwidth_hz)},
@@ -53,6 +55,7 @@ bool plant_sensors_init(plant_sensors_t *sensors, const plant_sensor_cfg_t *cfg,
         sensors->current_gain[phase] =
             half_scale / cfg->current_full_scale_a * (1.0 + cfg->gain_error[phase]);
         sensors->current_zero[phase] = half_scale + cfg->offset_lsb[phase];
+        sensors->drift_lsb_s[phase] = cfg->drift_lsb_s[phase];
     }
     sensors->bus_gain = 2.0 * half_scale / cfg->bus_full_scale_v;
     sensors->temperature_points = cfg->temperature_points;
@@ -118,6 +121,13 @@ void plant_sensors_follow(plant_sensors_t *sensors, double duration_s, const dou
     for (int phase = 0; phase < 2; phase++) {
         sensors->seen_a[phase] = kept * sensors->seen_a[phase] + (1.0 - kept) * from_a[phase] +
                                  rise * (to_a[phase] - from_a[phase]);
+    }
+}
+
+void plant_sensors_drift(plant_sensors_t *sensors, double duration_s)
+{
+    for (int phase = 0; phase < 2; phase++) {
+        sensors->current_zero[phase] += sensors->drift_lsb_s[phase] * duration_s;
     }
 }
 

@@ -42,6 +42,7 @@ typedef struct {
     double bus_full_scale_v;     /* V, > 0: range is 0 ... full scale - 1 LSB */
     double noise_lsb_rms;        /* LSB, >= 0, currents and bus; 0 switches the source off */
     double offset_lsb[2];        /* LSB, phases a and b, finite */
+    double drift_lsb_s[2];       /* LSB/s, phases a and b, finite: change of the offset */
     double gain_error[2];        /* fraction, phases a and b, > -1; 0.01 reads 1 % too high */
     double current_bandwidth_hz; /* Hz, >= 0, of the current sensors; 0: without a low pass */
     plant_sensor_point_t temperature[PLANT_SENSOR_POINTS_MAX];
@@ -63,7 +64,8 @@ typedef struct {
 typedef struct {
     double current_gain[2]; /* counts per ampere, gain error included */
     double current_zero[2]; /* counts, offset included */
-    double bus_gain;        /* counts per volt */
+    double drift_lsb_s[2];
+    double bus_gain;                                              /* counts per volt */
     plant_sensor_point_t temperature_at[PLANT_SENSOR_POINTS_MAX]; /* as configured */
     unsigned temperature_points;
     double count_max;
@@ -94,6 +96,9 @@ static inline bool plant_sensors_lag(const plant_sensors_t *sensors)
 /* Both currents, A, have gone from one pair of values to another in a time: the low passes follow. */
 void plant_sensors_follow(plant_sensors_t *sensors, double duration_s, const double from_a[2],
                           const double to_a[2]);
+
+/* Time goes by: the offsets drift. */
+void plant_sensors_drift(plant_sensors_t *sensors, double duration_s);
 
 /* One conversion of both currents [A], the bus [V] and the temperature. With a low pass the currents are those behind
  * it, not the arguments. With noise it draws three deviates. */

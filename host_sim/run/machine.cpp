@@ -26,12 +26,17 @@ void share_inertia(plant_motor_cfg_t &cfg, const PlantSettings &real)
     cfg.shaft_damping_nm_s = 2.0 * real.shaft_damping_pct / 100.0 * reduced * w;
 }
 
+int pole_pairs(const Config &config)
+{
+    return config.plant.pole_pairs > 0 ? config.plant.pole_pairs : config.motor.pole_pairs;
+}
+
 plant_motor_cfg_t make_plant_motor(const Config &config)
 {
     const MotorSettings &motor = config.motor;
     const PlantSettings &real = config.plant;
     plant_motor_cfg_t cfg{};
-    cfg.pole_pairs = static_cast<unsigned>(motor.pole_pairs);
+    cfg.pole_pairs = static_cast<unsigned>(pole_pairs(config));
     cfg.resistance_ohm = motor.resistance_ohm * real.resistance_scale;
     cfg.inductance_d_h = motor.inductance_d_h * real.inductance_scale;
     cfg.inductance_q_h = motor.inductance_q_h * real.inductance_scale * real.saliency_scale;
@@ -44,10 +49,10 @@ plant_motor_cfg_t make_plant_motor(const Config &config)
     cfg.saturation_d = real.saturation_d_pct / 100.0;
     cfg.saturation_q = real.saturation_q_pct / 100.0;
     cfg.saturation_shared = real.saturation_cross_pct / 100.0;
-    cfg.saturation_a = motor.rated_torque_nm / (1.5 * motor.pole_pairs * motor.flux_linkage_wb);
+    cfg.saturation_a = motor.rated_torque_nm / (1.5 * pole_pairs(config) * motor.flux_linkage_wb);
     cfg.cogging_nm = real.cogging_pct / 100.0 * motor.rated_torque_nm;
     cfg.cogging_order = static_cast<unsigned>(
-        real.cogging_order > 0 ? real.cogging_order : COGGING_IN_TURN_EL * motor.pole_pairs);
+        real.cogging_order > 0 ? real.cogging_order : COGGING_IN_TURN_EL * pole_pairs(config));
     for (std::size_t phase = 0; phase < real.contact_ohm.size(); phase++) {
         cfg.shorted[phase] = real.shorted_turns_pct[phase] / 100.0;
         cfg.contact_ohm[phase] = real.contact_ohm[phase];
@@ -72,6 +77,7 @@ plant_sensor_cfg_t make_plant_sensor(const Config &config)
     cfg.current_bandwidth_hz = real.sensor_bandwidth_hz;
     for (std::size_t phase = 0; phase < real.adc_offset_lsb.size(); phase++) {
         cfg.offset_lsb[phase] = real.adc_offset_lsb[phase];
+        cfg.drift_lsb_s[phase] = real.adc_drift_lsb_s[phase];
         cfg.gain_error[phase] = real.adc_gain_error_pct[phase] / 100.0;
     }
     cfg.temperature_points = static_cast<unsigned>(board.temperature_points_c.size());
@@ -81,6 +87,18 @@ plant_sensor_cfg_t make_plant_sensor(const Config &config)
     cfg.angle_counts = static_cast<unsigned>(real.angle_counts);
     cfg.seed = config.scenario.seed;
     return cfg;
+}
+
+// The phase at each terminal, as the word says it.
+void connect(plant_cfg_t &cfg, Wires wires)
+{
+    static const unsigned PHASES[][PLANT_LEGS] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
+                                                  {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    for (std::size_t leg = 0; leg < PLANT_LEGS; leg++) {
+        cfg.wire[leg] = (PHASES[static_cast<std::size_t>(wires)][leg] + PLANT_LEGS -
+                         static_cast<unsigned>(leg)) %
+                        PLANT_LEGS;
+    }
 }
 
 void check_cross(const Config &config, const plant_motor_cfg_t &cfg)
@@ -126,6 +144,9 @@ plant_cfg_t make_plant_cfg(const Config &config, const drive_cfg_t &drive)
     cfg.supply.resistance_ohm = config.plant.bus_source_resistance_ohm;
     cfg.sensor = make_plant_sensor(config);
     cfg.trip_a = config.board.trip_a;
+    const double rated_rad_s = config.motor.rated_speed_rpm * RAD_S_PER_RPM;
+    cfg.fan_nm_s2 = config.plant.fan_torque_nm / (rated_rad_s * rated_rad_s);
+    connect(cfg, config.plant.wires);
     check_cross(config, cfg.motor);
     check_knee(config, cfg);
     return cfg;

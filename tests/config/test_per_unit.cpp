@@ -172,17 +172,26 @@ TEST(what_the_firmware_holds_less_of_than_the_file_says_is_told)
                               {std::string("motor.inductance_d_h=") + henry,
                                std::string("motor.inductance_q_h=") + henry});
     };
+    const auto told = [](const nf::Config &of) {
+        std::vector<std::string> found;
+        for (const std::string &note : of.scenario.notes) {
+            if (note.find("the firmware holds") != std::string::npos) {
+                found.push_back(note);
+            }
+        }
+        return found;
+    };
     const nf::Config fits = config("0.000144");
     TEST_ASSERT_TRUE(nf::build(fits).current_loop.reactance_q_q13 < 32767);
-    TEST_ASSERT_EQUAL_size_t(0, fits.scenario.notes.size());
+    TEST_ASSERT_EQUAL_size_t(0, told(fits).size());
     const nf::Config beyond = config("0.0001815");
     TEST_ASSERT_EQUAL_INT32(32767, nf::build(beyond).current_loop.reactance_q_q13);
-    TEST_ASSERT_EQUAL_size_t(2, beyond.scenario.notes.size());
+    TEST_ASSERT_EQUAL_size_t(2, told(beyond).size());
     TEST_ASSERT_EQUAL_STRING(
         "--set: motor.inductance_q_h = 0.0001815: the firmware holds at most 0.000145 with the "
         "scales of this board and motor.max_speed_rpm, and reckons with that: above some speed the "
         "axes are decoupled in part only",
-        beyond.scenario.notes.back().c_str());
+        told(beyond).back().c_str());
 }
 
 // φ/L_d = 27.7778 A; with L −40 %, φ +25 %: 57.87 A; three phases at 18 A make 2/√3·18 = 20.785 A: 78.66 A < 2·40 A.

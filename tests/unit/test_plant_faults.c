@@ -140,6 +140,88 @@ TEST(test_a_blocked_shaft_holds_with_coulomb_friction_and_open_wires_too)
     TEST_ASSERT_TRUE(view.omega_mech_rad_s == 0.0);
 }
 
+/* w' = -c/J w^2 from w_0 on: w = w_0/(1 + w_0 c t/J). A weak magnet, whose EMF stays below the bus, takes no part. */
+TEST(test_a_fan_alone_slows_the_shaft_hyperbolically_either_way)
+{
+    const double fan = 1.0e-4;
+    const double seconds = 0.2;
+    const double rad_s[] = {400.0, -400.0, 5.0e4};
+
+    for (int k = 0; k < 3; k++) {
+        plant_cfg_t cfg = DRIVE;
+        cfg.motor.flux_linkage_wb = 1.0e-4;
+        cfg.motor.viscous_friction_nm_s = 0.0;
+        cfg.motor.initial_speed_mech_rad_s = rad_s[k];
+        cfg.fan_nm_s2 = fan;
+        start(&cfg);
+        plant_set_gates(&plant, false);
+        run((int)(seconds / PERIOD_S));
+        const double wanted =
+            rad_s[k] / (1.0 + fabs(rad_s[k]) * fan * seconds / cfg.motor.inertia_kg_m2);
+        TEST_ASSERT_DOUBLE_WITHIN(1.0e-9 * fabs(wanted), wanted, view.omega_mech_rad_s);
+    }
+}
+
+TEST(test_a_fan_comes_on_top_of_the_load)
+{
+    plant_cfg_t cfg = DRIVE;
+
+    const double slowing = 1.0e-3 * 40.0;
+    const double fan_nm = slowing * 40.0 / (1.0 + slowing * PERIOD_S / cfg.motor.inertia_kg_m2);
+
+    cfg.fan_nm_s2 = 1.0e-3;
+    start(&cfg);
+    plant_set_load_torque(&plant, 2.0);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_A, 2.0 + fan_nm, plant.motor.load_torque_nm);
+    plant_set_load_torque(&plant, 0.0);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_A, fan_nm, plant.motor.load_torque_nm);
+}
+
+/* A voltage along leg a drives the current of the phase that hangs there, and the sensors and the wire are the leg's. */
+TEST(test_a_phase_is_driven_seen_and_opened_at_the_leg_where_it_hangs)
+{
+    static const unsigned WIRES[][PLANT_LEGS] = {{0, 0, 0}, {1, 1, 1}, {2, 2, 2},
+                                                 {1, 2, 0}, {0, 1, 2}, {2, 0, 1}};
+
+    for (int k = 0; k < 6; k++) {
+        plant_cfg_t cfg = DRIVE;
+        plant_adc_t adc;
+        for (int leg = 0; leg < PLANT_LEGS; leg++) {
+            cfg.wire[leg] = WIRES[k][leg];
+        }
+        cfg.motor.inductance_q_h = cfg.motor.inductance_d_h;
+        cfg.motor.initial_speed_mech_rad_s = 0.0;
+        start(&cfg);
+        plant_block_rotor(&plant, true);
+        drive(400, 2225, 2125, 2125);
+        TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_A, -2.0 * view.i_abc_a[1], view.i_abc_a[0]);
+        TEST_ASSERT_TRUE(view.i_abc_a[0] > 1.0);
+        plant_sample(&plant, &adc);
+        TEST_ASSERT_DOUBLE_WITHIN(0.51, 2048.0 + view.i_abc_a[0] * 102.4, (double)adc.ia);
+        TEST_ASSERT_DOUBLE_WITHIN(0.51, 2048.0 + view.i_abc_a[1] * 102.4, (double)adc.ib);
+        plant_break_phases(&plant, 1U);
+        drive(10, 2225, 2125, 2125);
+        TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_A, 0.0, view.i_abc_a[0]);
+    }
+}
+
+/* Along leg a the rotor comes to rest at the angle 0 of the terminals. */
+TEST(test_the_angle_is_counted_from_leg_a_where_the_wires_are_in_order)
+{
+    for (unsigned shift = 0; shift < PLANT_LEGS; shift++) {
+        plant_cfg_t cfg = DRIVE;
+        for (int leg = 0; leg < PLANT_LEGS; leg++) {
+            cfg.wire[leg] = shift;
+        }
+        cfg.motor.viscous_friction_nm_s = 0.3;
+        cfg.motor.initial_speed_mech_rad_s = 0.0;
+        cfg.motor.initial_angle_el_rad = 1.0;
+        start(&cfg);
+        drive(20000, 2325, 2125, 2125);
+        TEST_ASSERT_DOUBLE_WITHIN(1.0e-3, 0.0, view.theta_el_rad);
+    }
+}
+
 TEST(test_a_turned_rotor_keeps_currents_and_speed_and_is_elsewhere)
 {
     const double turn_rad = 1.25;
@@ -236,6 +318,10 @@ TEST(test_a_comparator_current_out_of_range_is_named)
 {
     copy_of(&DRIVE)->trip_a = -1.0;
     check_rejected("trip_a");
+    copy_of(&DRIVE)->fan_nm_s2 = -1.0;
+    check_rejected("fan_nm_s2");
+    copy_of(&DRIVE)->wire[0] = 1U;
+    check_rejected("wire");
     copy_of(&DRIVE)->trip_a = nan("");
     check_rejected("trip_a");
 }

@@ -91,6 +91,21 @@ TEST(test_offset_shifts_each_phase_on_its_own)
     check_counts(2053, 2041, 1000);
 }
 
+TEST(test_the_offset_drifts_with_the_time_that_has_gone_by)
+{
+    plant_sensor_cfg_t cfg = CLEAN;
+
+    cfg.offset_lsb[0] = 5.0;
+    cfg.drift_lsb_s[0] = 100.0;
+    cfg.drift_lsb_s[1] = -40.0;
+    start(&cfg);
+    for (int k = 0; k < 1000; k++) {
+        plant_sensors_drift(&sensors, 1.0e-4);
+    }
+    convert(0.0, 0.0, 100.0);
+    check_counts(2063, 2044, 1000);
+}
+
 TEST(test_gain_error_scales_the_current_and_not_the_zero)
 {
     plant_sensor_cfg_t cfg = CLEAN;
@@ -360,6 +375,10 @@ TEST(test_init_names_the_field_that_is_out_of_range)
     check_rejected("sensor.noise_lsb_rms");
     clean()->current_bandwidth_hz = -1.0;
     check_rejected("sensor.current_bandwidth_hz");
+    clean()->drift_lsb_s[0] = HUGE_VAL;
+    check_rejected("sensor.drift_lsb_s[0]");
+    clean()->drift_lsb_s[1] = HUGE_VAL;
+    check_rejected("sensor.drift_lsb_s[1]");
     clean()->gain_error[1] = -1.0;
     check_rejected("sensor.gain_error[1]");
     clean()->temperature[0].celsius = -HUGE_VAL;
