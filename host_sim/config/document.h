@@ -33,9 +33,9 @@ struct Node {
     Origin origin;
 
     bool is_number() const;
-    double number() const;
+    double number() const; // of an integer or real
     // Of a number without a fraction, written with a point or without; nothing of any other.
-    std::optional<int64_t> whole() const; // of an integer or real
+    std::optional<int64_t> whole() const;
 };
 
 // A document as a table. `name` is the file's name for messages. Any bytes are allowed; throws

@@ -175,9 +175,11 @@ void ScenarioRun::note_swing()
     }
 }
 
+// A fault says itself why.
 void ScenarioRun::note_missed()
 {
-    if (const auto &missed = result_.metrics.missed) {
+    const auto &missed = result_.metrics.missed;
+    if (missed && result_.faults.empty()) {
         const bool turns = config_.scenario.mode == DriveMode::speed;
         result_.notes.push_back(fmt::format(
             "the {} never reached its command of {:.5g} {}, it came to {:.5g}",
