@@ -35,10 +35,10 @@ static DriveMode mode_of(const drive_command_t &command)
 
 static double command_si(const drive_command_t &command, const Bases &bases)
 {
-    constexpr double Q16 = 65536.0;
+    constexpr double TURN_EL = 65536.0; // Q16
     switch (mode_of(command)) {
     case DriveMode::position:
-        return command.target / Q16 * TWO_PI / bases.pole_pairs;
+        return command.target / TURN_EL * TWO_PI / bases.pole_pairs;
     case DriveMode::torque:
         return command.target / Q28 * bases.torque_nm();
     default:
