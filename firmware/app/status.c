@@ -153,8 +153,18 @@ static void add_torque(text_t *text, const app_t *app, const about_t *about, int
     const int64_t base = units_torque_base(&about->rotation, about->current_full_scale_ua,
                                            about->bus_full_scale_uv, app->drive.cfg->speed_shift);
 
-    add_quantity(text, " rpm, torque ", units_torque(base, torque_q28), 6U);
+    add_quantity(text, ", torque ", units_torque(base, torque_q28), 6U);
     text_add(text, " N m");
+}
+
+/* Of the rotor. drive: NULL where it does not know it, so that no number of before is shown. */
+static void add_speed_now(text_t *text, const drive_t *drive, const about_t *about)
+{
+    if (drive != NULL) {
+        add_rpm(text, ", speed ", about, drive_speed(drive));
+    } else {
+        text_add(text, ", speed unknown");
+    }
 }
 
 /* While the motor is measured, the command's target is a word of the probe and no speed. */
@@ -162,18 +172,22 @@ static void add_speed(text_t *text, const app_t *app, const about_t *about)
 {
     const drive_command_t command = command_mailbox_take(&app->mailbox);
     const bool has_begun = app->drive.cfg != NULL; /* not where the configuration is refused */
-    const step_t speed = has_begun ? drive_speed(&app->drive) : 0;
+    const bool known = has_begun && drive_knows_rotor(&app->drive);
+    const char *const unit = known ? " rpm" : "";
 
-    add_rpm(text, ", speed ", about, speed);
+    add_speed_now(text, known ? &app->drive : NULL, about);
     if (command.request == DRIVE_REQUEST_PROBE) {
-        text_add(text, " rpm, measuring the motor");
+        text_add(text, unit);
+        text_add(text, ", measuring the motor");
     } else if (command.mode == (uint8_t)DRIVE_MODE_POSITION) {
-        add_quantity(text, " rpm, to turn ",
-                     units_hundredth_turns(&about->rotation, command.target), 2U);
+        text_add(text, unit);
+        add_quantity(text, ", to turn ", units_hundredth_turns(&about->rotation, command.target),
+                     2U);
     } else if ((command.mode == (uint8_t)DRIVE_MODE_TORQUE) && has_begun) {
+        text_add(text, unit);
         add_torque(text, app, about, command.target);
     } else {
-        add_rpm(text, " of ", about, command.target);
+        add_rpm(text, known ? " of " : ", asked ", about, command.target);
         text_add(text, " rpm");
     }
 }

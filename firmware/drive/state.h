@@ -175,7 +175,16 @@ static inline bool drive_has_sensor(const drive_t *drive)
 }
 
 /*
- * Speed in steps per tick: in RUN that of the rotor, ω̂, else that of the imposed vector. With a sensor it is always that
+ * Whether θ̂ and ω̂ are those of this tick. With open gates only a sensor tells of the rotor: the fields keep what they were
+ * when driving ended. The currents and voltages along θ̂ are those of this tick where drive_is_controlled().
+ */
+static inline bool drive_knows_rotor(const drive_t *drive)
+{
+    return drive_has_sensor(drive) || drive_is_controlled(drive->state);
+}
+
+/*
+ * Speed in steps per tick, of this tick where drive_knows_rotor(): in RUN that of the rotor, ω̂, else that of the imposed vector. With a sensor it is always that
  * of the rotor.
  */
 static inline step_t drive_speed(const drive_t *drive)

@@ -7,6 +7,8 @@ extern "C" {
 #include "fault_text.h"
 }
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 namespace nf::debug
@@ -79,12 +81,13 @@ std::string Session::position_text() const
 {
     const Tick &tick = timeline.tick();
     const drive_t &drive = tick.sim->drive();
-    const double estimated = si_value(*find_signal("speed_estimated_rpm"), tick);
+    const double rpm = si_value(*find_signal("speed_estimated_rpm"), tick);
+    const std::string estimated =
+        std::isnan(rpm) ? "speed unknown to the drive" : fmt::format("estimated {:.1f} rpm", rpm);
     const std::string speed =
         timeline.run().is_recorded()
-            ? fmt::format("estimated {:.1f} rpm", estimated)
-            : fmt::format("{:.1f} rpm, estimated {:.1f} rpm",
-                          si_value(*find_signal("speed_rpm"), tick), estimated);
+            ? estimated
+            : fmt::format("{:.1f} rpm, {}", si_value(*find_signal("speed_rpm"), tick), estimated);
     std::string text = fmt::format("tick {}  t = {:.4f} s  {}  {}", timeline.now(), tick.time_s,
                                    state_text(drive), speed);
     if (drive.state == DRIVE_STATE_FAULT) {

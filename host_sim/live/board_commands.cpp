@@ -410,29 +410,44 @@ Answer BoardCommands::execute(const std::string &line)
 namespace
 {
 
+// What was asked for last is told only while the drive follows it.
 std::string speed_text(const Simulation &sim)
 {
-    const double rpm = sim.bases().rpm_from_step(drive_speed(&sim.drive()));
-    const double wanted = sim.bases().rpm_from_step(sim.drive().speed_reference);
-    return fmt::format("speed {:.0f} of {:.0f} rpm", rpm, wanted);
+    const drive_t &drive = sim.drive();
+    const double rpm = sim.bases().rpm_from_step(drive_speed(&drive));
+    if (!drive_knows_rotor(&drive)) {
+        return "speed unknown";
+    }
+    if (!drive_is_controlled(drive.state)) {
+        return fmt::format("speed {:.0f} rpm", rpm);
+    }
+    return fmt::format("speed {:.0f} of {:.0f} rpm", rpm,
+                       sim.bases().rpm_from_step(drive.speed_reference));
+}
+
+// Along θ̂; with open gates none is controlled, and nothing turns what is measured.
+std::string current_text(const Simulation &sim)
+{
+    const dq_t &current = sim.drive().signals.current;
+    return drive_is_controlled(sim.drive().state)
+               ? fmt::format(", i_q {:.2f} A, i_d {:.2f} A", current.q / Q15 * sim.bases().current_a,
+                             current.d / Q15 * sim.bases().current_a)
+               : "";
 }
 
 std::string drive_text(const Simulation &sim)
 {
-    const drive_signals_t &signals = sim.drive().signals;
-    return fmt::format(
-        "{}, {}, i_q {:.2f} A, i_d {:.2f} A, bus {:.1f} V", state_and_gates(sim.drive()),
-        speed_text(sim), signals.current.q / Q15 * sim.bases().current_a,
-        signals.current.d / Q15 * sim.bases().current_a, signals.bus / Q15 * sim.bases().voltage_v);
+    return fmt::format("{}, {}{}, bus {:.1f} V", state_and_gates(sim.drive()), speed_text(sim),
+                       current_text(sim), sim.drive().signals.bus / Q15 * sim.bases().voltage_v);
 }
 
-std::string fault_advice(const Simulation &sim)
+std::string fault_advice(const Simulation &sim, const BoardSettings *board)
 {
     if (sim.drive().state != DRIVE_STATE_FAULT) {
         return "";
     }
     const FoundFault fault = found_fault(sim.drive(), sim.bases());
-    return fmt::format("; {}: {}", fault_measure(fault, sim.bases()), fault_text(fault.id)->advice);
+    return fmt::format("; {}: {}", fault_measure(fault, sim.bases(), board), fault_text(fault.id)->advice);
 }
 
 } // namespace
@@ -442,7 +457,7 @@ std::string status_text(const Follower &follower)
     const Health &health = follower.health();
     const std::string drive =
         follower.shadow().is_in_step()
-            ? drive_text(follower.shadow().sim()) + fault_advice(follower.shadow().sim())
+            ? drive_text(follower.shadow().sim()) + fault_advice(follower.shadow().sim(), follower.board())
             : "not in step";
     return fmt::format("{}, load {} %, late {}, gaps {}{}", drive, health.load_pct,
                        health.late_ticks, follower.gaps().size(),

@@ -88,6 +88,16 @@ void check(const std::string &block_name, const FileChoice &given)
     }
 }
 
+std::optional<BoardSettings> board_of(const std::string &block_name, const FileChoice &given)
+{
+    try {
+        return given.board.empty() ? load(choice_of(block_name, given)).board
+                                   : load_board(given.board);
+    } catch (const ConfigError &) {
+        return std::nullopt;
+    }
+}
+
 Config load(const FileChoice &choice)
 {
     return load_parts(choice.motor, choice.board, choice.tuning, {}, choice.set);

@@ -6,6 +6,7 @@
 #include "cfg_rows.h"
 #include "config.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,9 @@ FileChoice choice_of(const std::string &block_name, const FileChoice &given);
 // Whether what is given can be read, and its keys be set, for a block of this name. Throws ConfigError. That the names do not
 // go with the block is no reason: the files may be adopted.
 void check(const std::string &block_name, const FileChoice &given);
+
+// The board of a block of this name: the file that is given, or the shipped one. None where no file can be found.
+std::optional<BoardSettings> board_of(const std::string &block_name, const FileChoice &given);
 
 // Throws ConfigError.
 Config load(const FileChoice &choice);

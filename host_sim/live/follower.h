@@ -13,6 +13,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 extern "C" {
@@ -78,6 +79,16 @@ public:
     const Bases &bases() const
     {
         return bases_;
+    }
+    // What the block does not say of the board, for a person: its sensor of temperature.
+    void know_board(std::optional<BoardSettings> board)
+    {
+        board_ = std::move(board);
+    }
+    // NULL: not known.
+    const BoardSettings *board() const
+    {
+        return board_ ? &*board_ : nullptr;
     }
     // What a recording of this board says of it.
     recorder_about_t recorder_about() const
@@ -162,6 +173,7 @@ private:
     Identity identity_{};
     std::map<uint32_t, DriveSettings> known_; // by crc
     config_about_t about_{};
+    std::optional<BoardSettings> board_;
     Bases bases_{};
     Shadow shadow_;
     std::unique_ptr<Stream> stream_;

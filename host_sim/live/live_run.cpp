@@ -176,6 +176,7 @@ void LiveRun::connect()
 {
     follower_.connect();
     check(follower_.about().name, options_.files);
+    follower_.know_board(board_of(follower_.about().name, options_.files));
     const Identity &identity = follower_.identity();
     say(fmt::format("{}, {:g} ticks per s, {} baud", follower_.about().name,
                     PS_PER_S / identity.tick_ps, identity.baud));

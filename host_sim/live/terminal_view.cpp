@@ -30,28 +30,47 @@ constexpr int KEY_DELETE_BEFORE = 127;
 // A name and its value, as the view has them below each other.
 using Rows = std::vector<std::pair<std::string, std::string>>;
 
-void add_drive(Rows &rows, const Simulation &sim)
+// Nothing of the rotor is shown that nobody knows.
+void add_rotor(Rows &rows, const drive_t &drive, const Bases &bases)
 {
-    const drive_t &drive = sim.drive();
-    const Bases &bases = sim.bases();
     const auto ampere = [&](int32_t raw) { return raw / Q15 * bases.current_a; };
     const auto volt = [&](int32_t raw) { return raw / Q15 * bases.voltage_v; };
-    rows.emplace_back("state", state_and_gates(drive));
-    rows.emplace_back("speed",
-                      fmt::format("{:.1f} of {:.1f} rpm", bases.rpm_from_step(drive_speed(&drive)),
-                                  bases.rpm_from_step(drive.speed_reference)));
+    const double rpm = bases.rpm_from_step(drive_speed(&drive));
+    if (!drive_is_controlled(drive.state)) {
+        rows.emplace_back("speed", drive_knows_rotor(&drive) ? fmt::format("{:.1f} rpm", rpm)
+                                                             : "unknown: the gates are open");
+        return;
+    }
+    rows.emplace_back("speed", fmt::format("{:.1f} of {:.1f} rpm", rpm,
+                                           bases.rpm_from_step(drive.speed_reference)));
     rows.emplace_back("current", fmt::format("q {:.3f} A of {:.3f} A, d {:.3f} A",
                                              ampere(drive.signals.current.q),
                                              ampere(drive.signals.current_ref.q),
                                              ampere(drive.signals.current.d)));
     rows.emplace_back("voltage",
-                      fmt::format("q {:.2f} V, d {:.2f} V, bus {:.2f} V",
-                                  volt(drive.signals.voltage.q), volt(drive.signals.voltage.d),
-                                  volt(drive.signals.bus)));
-    rows.emplace_back("temperature", fmt::format("{} counts", sim.in().adc_temperature));
+                      fmt::format("q {:.2f} V, d {:.2f} V", volt(drive.signals.voltage.q),
+                                  volt(drive.signals.voltage.d)));
+}
+
+// In one unit, that of the console.
+std::string temperature_text(uint16_t count, const BoardSettings *board)
+{
+    return board == nullptr ? fmt::format("{} counts, --board FILE tells °C", count)
+                            : fmt::format("{:.0f} °C", temperature_at(*board, count));
+}
+
+void add_drive(Rows &rows, const Simulation &sim, const BoardSettings *board)
+{
+    const drive_t &drive = sim.drive();
+    const Bases &bases = sim.bases();
+    rows.emplace_back("state", state_and_gates(drive));
+    add_rotor(rows, drive, bases);
+    rows.emplace_back("bus",
+                      fmt::format("{:.2f} V", drive.signals.bus / Q15 * bases.voltage_v));
+    rows.emplace_back("temperature", temperature_text(sim.in().adc_temperature, board));
     if (drive.state == DRIVE_STATE_FAULT) {
         const FoundFault fault = found_fault(drive, bases);
-        rows.emplace_back("fault", fault_measure(fault, bases));
+        rows.emplace_back("fault", fault_measure(fault, bases, board));
         rows.emplace_back("", fault_text(fault.id)->advice);
     }
 }
@@ -63,7 +82,7 @@ Rows rows_of(const Follower &follower, double bytes_per_s)
     Rows rows;
     rows.emplace_back("board", follower.about().name);
     if (shadow.is_in_step()) {
-        add_drive(rows, shadow.sim());
+        add_drive(rows, shadow.sim(), follower.board());
     } else {
         rows.emplace_back("state", follower.no_stream().empty()
                                        ? "not in step"

@@ -44,22 +44,17 @@ std::string fault_mark(const fault_t &fault, double time_s)
     return fmt::format("{}@{} ({:.6g} s)", fault_text(fault.id)->name, fault.tick, time_s);
 }
 
-std::string fault_measure(const FoundFault &fault, const Bases &bases)
+std::string fault_measure(const FoundFault &fault, const Bases &bases, const BoardSettings *board)
 {
     const fault_text_t &text = *fault_text(fault.id);
+    if (text.unit == FAULT_UNIT_TEMPERATURE && board != nullptr) {
+        return fmt::format("{}: {:.1f} °C, limit {:.1f} °C", text.name,
+                           temperature_at(*board, fault.value),
+                           temperature_at(*board, fault.limit));
+    }
     return fmt::format("{}: {}{}, limit {}", text.name, quantity(text.unit, fault.value, bases),
                        fault.swing_hz ? fmt::format(" at {:.1f} Hz", *fault.swing_hz) : "",
                        quantity(text.unit, fault.limit, bases));
-}
-
-std::string fault_measure(const FoundFault &fault, const Bases &bases, const BoardSettings &board)
-{
-    const fault_text_t &text = *fault_text(fault.id);
-    if (text.unit != FAULT_UNIT_TEMPERATURE) {
-        return fault_measure(fault, bases);
-    }
-    return fmt::format("{}: {:.1f} °C, limit {:.1f} °C", text.name,
-                       temperature_at(board, fault.value), temperature_at(board, fault.limit));
 }
 
 } // namespace nf

@@ -169,7 +169,7 @@ std::string table_text(const Config &config, const RunResult &result)
         text += line("fault", fault_mark(fault, result.time_s(fault)), "", true);
         text +=
             fmt::format("    {}\n    {}\n",
-                        fault_measure(fault, make_bases(config.motor, config.board), config.board),
+                        fault_measure(fault, make_bases(config.motor, config.board), &config.board),
                         fault_text(fault.id)->advice);
     }
     text += fmt::format("\n  {:<28}{:>10}  {:>10}  {:>10}\n", "motor", "estimated", "actual",

@@ -123,6 +123,19 @@ SignalInfo word(const char *name, Quantity quantity, Word::Home home, std::size_
 #define DRIVE(member, quantity) WORD("drive." #member, drive, drive_t, member, quantity)
 #define ALIAS(name, member, quantity) WORD(name, drive, drive_t, member, quantity)
 
+// θ̂ and ω̂, and what is measured or asked for along them.
+SignalInfo of_rotor(SignalInfo signal)
+{
+    signal.known = [](const drive_t &drive) { return drive_knows_rotor(&drive); };
+    return signal;
+}
+
+SignalInfo of_control(SignalInfo signal)
+{
+    signal.known = [](const drive_t &drive) { return drive_is_controlled(drive.state); };
+    return signal;
+}
+
 std::vector<SignalInfo> run_signals()
 {
     using Q = Quantity;
@@ -133,22 +146,25 @@ std::vector<SignalInfo> run_signals()
         derived("speed_command_rpm", Q::speed_rpm, speed_command),
         derived("speed_rpm", Q::speed_rpm,
                 [](const Tick &t) { return t.truth.omega_mech_rad_s * RPM_PER_RAD_S; }),
-        derived("speed_estimated_rpm", Q::speed_rpm,
-                [](const Tick &t) { return t.sim->bases().rpm_from_step(t.speed_estimate); }),
-        ALIAS("speed_reference_rpm", speed_loop.reference, speed_step),
+        of_rotor(derived(
+            "speed_estimated_rpm", Q::speed_rpm,
+            [](const Tick &t) { return t.sim->bases().rpm_from_step(t.speed_estimate); })),
+        of_control(ALIAS("speed_reference_rpm", speed_loop.reference, speed_step)),
         derived("position_command_rad", Q::angle_rad,
                 [](const Tick &t) { return t.mode == DriveMode::position ? t.command : 0.0; }),
         derived("position_rad", Q::angle_rad, [](const Tick &t) { return t.truth.theta_mech_rad; }),
-        derived("position_estimated_rad", Q::angle_rad, position_estimated),
+        of_rotor(derived("position_estimated_rad", Q::angle_rad, position_estimated)),
         derived("angle_el_deg", Q::angle_deg,
                 [](const Tick &t) { return t.truth.theta_el_rad * DEG_PER_RAD; }),
-        derived("angle_estimated_el_deg", Q::angle_deg, angle_estimated),
-        derived("angle_error_el_deg", Q::angle_deg, angle_error_deg),
+        of_rotor(derived("angle_estimated_el_deg", Q::angle_deg, angle_estimated)),
+        of_rotor(derived("angle_error_el_deg", Q::angle_deg, angle_error_deg)),
         derived("i_q_a", Q::current_a, [](const Tick &t) { return t.truth.i_q_a; }),
-        ALIAS("i_q_estimated_a", observer.current.q, current_q15),
-        ALIAS("i_q_reference_a", signals.current_ref.q, current_q15),
+        of_control(ALIAS("i_q_measured_a", signals.current.q, current_q15)),
+        of_control(ALIAS("i_q_estimated_a", observer.current.q, current_q15)),
+        of_control(ALIAS("i_q_reference_a", signals.current_ref.q, current_q15)),
         derived("i_d_a", Q::current_a, [](const Tick &t) { return t.truth.i_d_a; }),
-        ALIAS("i_d_estimated_a", observer.current.d, current_q15),
+        of_control(ALIAS("i_d_measured_a", signals.current.d, current_q15)),
+        of_control(ALIAS("i_d_estimated_a", observer.current.d, current_q15)),
         derived("i_a_a", Q::current_a, [](const Tick &t) { return t.truth.i_abc_a[0]; }),
         derived("i_b_a", Q::current_a, [](const Tick &t) { return t.truth.i_abc_a[1]; }),
         derived("i_c_a", Q::current_a, [](const Tick &t) { return t.truth.i_abc_a[2]; }),
@@ -161,8 +177,8 @@ std::vector<SignalInfo> run_signals()
         derived("v_beta_applied_v", Q::voltage_v,
                 [](const Tick &t) { return voltage_of(t, voltage_applied(t).beta); }),
         derived("v_limit_v", Q::voltage_v, voltage_limit),
-        ALIAS("v_d_v", signals.voltage.d, voltage_q15),
-        ALIAS("v_q_v", signals.voltage.q, voltage_q15),
+        of_control(ALIAS("v_d_v", signals.voltage.d, voltage_q15)),
+        of_control(ALIAS("v_q_v", signals.voltage.q, voltage_q15)),
         derived("duty_a", Q::share, [](const Tick &t) { return duty(t, 0); }),
         derived("duty_b", Q::share, [](const Tick &t) { return duty(t, 1); }),
         derived("duty_c", Q::share, [](const Tick &t) { return duty(t, 2); }),
@@ -336,7 +352,10 @@ std::optional<int64_t> recorded_value(const SignalInfo &signal, const Tick &tick
     return read_word(signal.word, at<const unsigned char>(*tick.recorded, signal.word));
 }
 
-double si_value(const SignalInfo &signal, const Tick &tick)
+namespace
+{
+
+double value_in_state(const SignalInfo &signal, const Tick &tick)
 {
     if (signal.value != nullptr) {
         return signal.value(tick);
@@ -344,6 +363,19 @@ double si_value(const SignalInfo &signal, const Tick &tick)
     const Format scale = format_of(signal, *tick.sim);
     const int64_t raw = read_word(signal.word, place(signal.word, *tick.sim));
     return (static_cast<double>(raw) - scale.zero) * scale.one;
+}
+
+} // namespace
+
+double si_value(const SignalInfo &signal, const Tick &tick)
+{
+    const bool known = signal.known == nullptr || signal.known(tick.sim->drive());
+    return known ? value_in_state(signal, tick) : std::nan("");
+}
+
+bool is_told(const SignalInfo &signal, const Tick &tick)
+{
+    return !std::isnan(value_in_state(signal, tick));
 }
 
 const char *unit_text(const SignalInfo &signal, const Simulation &sim)

@@ -40,6 +40,8 @@ struct SignalInfo {
     double (*value)(const Tick &); // NULL for a word
     Word word;
     const CfgRow *row; // of a word of the configuration, else NULL
+    // Whether the drive knows it now; NULL: always. What it does not know is what it was when driving ended.
+    bool (*known)(const drive_t &drive) = nullptr;
 };
 
 const std::vector<SignalInfo> &all_signals();
@@ -61,7 +63,10 @@ struct Scale {
 Scale word_scale(const SignalInfo &signal, const Simulation &sim);
 const char *home_text(Word::Home home);
 
+// NaN where nobody knows it: what the motor does in a recording, and the drive's estimate while its gates are open.
 double si_value(const SignalInfo &signal, const Tick &tick);
+// Whether the tick has it, be it known to the drive at this instant or not: what the motor does is not in a recording.
+bool is_told(const SignalInfo &signal, const Tick &tick);
 std::optional<int64_t> raw_value(const SignalInfo &signal, const Tick &tick);
 // What a recording has of it: of the drive's outputs, in a run of a recording.
 std::optional<int64_t> recorded_value(const SignalInfo &signal, const Tick &tick);

@@ -4,7 +4,6 @@
 #include "names.h"
 
 #include <algorithm>
-#include <cmath>
 
 extern "C" {
 #include "fault_text.h"
@@ -40,7 +39,7 @@ Json recorded_signals_json(const Simulation &sim)
     const Tick tick = tick_of_frame(sim, sim.in(), 0);
     Json known = Json::array();
     for (const SignalInfo &signal : all_signals()) {
-        if (!std::isnan(si_value(signal, tick))) {
+        if (is_told(signal, tick)) {
             known.push_back(signal_entry(signal, sim));
         }
     }

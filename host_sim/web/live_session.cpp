@@ -231,6 +231,7 @@ private:
     {
         try {
             live::check(follower_.about().name, files_);
+            follower_.know_board(live::board_of(follower_.about().name, files_));
         } catch (const ConfigError &) {
             follower_.leave();
             throw;
@@ -306,7 +307,7 @@ Json scope(const Json &given)
 }
 
 // The drive's count of ticks wraps, the shadow's does not.
-Json fault_of(const live::Shadow &shadow)
+Json fault_of(const live::Shadow &shadow, const BoardSettings *board)
 {
     const Simulation &sim = shadow.sim();
     if (sim.drive().state != DRIVE_STATE_FAULT) {
@@ -316,7 +317,7 @@ Json fault_of(const live::Shadow &shadow)
     const uint32_t ago = static_cast<uint32_t>(shadow.next()) - fault.tick;
     const auto tick = static_cast<double>(shadow.next() - ago);
     return fault_json(fault, tick * sim.bases().control_period_s,
-                      fault_measure(fault, sim.bases()));
+                      fault_measure(fault, sim.bases(), board));
 }
 
 void look(LiveSession &s)
@@ -324,7 +325,7 @@ void look(LiveSession &s)
     const live::Shadow &shadow = s.follower().shadow();
     if (shadow.is_in_step()) {
         s.state = state_name(shadow.sim().drive().state);
-        s.fault = fault_of(shadow);
+        s.fault = fault_of(shadow, s.follower().board());
     }
 }
 

@@ -193,7 +193,7 @@ Json fault_of(const PlaySession &s, const Simulation &sim)
     }
     const FoundFault fault = found_fault(sim.drive(), sim.bases());
     return fault_json(fault, fault.tick * s.period_s,
-                      fault_measure(fault, sim.bases(), s.config.board));
+                      fault_measure(fault, sim.bases(), &s.config.board));
 }
 
 Json values_of(const std::vector<std::string> &names, const Tick &tick)

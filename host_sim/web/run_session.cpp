@@ -115,7 +115,7 @@ Json faults_of(const RunSession &s)
     Json faults = Json::array();
     for (const FoundFault &fault : result.faults) {
         faults.push_back(
-            fault_json(fault, result.time_s(fault), fault_measure(fault, bases, s.config.board)));
+            fault_json(fault, result.time_s(fault), fault_measure(fault, bases, &s.config.board)));
     }
     return faults;
 }

@@ -3,6 +3,8 @@
 
 #include "vocabulary.h"
 
+#include <cmath>
+
 namespace nf::web
 {
 namespace
@@ -44,7 +46,7 @@ void Scope::add(const Tick &tick)
     }
     for (Trace &trace : traces_) {
         const auto value = static_cast<float>(si_value(*trace.signal, tick));
-        if (ticks_ == 0) {
+        if (ticks_ == 0 || std::isnan(trace.lowest)) { // not known before this tick
             begin(trace, value);
         } else {
             widen(trace, value);

@@ -230,7 +230,7 @@ class Console(unittest.TestCase):
         made = ready()
         made.set_inputs(MIDDLE + 300, MIDDLE - 700, BUS)
         made.tick(2)  # what is converted when the inputs change belongs to the tick before
-        shown = re.search(r"READY, speed 0 of 0 rpm, phases (\S+) (\S+) (\S+) A, bus (\S+) V, 25 C", answer(made, "status"))
+        shown = re.search(r"READY, speed unknown, asked 0 rpm, phases (\S+) (\S+) (\S+) A, bus (\S+) V, 25 C", answer(made, "status"))
         per_count = FULL_SCALE_A / MIDDLE
         for text, counts in zip(shown.groups(), (300, -700, 400)):
             self.assertAlmostEqual(float(text), counts * per_count, delta=1.01 * per_count)

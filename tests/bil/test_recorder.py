@@ -233,7 +233,7 @@ class Recorder(unittest.TestCase):
         drive.fail()
         self.assertFalse(drive.board.chip.timer.gates_on())
         log = drive.dump(ask=False)
-        self.assertIn("speed 0 of 0 rpm", log)
+        self.assertIn("speed unknown, asked 0 rpm", log)
         self.assertIn("error: a dump is under way", log)
         self.assertIn("FAULT by OVERVOLTAGE", log)
         self.assert_replays(log)

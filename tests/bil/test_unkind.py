@@ -135,7 +135,7 @@ class Line(unittest.TestCase):
         made.go_on(TYPING_S)
         made.chip.usart.receive(b"status\r")
         made.go_on(TYPING_S)
-        self.assertIn("READY, speed 0 of 0 rpm", made.said())
+        self.assertIn("READY, speed unknown, asked 0 rpm", made.said())
 
     def test_what_comes_while_nobody_takes_it_sets_the_flag(self):
         usart = ready().chip.usart

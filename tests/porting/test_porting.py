@@ -123,7 +123,7 @@ class Porting(unittest.TestCase):
         """As it is told by its console."""
         self.build("host")
         said = self.run_command("./mine", cwd=self.folder / "host")
-        self.assertRegex(said, r"^neurofoc: motor A .*\n(.+\n)*ok\nok\n(.+\n)*READY, speed 0 of 1000 rpm, ")
+        self.assertRegex(said, r"^neurofoc: motor A .*\n(.+\n)*ok\nok\n(.+\n)*READY, speed unknown, asked 1000 rpm, ")
 
     def test_for_a_cortex_m4_it_is_an_image(self):
         self.build("cortex-m4")

@@ -209,7 +209,7 @@ TEST(a_run_comes_out_bit_for_bit)
 TEST(text_of_a_console_around_it_does_not_matter)
 {
     std::vector<std::string> lines = lines_of(recorded());
-    lines.insert(lines.begin(), {"neurofoc", "READY, speed 0 of 0 rpm", ""});
+    lines.insert(lines.begin(), {"neurofoc", "READY, speed unknown, asked 0 rpm", ""});
     lines.insert(lines.begin() + 10, {"ok", std::string("\0\x7F\xFF", 3)});
     lines.emplace_back("dump ends");
     for (const char *const end : {"\n", "\r\n", "\r"}) {

@@ -206,7 +206,7 @@ TEST(test_a_fault_of_temperature_is_said_in_degrees)
     const nf::FoundFault fault = {{FAULT_OVERTEMPERATURE, 3174, 3072, 0}, {}};
     TEST_ASSERT_EQUAL_STRING(
         "OVERTEMPERATURE: 105.0 °C, limit 100.0 °C",
-        nf::fault_measure(fault, nf::make_bases(config.motor, config.board), config.board).c_str());
+        nf::fault_measure(fault, nf::make_bases(config.motor, config.board), &config.board).c_str());
 }
 
 // 10 half-waves in 25 slow periods of 1 ms; of another fault a swing before it is not said.

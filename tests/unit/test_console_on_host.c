@@ -105,7 +105,7 @@ void setUp(void)
     live_config_init(&live, &app, &hardware, &ABOUT, &cfg);
     link_init(&serial, &live);
     TEST_ASSERT_NULL(app_init(&app, &hardware, &live.in_force->cfg));
-    assert_has("READY, speed 0 of 0 rpm, ", after(TICKS_PER_S / 10U, ""));
+    assert_has("READY, speed unknown, asked 0 rpm, ", after(TICKS_PER_S / 10U, ""));
 }
 
 TEST(test_the_motor_turns_as_fast_as_it_is_told_and_the_status_says_so)

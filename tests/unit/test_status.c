@@ -33,7 +33,7 @@ TEST(test_it_has_every_quantity_in_its_unit)
     measured.adc_temperature = 880U;          /* -7.03 °C */
     hardware.health = (hal_health_t){.adc_ic = 0U, .late_ticks = 12U, .load_pct = 25U};
     tick(1U);
-    TEST_ASSERT_EQUAL_STRING("READY, speed 0 of -345 rpm, phases 10.000 -0.009 -20.000 A, "
+    TEST_ASSERT_EQUAL_STRING("READY, speed unknown, asked -345 rpm, phases 10.000 -0.009 -20.000 A, "
                              "bus 310.034 V, -7 C, late 12, load 25 %",
                              status());
 }
@@ -81,13 +81,31 @@ TEST(test_the_speed_is_that_of_the_drive)
     TEST_ASSERT_EQUAL_STRING_LEN("RUN, speed -2000 of 0 rpm", status(), 25U);
 }
 
+TEST(test_with_open_gates_the_speed_is_unknown_and_with_a_sensor_it_is_known)
+{
+    static const drive_state_t open[] = {DRIVE_STATE_READY, DRIVE_STATE_FLYING_START,
+                                         DRIVE_STATE_FAULT};
+    drive_cfg_t sensed = *app.drive.cfg;
+
+    sensed.sampling.sensor_pole_pairs = 1U;
+    app.drive.observer.speed = EXAMPLE_SPEED_STEP; /* what driving ended with */
+    for (uint32_t k = 0U; k < (sizeof open / sizeof open[0]); k++) {
+        app.drive.state = open[k];
+        TEST_ASSERT_NOT_NULL_MESSAGE(strstr(status(), ", speed unknown, asked 0 rpm, "),
+                                     text.characters);
+    }
+    app.drive.cfg = &sensed;
+    app.drive.state = DRIVE_STATE_READY;
+    assert_state(DRIVE_STATE_READY, "READY, speed 2000 of 0 rpm, ");
+}
+
 /* 3 turns of the shaft with 2 pole pairs are 6 electrical ones. */
 TEST(test_a_position_is_asked_for_in_turns_and_is_no_speed)
 {
     const drive_command_t position = {.target = 6 * 65536, .mode = (uint8_t)DRIVE_MODE_POSITION};
 
     command_mailbox_post(&app.mailbox, &position);
-    TEST_ASSERT_EQUAL_STRING_LEN("INIT, speed 0 rpm, to turn 3.00, phases ", status(), 40U);
+    TEST_ASSERT_EQUAL_STRING_LEN("INIT, speed unknown, to turn 3.00, phases ", status(), 42U);
 }
 
 TEST(test_a_torque_is_asked_for_in_newton_metres_and_is_no_speed)
@@ -95,7 +113,7 @@ TEST(test_a_torque_is_asked_for_in_newton_metres_and_is_no_speed)
     const drive_command_t torque = {.target = 0x8000000, .mode = (uint8_t)DRIVE_MODE_TORQUE};
 
     command_mailbox_post(&app.mailbox, &torque);
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(status(), "speed 0 rpm, torque "), text.characters);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(status(), "speed unknown, torque "), text.characters);
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(status(), " N m, phases "), text.characters);
 }
 

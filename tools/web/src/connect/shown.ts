@@ -10,8 +10,8 @@ export const READINGS: ReadSignal[] = [
     { label: "Speed, estimated", name: "speed_estimated_rpm", unit: "rpm" },
     { label: "Speed command", name: "speed_command_rpm", unit: "rpm" },
     { label: "Position", name: POSITION, unit: "°", factor: DEG_PER_RAD },
-    { label: "i_q", name: "drive.signals.current.q", unit: "A" },
-    { label: "i_d", name: "drive.signals.current.d", unit: "A" },
+    { label: "i_q", name: "i_q_measured_a", unit: "A" },
+    { label: "i_d", name: "i_d_measured_a", unit: "A" },
     { label: "Bus", name: "drive.signals.bus", unit: "V" },
 ];
 

@@ -3,6 +3,6 @@
 
 export const FIRST_PANELS = [
     ["speed_command_rpm", "speed_estimated_rpm"],
-    ["drive.signals.current.q", "drive.signals.current.d"],
+    ["i_q_measured_a", "i_d_measured_a"],
     ["drive.signals.bus"],
 ];
