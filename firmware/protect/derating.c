@@ -111,11 +111,36 @@ static uint32_t flag(uint32_t name, int32_t share)
     return (share < FX_Q15_MAX) ? name : 0U;
 }
 
+/* TEMPERATURE_SENSOR where the sensor cannot have this count, else OVERTEMPERATURE: with the bound that it is beyond. */
+static fault_t temperature_fault(const derating_cfg_t *cfg, int32_t raw)
+{
+    fault_t fault = {
+        .id = FAULT_TEMPERATURE_SENSOR, .value = raw, .limit = cfg->temperature_lowest};
+
+    if (raw > cfg->temperature_highest) {
+        fault.limit = cfg->temperature_highest;
+    } else if (raw >= cfg->temperature_lowest) {
+        fault.id = FAULT_OVERTEMPERATURE;
+        fault.limit = cfg->temperature.zero;
+    } else {
+        /* below its lowest */
+    }
+    return fault;
+}
+
+/* The share of the current that the temperature leaves; nothing where it is not known. */
+static int32_t share_by_temperature(const derating_cfg_t *cfg, int32_t raw)
+{
+    const bool known = (raw >= cfg->temperature_lowest) && (raw <= cfg->temperature_highest);
+
+    return known ? derating_share(&cfg->temperature, raw) : 0;
+}
+
 fault_id_t derating_step(derating_t *derating, const derating_cfg_t *cfg, dq_t current,
                          uint16_t adc_temperature, fault_t *fault)
 {
     const int32_t raw = (int32_t)adc_temperature;
-    const int32_t by_temperature = derating_share(&cfg->temperature, raw);
+    const int32_t by_temperature = share_by_temperature(cfg, raw);
     fault_id_t id = FAULT_NONE;
     int32_t heat_q14;
     int32_t by_heat;
@@ -138,8 +163,8 @@ fault_id_t derating_step(derating_t *derating, const derating_cfg_t *cfg, dq_t c
         id = FAULT_OVERLOAD;
         *fault = (fault_t){.id = id, .value = heat_q14, .limit = cfg->heat_max_q14};
     } else if (derating->too_hot > cfg->temperature_periods) {
-        id = FAULT_OVERTEMPERATURE;
-        *fault = (fault_t){.id = id, .value = raw, .limit = cfg->temperature.zero};
+        *fault = temperature_fault(cfg, raw);
+        id = fault->id;
     } else {
         /* neither */
     }

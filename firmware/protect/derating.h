@@ -52,7 +52,10 @@ typedef struct {
     int32_t heat_max_q14;     /* OVERLOAD above it, 1…2^20 */
     fade_t heat;              /* of current_max − current_continuous; x: heat, Q14 */
     fade_t temperature;       /* of current_max; x: raw count of the sensor */
-    /* OVERTEMPERATURE when the share of `temperature` is 0 for more periods than this */
+    /* counts that the sensor can have; beyond them it is broken, and the share is 0. 0…65535 */
+    int32_t temperature_lowest;
+    int32_t temperature_highest;
+    /* OVERTEMPERATURE or TEMPERATURE_SENSOR when the share is 0 for more periods than this */
     uint32_t temperature_periods;
     fade_t bus_high;              /* of the braking current; x: bus */
     fade_t bus_low;               /* of the motoring current; x: bus */
@@ -71,7 +74,7 @@ typedef struct {
 typedef struct {
     int32_t heat_q24;    /* 2^24 = steady state at the continuous current, 0…2^30 */
     int32_t thermal;     /* current limit by heat and temperature */
-    uint32_t too_hot;    /* consecutive periods with a temperature share of 0 */
+    uint32_t too_hot;    /* consecutive periods with a temperature share of 0, hot or not known */
     int32_t motoring;    /* current limit by all but the bus current, 0…current_max */
     int32_t braking;     /* likewise */
     dq_t voltage;        /* of the motor, mean of some slow periods, ±32767 */
@@ -94,8 +97,9 @@ int32_t derating_share(const fade_t *fade, int32_t x);
 /*
  * One supervision period, gates open or not: the heat that `current` makes (|i| ≤ 18918, the vector of
  * three phases at full scale; 0 with open gates) and the temperature. What is above four times the
- * continuous current counts as that. Finds OVERLOAD and
- * OVERTEMPERATURE (fault.h).
+ * continuous current counts as that. Finds OVERLOAD, OVERTEMPERATURE, and TEMPERATURE_SENSOR where the
+ * count is one that a whole sensor does not have: the temperature is not known then, so nothing is left of the current
+ * (fault.h).
  */
 fault_id_t derating_step(derating_t *derating, const derating_cfg_t *cfg, dq_t current,
                          uint16_t adc_temperature, fault_t *fault);

@@ -67,6 +67,8 @@ const fault_text_t *fault_text(fault_id_t id) /* NOLINT(readability-function-siz
         [FAULT_OSCILLATION] = {"OSCILLATION", FAULT_UNIT_CURRENT,
                                "elastic shaft: set speed_loop.notch_hz to this frequency; loop too "
                                "fast: lower bandwidth_hz; dead time wrong: correct it"},
+        [FAULT_TEMPERATURE_SENSOR] = {"TEMPERATURE_SENSOR", FAULT_UNIT_TEMPERATURE,
+                                      "TODO; TODO"},
     };
     const unsigned int index = (unsigned int)id;
 

@@ -228,6 +228,23 @@ void set_bus_derating(derating_cfg_t &c, const BoardSettings &board, const Bases
     c.bus_high = make_fade(brake * steps, end * steps);
 }
 
+// The line of the board ends where somebody stopped measuring, and a power stage may be colder than that. A sensor that is off
+// or shorted reads an end of the converter. A quarter of the way from there to the line's end divides both: with an NTC of
+// 10 kΩ and 3380 K above 4.7 kΩ, whose line ends at -20 °C, that is -43 °C. Where the line goes to the converter's end,
+// nothing can be told.
+constexpr double BROKEN_SHARE = 0.25;
+
+void set_temperature_ends(derating_cfg_t &c, const BoardSettings &board)
+{
+    const auto [least, most] = std::minmax(board.temperature_points_pct.front(),
+                                           board.temperature_points_pct.back());
+    const double full = std::ldexp(1.0, board.adc_bits);
+    const double lowest = BROKEN_SHARE * least / 100;
+    const double highest = 1 - BROKEN_SHARE * (1 - most / 100);
+    keep(c.temperature_lowest, full * lowest, 0, full - 1);
+    keep(c.temperature_highest, full * highest, 0, full - 1);
+}
+
 // The fault needs the share to be gone for a while: the sensor is slow, its converter noisy.
 void set_temperature_derating(derating_cfg_t &c, const BoardSettings &board, double period_s)
 {
@@ -244,6 +261,7 @@ void set_temperature_derating(derating_cfg_t &c, const BoardSettings &board, dou
             std::min(board.temperature_max_c, temperature_at(board, limit + steps)),
             "two counts of the sensor below board.temperature_max_c");
     c.temperature = make_fade(temperature_count(board, warn), limit);
+    set_temperature_ends(c, board);
     c.temperature_periods = static_cast<uint32_t>(std::ceil(TEMPERATURE_TIME_S / period_s));
 }
 

@@ -82,6 +82,27 @@ static uint16_t quantise(double counts, double count_max)
     return (uint16_t)(counts + 0.5);
 }
 
+static double logit(double share)
+{
+    return log(share / (1.0 - share));
+}
+
+/*
+ * What a thermistor's divider reads beyond an end of its line: its ratio p/(1 - p) goes on as it did between the last two
+ * points, so an NTC that is far too cold reads 0 or full scale. A line that ends at an end of the converter stays there.
+ */
+static double beyond(const plant_sensor_point_t *from, const plant_sensor_point_t *to, double way)
+{
+    const plant_sensor_point_t *const end = way < 0.0 ? from : to;
+    const double least = fmin(from->share, to->share);
+    const double most = fmax(from->share, to->share);
+    if (least <= 0.0 || most >= 1.0) {
+        return end->share;
+    }
+    const double x = logit(from->share) + way * (logit(to->share) - logit(from->share));
+    return 1.0 / (1.0 + exp(-x));
+}
+
 void plant_sensors_set_temperature(plant_sensors_t *sensors, double temperature_c)
 {
     const plant_sensor_point_t *to = &sensors->temperature_at[1];
@@ -94,7 +115,8 @@ void plant_sensors_set_temperature(plant_sensors_t *sensors, double temperature_
         }
         const plant_sensor_point_t *const from = to - 1;
         const double way = (temperature_c - from->celsius) / (to->celsius - from->celsius);
-        share = from->share + way * (to->share - from->share);
+        share = way < 0.0 || way > 1.0 ? beyond(from, to, way)
+                                       : from->share + way * (to->share - from->share);
     }
     sensors->temperature = quantise(share * (sensors->count_max + 1.0), sensors->count_max);
 }
