@@ -2,6 +2,7 @@
 #include "status.h"
 
 #include "barrier.h"
+#include "diagnosis.h"
 #include "fault_text.h"
 
 #include <stddef.h>
@@ -110,7 +111,7 @@ static void add_fault(text_t *text, const drive_t *drive, const about_t *about)
     }
     add_measure(text, ", limit ", about, words->unit, fault->limit);
     text_add(text, " (");
-    text_add(text, words->advice);
+    text_add(text, diagnosis_advice(drive, about->rotation.pole_pairs));
     text_add(text, ")");
 }
 

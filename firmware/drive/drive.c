@@ -87,6 +87,15 @@ static void fail(drive_t *drive, const fault_t *fault)
         drive->fault.value = fault->value;
         drive->fault.limit = fault->limit;
         drive->fault.tick = drive->tick;
+        drive->scene = (fault_scene_t){
+            .state = drive->state,
+            .limits = drive->derating.flags,
+            .speed = drive_speed(drive),
+            .torque = drive_current_in_force(drive).q,
+            .phase_a = drive->signals.phase_a,
+            .phase_b = drive->signals.phase_b,
+            .motoring = drive->derating.motoring,
+        };
         follow(drive, DRIVE_EVENT_FAULT);
     }
 }
@@ -218,6 +227,19 @@ static drive_event_t finish_calibration(drive_t *drive, fault_t *fault)
     return (id == FAULT_NONE) ? DRIVE_EVENT_CALIBRATED : DRIVE_EVENT_FAULT;
 }
 
+/* Without current nothing but noise changes a sample. */
+static void count_noise(calibration_t *sums, const drive_in_t *in)
+{
+    const int32_t a = (int32_t)in->adc_ia - (int32_t)sums->before_a;
+    const int32_t b = (int32_t)in->adc_ib - (int32_t)sums->before_b;
+
+    if (sums->samples > 0U) {
+        sums->noise = fx_min(sums->noise + fx_abs(a) + fx_abs(b), OFFSET_SUM_MAX);
+    }
+    sums->before_a = in->adc_ia;
+    sums->before_b = in->adc_ib;
+}
+
 static drive_event_t calibrate_step(drive_t *drive, const drive_in_t *in, fault_t *fault)
 {
     calibration_t *const sums = &drive->calibration;
@@ -225,6 +247,7 @@ static drive_event_t calibrate_step(drive_t *drive, const drive_in_t *in, fault_
 
     sums->sum_a = fx_min(sums->sum_a + (int32_t)in->adc_ia, OFFSET_SUM_MAX);
     sums->sum_b = fx_min(sums->sum_b + (int32_t)in->adc_ib, OFFSET_SUM_MAX);
+    count_noise(sums, in);
     sums->samples++;
     if (sums->samples == (1UL << drive->cfg->sampling.offset_log2)) {
         event = finish_calibration(drive, fault);
@@ -407,6 +430,7 @@ static void restart(drive_t *drive, const drive_cfg_t *cfg)
 {
     const drive_state_t state = drive->state;
     const fault_t fault = drive->fault;
+    const fault_scene_t scene = drive->scene;
     const uint32_t tick = drive->tick;
     const uint32_t left = drive->slow_count;
     const int32_t heat_q24 = drive->derating.heat_q24;
@@ -423,6 +447,7 @@ static void restart(drive_t *drive, const drive_cfg_t *cfg)
     drive->offset_a = offset_a;
     drive->offset_b = offset_b;
     drive->fault = fault;
+    drive->scene = scene;
     drive->tick = tick;
     drive->slow_count = (left < cfg->slow_ticks) ? left : cfg->slow_ticks;
     drive->derating.heat_q24 = heat_q24;

@@ -35,6 +35,8 @@ typedef struct {
     uint32_t halves_max; /* half-waves in a run that are a swing, 4…1000 */
     uint32_t
         periods_max; /* slow periods from a turning point until the next is seen; more end a run, 2…60000 */
+    /* period at which the speed loop lags by half a turn, sixteenths of a slow period, 1…10^6: for who explains a swing */
+    uint32_t lag_periods_q4;
     int32_t amplitude_max; /* of i_q*, 1…16383 */
 } oscillation_cfg_t;
 

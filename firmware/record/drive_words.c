@@ -35,7 +35,7 @@ static const piece_t pieces[] = {
     BYTE(align.backwards),
     WORDS(align.current_ref, oscillation.motion),
     BYTE(oscillation.falls),
-    WORDS(oscillation.extreme, fault.tick),
+    WORDS(oscillation.extreme, scene.motoring),
 };
 
 #define PIECES ((uint32_t)(sizeof(pieces) / sizeof(pieces[0])))

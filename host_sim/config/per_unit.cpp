@@ -5,6 +5,7 @@
 #include "numbers.h"
 #include "rules.h"
 #include "safe_state_units.h"
+#include "speed_margin.h"
 #include "torque_filter_units.h"
 #include "torque_units.h"
 
@@ -374,6 +375,7 @@ oscillation_cfg_t make_oscillation(const MotorSettings &motor, const TuningSetti
                 {"supervision.oscillation_amplitude_pct", tuning.oscillation_amplitude_pct},
                 "motor.max_current_a: the torque current does not swing further");
     }
+    keep(c.lag_periods_q4, 16 / (speed_lag_hz(tuning, b.control_period_s) * slow_period_s), 1, 1e6);
     keep(c.amplitude_max, amplitude / b.current_a * Q15, 1, Q14 - 1);
     return c;
 }

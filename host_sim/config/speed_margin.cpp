@@ -12,6 +12,7 @@ namespace
 using Complex = std::complex<double>;
 
 constexpr double PWM_DELAY = 1.5; // periods from the samples to the middle of the voltage
+constexpr double HUNDREDFOLD = 100; // range of frequencies in which a loop may lag by half a turn
 constexpr int HALVINGS = 50;      // of a range in which a frequency is sought
 
 // Where the gain of (2ζw·s + w²)/s² is 1, in w.
@@ -72,6 +73,24 @@ double speed_margin(const TuningSettings &tuning, double control_period_s, doubl
     };
     const Complex crossing = at(last(most_hz, [&](double hz) { return std::abs(at(hz)) >= 1; }));
     return std::arg(-crossing);
+}
+
+double speed_lag_hz(const TuningSettings &tuning, double control_period_s)
+{
+    constexpr double STEP = 1.01;
+    const double end_hz = speed_loop_rate(tuning, control_period_s) / 2;
+    double hz = end_hz / std::pow(STEP, std::ceil(std::log(HUNDREDFOLD) / std::log(STEP)));
+    const auto leads = [&](double at_hz) {
+        return std::arg(-open_loop(tuning, control_period_s, tuning.speed_bandwidth_hz,
+                                   TorqueFilter::as_set, at_hz)) > 0;
+    };
+    while (hz < end_hz && !leads(hz)) { // a loop whose integral part alone lags so
+        hz *= STEP;
+    }
+    while (hz < end_hz && leads(hz)) {
+        hz *= STEP;
+    }
+    return std::min(hz, end_hz);
 }
 
 double bandwidth_of_margin(const TuningSettings &tuning, double control_period_s, double margin,

@@ -21,4 +21,8 @@ double speed_margin(const TuningSettings &tuning, double control_period_s, doubl
 double bandwidth_of_margin(const TuningSettings &tuning, double control_period_s, double margin,
                            double most_hz);
 
+// Frequency at which the speed loop on a rigid shaft lags by half a turn, Hz: where it swings when its gain is too large. The
+// tuning is complete. At most half of the loop's rate.
+double speed_lag_hz(const TuningSettings &tuning, double control_period_s);
+
 } // namespace nf

@@ -18,10 +18,6 @@
 #include <cstdlib>
 #include <utility>
 
-extern "C" {
-#include "fault_text.h"
-}
-
 #include <fmt/format.h>
 
 namespace nf::live
@@ -447,7 +443,7 @@ std::string fault_advice(const Simulation &sim, const BoardSettings *board)
         return "";
     }
     const FoundFault fault = found_fault(sim.drive(), sim.bases());
-    return fmt::format("; {}: {}", fault_measure(fault, sim.bases(), board), fault_text(fault.id)->advice);
+    return fmt::format("; {}: {}", fault_measure(fault, sim.bases(), board), fault.advice);
 }
 
 } // namespace

@@ -10,10 +10,6 @@
 #include <deque>
 #include <vector>
 
-extern "C" {
-#include "fault_text.h"
-}
-
 #include <fmt/format.h>
 
 #include <curses.h>
@@ -71,7 +67,7 @@ void add_drive(Rows &rows, const Simulation &sim, const BoardSettings *board)
     if (drive.state == DRIVE_STATE_FAULT) {
         const FoundFault fault = found_fault(drive, bases);
         rows.emplace_back("fault", fault_measure(fault, bases, board));
-        rows.emplace_back("", fault_text(fault.id)->advice);
+        rows.emplace_back("", fault.advice);
     }
 }
 

@@ -5,10 +5,6 @@
 #include "fault_line.h"
 #include "names.h"
 
-extern "C" {
-#include "fault_text.h"
-}
-
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -170,7 +166,7 @@ std::string table_text(const Config &config, const RunResult &result)
         text +=
             fmt::format("    {}\n    {}\n",
                         fault_measure(fault, make_bases(config.motor, config.board), &config.board),
-                        fault_text(fault.id)->advice);
+                        fault.advice);
     }
     text += fmt::format("\n  {:<28}{:>10}  {:>10}  {:>10}\n", "motor", "estimated", "actual",
                         "configured");

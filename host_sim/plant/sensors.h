@@ -6,8 +6,8 @@
  *
  * Current channels: lsb = current_full_scale_a / 2^(bits-1), zero = 2^(bits-1).
  * Bus channel:      lsb = bus_full_scale_v / 2^bits,         zero = 0, no gain error, no offset.
- * Temperature:      linear from each of its points to the next, and on beyond the ends, no noise: it is slow
- *                   and filtered.
+ * Temperature:      linear from each of its points to the next, beyond the ends as the divider of a thermistor, no noise: it
+ *                   is slow and filtered.
  * Bandwidth:        a first-order low pass in front of each current channel, corner current_bandwidth_hz. Between two
  *                   instants the current runs straight, for which plant_sensors_follow is exact.
  * Angle:            the shaft's, 2^16 to a turn, in steps of 1 / angle_counts of a turn; no offset.

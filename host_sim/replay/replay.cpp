@@ -58,7 +58,7 @@ std::string end_text(const Recording &recording, const Result &result)
         return fmt::format("  ends in {}, speed {:.0f} rpm\n", state_name(result.state),
                            result.speed_rpm);
     }
-    const FoundFault fault = {recording.fault(), result.fault.swing_hz};
+    const FoundFault fault = {recording.fault(), result.fault.swing_hz, result.fault.advice};
     const int64_t at = recording.run.tick_of(fault.tick);
     return fmt::format("  fault at tick {}, {:.4f} s before the end, at {:.0f} rpm: {}\n", at,
                        static_cast<double>(recording.last() - at) * bases.control_period_s,

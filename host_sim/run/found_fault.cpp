@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "found_fault.h"
 
+extern "C" {
+#include "diagnosis.h"
+}
+
 namespace nf
 {
 
 FoundFault found_fault(const drive_t &drive, const Bases &bases)
 {
     const bool is_swing = drive.fault.id == FAULT_OSCILLATION;
-    return {drive.fault, is_swing ? last_swing_hz(drive, bases) : std::nullopt};
+    return {drive.fault, is_swing ? last_swing_hz(drive, bases) : std::nullopt,
+            diagnosis_advice(&drive, static_cast<uint32_t>(bases.pole_pairs))};
 }
 
 std::optional<double> last_swing_hz(const drive_t &drive, const Bases &bases)

@@ -62,12 +62,12 @@ Json signal_json(const SignalInfo &signal, const Tick &tick)
     return json;
 }
 
-Json fault_json(const fault_t &fault, double time_s, const std::string &measure)
+Json fault_json(const FoundFault &fault, double time_s, const std::string &measure)
 {
     return {{"time_s", time_s},
             {"name", fault_text(fault.id)->name},
             {"measure", measure},
-            {"advice", fault_text(fault.id)->advice}};
+            {"advice", fault.advice}};
 }
 
 Json states_json(const std::vector<StateChange> &changes)

@@ -22,7 +22,7 @@ Json recorded_signals_json(const Simulation &sim);
 Json signal_json(const SignalInfo &signal, const Tick &tick);
 
 // `measure`: what fault_measure() says of it.
-Json fault_json(const fault_t &fault, double time_s, const std::string &measure);
+Json fault_json(const FoundFault &fault, double time_s, const std::string &measure);
 
 Json states_json(const std::vector<StateChange> &changes);
 

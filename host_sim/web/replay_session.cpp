@@ -50,14 +50,14 @@ double period_of(const ReplaySession &s)
 
 Json faults_of(const ReplaySession &s)
 {
-    const fault_t fault = s.recording.fault();
+    const FoundFault fault = {s.recording.fault(), s.result.fault.swing_hz, s.result.fault.advice};
     if (fault.id == FAULT_NONE) {
         return Json::array();
     }
     const auto at = static_cast<double>(s.recording.run.tick_of(fault.tick));
     return Json::array(
         {fault_json(fault, at * period_of(s),
-                    fault_measure({fault, s.result.fault.swing_hz}, s.recording.run.image.bases))});
+                    fault_measure(fault, s.recording.run.image.bases))});
 }
 
 Json head_of(const ReplaySession &s)

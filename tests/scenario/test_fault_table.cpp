@@ -4,6 +4,7 @@
 //
 //     test_fault_table            holds the tables
 //     test_fault_table --measure  prints them as they are measured now; tools/dev figures --write puts them there
+#include "found_fault.h"
 #include "measure.h"
 #include "plate.h"
 #include "scripted_run.h"
@@ -73,7 +74,7 @@ struct Row {
 
 struct Rows {
     std::vector<Row> all;
-    fault_t fault{};
+    nf::FoundFault fault{};
     std::string refusal; // of the identification
 
     void add(const nf::Simulation &sim, const plant_view_t &truth)
@@ -85,7 +86,9 @@ struct Rows {
         }
         all.push_back({drive.state, sim.out().gate_enable, drive.align.phase, current_a,
                        truth.omega_mech_rad_s * RPM_PER_RAD_S});
-        fault = drive.fault;
+        if (drive.state == DRIVE_STATE_FAULT) {
+            fault = nf::found_fault(drive, sim.bases());
+        }
     }
 };
 
@@ -271,7 +274,7 @@ constexpr Fault FAULTS[] = {
 };
 
 struct Found {
-    fault_t fault{};         // latched at the end, else FAULT_NONE
+    nf::FoundFault fault{};  // latched at the end, else FAULT_NONE
     bool is_refused = false; // the identification
     std::size_t at = 0;      // the tick of the fault
     int64_t ticks = 0;       // from then until it is latched
@@ -660,7 +663,7 @@ TEST(test_the_advice_of_a_fault_names_what_it_was_made_by)
     for (const Cell &one : cells()) {
         const auto cause = causes.find(one.fault->kind);
         if (one.found.fault.id != FAULT_NONE && cause != causes.end()) {
-            const std::string advice = fault_text(one.found.fault.id)->advice;
+            const std::string advice = one.found.fault.advice;
             TEST_ASSERT_TRUE_MESSAGE(
                 advice.find(cause->second) != std::string::npos,
                 (label(*one.fault, one.place, one.found) + ": " + advice).c_str());

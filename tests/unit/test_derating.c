@@ -201,6 +201,38 @@ TEST(test_temperature_takes_the_limit_linearly_to_nothing)
     }
 }
 
+static void assert_broken(uint16_t count, int32_t limit)
+{
+    derating_reset(&derating, &cfg);
+    fault = (fault_t){.id = FAULT_NONE};
+    for (uint32_t k = 0U; k <= cfg.temperature_periods; k++) {
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, fault.id);
+        (void)step_with(0, count);
+        TEST_ASSERT_EQUAL_INT32(0, derating.thermal);
+        TEST_ASSERT_EQUAL_HEX32(DERATING_TEMPERATURE, derating.flags_slow);
+    }
+    TEST_ASSERT_EQUAL_INT(FAULT_TEMPERATURE_SENSOR, fault.id);
+    TEST_ASSERT_EQUAL_INT32(count, fault.value);
+    TEST_ASSERT_EQUAL_INT32(limit, fault.limit);
+}
+
+TEST(test_a_count_that_the_sensor_cannot_have_leaves_no_current_and_is_a_fault_of_the_sensor)
+{
+    cfg.temperature_lowest = 60;
+    cfg.temperature_highest = 3970;
+    assert_broken(59U, 60);
+    assert_broken(0U, 60);
+    assert_broken(3971U, 3970);
+    derating_reset(&derating, &cfg);
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, step_with(0, 60U));
+    TEST_ASSERT_EQUAL_INT32(MAX, derating.thermal);
+    for (uint32_t k = 0U; k <= cfg.temperature_periods; k++) {
+        (void)step_with(0, 3970U);
+    }
+    TEST_ASSERT_EQUAL_INT(FAULT_OVERTEMPERATURE, fault.id);
+    TEST_ASSERT_EQUAL_INT32(2048, fault.limit);
+}
+
 TEST(test_overtemperature_takes_more_than_its_periods_in_a_row)
 {
     for (uint32_t k = 0U; k < cfg.temperature_periods; k++) {

@@ -23,7 +23,7 @@
 #define BEFORE_VECTOR (offsetof(drive_t, vector) - offsetof(drive_t, identified) - WORD)
 #define IN_VECTOR (sizeof(current_vector_t) - (5U * WORD))
 #define IN_ANGLE_SENSOR (sizeof(angle_sensor_t) - (3U * WORD))
-#define AT_THE_END (sizeof(drive_t) - offsetof(drive_t, fault) - sizeof(fault_t))
+#define AT_THE_END (sizeof(drive_t) - offsetof(drive_t, scene) - sizeof(fault_scene_t))
 #define ALIGNMENT \
     (BEFORE_POSITION_LOOP + IN_POSITION_LOOP + BEFORE_VECTOR + IN_VECTOR + IN_ANGLE_SENSOR + \
      AT_THE_END)

@@ -20,24 +20,50 @@ TEST(test_every_fault_has_a_name_of_its_own)
     }
 }
 
-TEST(test_every_fault_has_one_line_of_cause_and_next_check)
+static void assert_one_line(const char *advice)
+{
+    TEST_ASSERT_NOT_NULL(advice);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strchr(advice, ';'), advice);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strchr(advice, ':'), advice);
+    TEST_ASSERT_TRUE_MESSAGE(strlen(advice) <= ADVICE_MAX, advice);
+    for (const char *c = advice; *c != '\0'; c++) {
+        TEST_ASSERT_TRUE_MESSAGE((*c >= ' ') && (*c <= '~'), advice);
+    }
+}
+
+TEST(test_every_fault_has_one_line_of_cause_and_next_check_whatever_is_known)
 {
     for (int32_t id = 1; id < (int32_t)FAULT_COUNT; id++) {
-        const char *const advice = fault_text((fault_id_t)id)->advice;
-
-        TEST_ASSERT_NOT_NULL(advice);
-        TEST_ASSERT_NOT_NULL_MESSAGE(strchr(advice, ';'), advice);
-        TEST_ASSERT_TRUE_MESSAGE(strlen(advice) <= ADVICE_MAX, advice);
-        for (const char *c = advice; *c != '\0'; c++) {
-            TEST_ASSERT_TRUE_MESSAGE((*c >= ' ') && (*c <= '~'), advice);
+        assert_one_line(fault_advice((fault_id_t)id, 0U));
+        for (uint32_t sign = 0U; sign < (uint32_t)FAULT_SIGNS; sign++) {
+            assert_one_line(fault_advice((fault_id_t)id, 1UL << sign));
         }
     }
+}
+
+TEST(test_a_sign_changes_the_advice_of_its_faults_only)
+{
+    const uint32_t turn = 1UL << (uint32_t)FAULT_SIGN_ONCE_A_TURN;
+
+    TEST_ASSERT_NOT_NULL(strstr(fault_advice(FAULT_OSCILLATION, 0U), "notch_hz"));
+    TEST_ASSERT_NOT_NULL(strstr(fault_advice(FAULT_OSCILLATION, turn), "pulsates"));
+    TEST_ASSERT_EQUAL_PTR(fault_advice(FAULT_STALL, 0U), fault_advice(FAULT_STALL, turn));
+}
+
+TEST(test_a_derated_torque_goes_before_what_a_swing_looks_like)
+{
+    const uint32_t both =
+        (1UL << (uint32_t)FAULT_SIGN_ONCE_A_TURN) | (1UL << (uint32_t)FAULT_SIGN_DERATED_BUS);
+
+    TEST_ASSERT_NOT_NULL(strstr(fault_advice(FAULT_OSCILLATION, both), "low bus"));
 }
 
 TEST(test_a_number_that_is_no_fault_has_the_text_of_none)
 {
     TEST_ASSERT_EQUAL_PTR(fault_text(FAULT_NONE), fault_text(FAULT_COUNT));
     TEST_ASSERT_EQUAL_PTR(fault_text(FAULT_NONE), fault_text((fault_id_t)200));
+    TEST_ASSERT_EQUAL_STRING("no fault", fault_advice(FAULT_NONE, UINT32_MAX));
+    TEST_ASSERT_EQUAL_STRING("no fault", fault_advice((fault_id_t)200, UINT32_MAX));
 }
 
 TEST(test_numbers_of_recorded_faults_do_not_move)

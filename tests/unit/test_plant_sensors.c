@@ -289,6 +289,21 @@ TEST(test_temperature_is_linear_between_its_ends_and_clipped_beyond)
     check_temperature(200.0, 4095);
 }
 
+/* 10 kOhm and 3380 K above 4.7 kOhm, as a line of two points: 5.9 % at -20, 27.92 % at 20 degrees. */
+TEST(test_beyond_its_line_a_thermistor_reads_as_its_divider_and_an_open_one_an_end)
+{
+    plant_sensor_cfg_t cfg = CLEAN;
+
+    cfg.temperature[0] = (plant_sensor_point_t){-20.0, 0.059};
+    cfg.temperature[1] = (plant_sensor_point_t){20.0, 0.2792};
+    start(&cfg);
+    check_temperature(-20.0, 242);
+    /* p/(1 - p) is 0.0627 at -20 and 6.178 times that 40 degrees on: 0.01015 at -60. */
+    check_temperature(-60.0, 41);
+    check_temperature(-250.0, 0);
+    check_temperature(250.0, 4095);
+}
+
 TEST(test_temperature_may_count_down_and_reads_0_without_a_sensor)
 {
     plant_sensor_cfg_t cfg = CLEAN;
@@ -304,7 +319,7 @@ TEST(test_temperature_may_count_down_and_reads_0_without_a_sensor)
     check_temperature(25.0, 0);
 }
 
-TEST(test_a_bent_line_is_linear_from_each_point_to_the_next_and_on_beyond_the_ends)
+TEST(test_a_bent_line_is_linear_from_each_point_to_the_next_and_a_divider_beyond_the_ends)
 {
     plant_sensor_cfg_t cfg = CLEAN;
     cfg.temperature[0] = (plant_sensor_point_t){0.0, 0.125};
@@ -317,8 +332,8 @@ TEST(test_a_bent_line_is_linear_from_each_point_to_the_next_and_on_beyond_the_en
     check_temperature(50.0, 2048);
     check_temperature(75.0, 2560);
     check_temperature(100.0, 3072);
-    check_temperature(-10.0, 205);  /* 512 less 307.2 */
-    check_temperature(110.0, 3277); /* 3072 and 204.8 */
+    check_temperature(-10.0, 362);  /* p/(1 - p): 1/7 over 7^0.2 */
+    check_temperature(110.0, 3231); /* 3 times 3^0.2 */
 }
 
 TEST(test_the_angle_is_told_in_65536_of_a_turn_and_wraps)

@@ -181,7 +181,7 @@ TEST(test_a_swing_that_is_a_fault_has_its_frequency_beside_its_amplitude)
     app.drive.oscillation.span = 400U;
     assert_fault(" by OSCILLATION 20.000 A at 25.0 Hz, limit 2.500 A (", FAULT_OSCILLATION, 16384,
                  2048);
-    TEST_ASSERT_NULL(strstr(status(), "swing"));
+    TEST_ASSERT_NULL(strstr(status(), ", swing "));
     assert_fault(" by OVERCURRENT 20.000 A, limit 10.000 A (", FAULT_OVERCURRENT, 16384, 8192);
     TEST_ASSERT_NOT_NULL(strstr(status(), "), swing 25.0 Hz, speed "));
 }

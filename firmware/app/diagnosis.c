@@ -1,0 +1,227 @@
+/* SPDX-License-Identifier: MIT */
+#include "diagnosis.h"
+
+#include "fault_text.h"
+
+#include <stddef.h>
+
+#define STEPS_IN_A_TURN (4294967296LL)
+#define NEAR_SHARE (12)  /* two frequencies are the same within 1/12 */
+#define SIX (6)          /* the legs commute six times in an electrical turn */
+#define LAG_EIGHTHS (6U) /* a swing by the lag of the loop: its period is 6/8 of the computed one at least … */
+#define LAG_EIGHTHS_MOST (12U) /* … and 12/8 at most */
+#define EIGHT (8U)
+#define HALVES_SEEN (4U) /* half-waves that are a swing, though not yet a fault */
+#define NOISE_SHARE (6)  /* noise above 1/6 of a limit is not small beside it */
+#define WHOLE_SHARE (16) /* a swing within 1/16 of the current's limit is held by it */
+#define FOLLOW_SHARE (2) /* a rotor that turns with less than 1/2 of the vector's speed does not follow it */
+
+static uint32_t sign_if(fault_sign_t sign, bool is_there)
+{
+    return is_there ? (1UL << (uint32_t)sign) : 0U;
+}
+
+static bool was_running(const drive_t *drive)
+{
+    return drive->scene.state == DRIVE_STATE_RUN;
+}
+
+/* Less than 3/4 of the motoring current was left, by one of these limits. */
+static bool is_derated_by(const drive_t *drive, uint32_t limits)
+{
+    const int32_t whole = drive->cfg->derating.current_max;
+
+    return was_running(drive) && ((drive->scene.limits & limits) != 0U) &&
+           (drive->scene.motoring < (whole - (whole / 4)));
+}
+
+/* Steps of a turn in one tick with the frequency of the swing; 0: there was none. */
+static int64_t swing_step(const drive_t *drive)
+{
+    const int64_t ticks = 2LL * (int64_t)drive->oscillation.span * (int64_t)drive->cfg->slow_ticks;
+
+    return (ticks == 0)
+               ? 0
+               : ((STEPS_IN_A_TURN * (int64_t)drive->cfg->oscillation.halves_max) / ticks);
+}
+
+/* Whether a frequency is `times` as high as `turn`, both in steps per tick. */
+static bool is_times(int64_t frequency, int64_t turn, int64_t times)
+{
+    const int64_t expected = turn * times;
+    const int64_t off = frequency - expected;
+
+    return (expected > 0) && ((NEAR_SHARE * ((off < 0) ? -off : off)) <= expected);
+}
+
+/* Period of the swing and the one at which the loop lags by half a turn, in sixteenths of a slow period. */
+typedef struct {
+    uint64_t swing_q4;
+    uint64_t lag_q4;
+} periods_t;
+
+static periods_t periods_of(const drive_t *drive)
+{
+    const oscillation_cfg_t *const cfg = &drive->cfg->oscillation;
+
+    return (periods_t){
+        .swing_q4 = (32ULL * drive->oscillation.span) / cfg->halves_max,
+        .lag_q4 = cfg->lag_periods_q4,
+    };
+}
+
+static bool is_faster_than_lag(const periods_t *periods)
+{
+    return (EIGHT * periods->swing_q4) < (LAG_EIGHTHS * periods->lag_q4);
+}
+
+static bool is_slower_than_lag(const periods_t *periods)
+{
+    return (EIGHT * periods->swing_q4) > (LAG_EIGHTHS_MOST * periods->lag_q4);
+}
+
+/* A loop that swings by itself does so up to the limit of its current. */
+static bool is_at_limit(const drive_t *drive)
+{
+    const int32_t whole = drive->cfg->derating.current_max;
+
+    return drive->fault.value > (whole - (whole / WHOLE_SHARE));
+}
+
+static uint32_t swing_signs(const drive_t *drive, uint32_t pole_pairs)
+{
+    const int64_t frequency = swing_step(drive);
+    const int64_t electric = (int64_t)fx_abs(drive->speed_loop.reference);
+    const int64_t shaft = electric / (int64_t)pole_pairs;
+    const periods_t periods = periods_of(drive);
+    const bool fast = is_faster_than_lag(&periods);
+    const bool lags = !fast && !is_slower_than_lag(&periods);
+    const bool forced = !fast && !(lags && is_at_limit(drive));
+    uint32_t signs = sign_if(FAULT_SIGN_LAG, lags);
+
+    if (forced) { /* the loop answers to it; what is faster it does not */
+        signs |= sign_if(FAULT_SIGN_ONCE_A_TURN,
+                         is_times(frequency, shaft, 1) || is_times(frequency, shaft, 2)) |
+                 sign_if(FAULT_SIGN_ELECTRIC,
+                         is_times(frequency, electric, 1) || is_times(frequency, electric, 2)) |
+                 sign_if(FAULT_SIGN_SIX, is_times(frequency, electric, SIX));
+    }
+    return signs;
+}
+
+/* Mean change of a sample by noise at rest, Q15 of I_b: 1.13 of its rms value. */
+static int32_t noise_at_rest(const drive_t *drive)
+{
+    const uint64_t samples = 2ULL * drive->calibration.samples;
+    const uint64_t sum = (uint64_t)fx_unsigned(drive->calibration.noise) << drive->cfg->sampling.current_shift;
+
+    return (samples == 0U) ? 0 : (int32_t)(sum / samples);
+}
+
+/* Beside the smallest current that a start judges by. */
+static bool is_noisy(const drive_t *drive)
+{
+    return (NOISE_SHARE * noise_at_rest(drive)) > drive->cfg->startup.residual_max;
+}
+
+/* Where a start turns the vector without the rotor, the observer finds no speed, or another one. */
+static bool is_not_followed(const drive_t *drive)
+{
+    const step_t vector = drive->vector.step;
+    const step_t slip = fx_abs(vector - drive->observer.speed);
+
+    return drive_is_imposed(drive->scene.state) && ((FOLLOW_SHARE * slip) > fx_abs(vector));
+}
+
+/* More than ripple. Where a high bus has taken the braking torque away, none is left to be seen. */
+static bool brakes(const drive_t *drive)
+{
+    const fault_scene_t *const scene = &drive->scene;
+    const int32_t onwards = (scene->speed < 0) ? -scene->torque : scene->torque;
+    const int32_t ripple = drive->cfg->supervision.phase_range_min;
+    const bool derated = (scene->limits & DERATING_BUS_HIGH) != 0U;
+
+    return (onwards < -ripple) || (derated && (onwards < ripple));
+}
+
+static uint32_t scene_signs(const drive_t *drive)
+{
+    const fault_scene_t *const scene = &drive->scene;
+    const bool turned = drive_is_imposed(scene->state) && (scene->state != DRIVE_STATE_ALIGN);
+    const step_t handover = drive->cfg->startup.handover_speed;
+
+    return sign_if(FAULT_SIGN_DERATED_BUS, is_derated_by(drive, DERATING_BUS_LOW)) |
+           sign_if(FAULT_SIGN_DERATED_OTHER,
+                   is_derated_by(drive, DERATING_HEAT | DERATING_TEMPERATURE |
+                                            DERATING_BUS_CURRENT)) |
+           sign_if(FAULT_SIGN_SWING,
+                   was_running(drive) && (drive->oscillation.halves >= HALVES_SEEN)) |
+           sign_if(FAULT_SIGN_PROBE, scene->state == DRIVE_STATE_PROBE) |
+           sign_if(FAULT_SIGN_ALIGN, scene->state == DRIVE_STATE_ALIGN) |
+           sign_if(FAULT_SIGN_START, turned) |
+           sign_if(FAULT_SIGN_OPEN_GATES, !drive_is_controlled(scene->state)) |
+           sign_if(FAULT_SIGN_BRAKES, brakes(drive)) |
+           sign_if(FAULT_SIGN_SLOW, was_running(drive) && (fx_abs(scene->speed) < handover)) |
+           sign_if(FAULT_SIGN_NOT_FOLLOWED, is_not_followed(drive));
+}
+
+/* Of the arc under way: a phase that has kept its value while another one has moved. */
+static bool is_stuck(const drive_t *drive)
+{
+    const supervision_t *const seen = &drive->supervision;
+    int32_t least = 0;
+    int32_t most = 0;
+
+    for (uint32_t phase = 0U; phase < 2U; phase++) {
+        const int32_t range = seen->highest[phase] - seen->lowest[phase];
+
+        least = ((phase == 0U) || (range < least)) ? range : least;
+        most = fx_max(most, range);
+    }
+    return (least <= 1) && (most > drive->cfg->supervision.phase_range_min);
+}
+
+/* A phase has no current at the instant of the fault, while others have one or should have. */
+static bool is_without_current(const drive_t *drive)
+{
+    const int32_t a = drive->scene.phase_a;
+    const int32_t b = drive->scene.phase_b;
+    const int32_t least = fx_min(fx_min(fx_abs(a), fx_abs(b)), fx_abs(a + b));
+
+    return drive_is_controlled(drive->scene.state) &&
+           (least <= drive->cfg->supervision.phase_zero_max);
+}
+
+static bool is_cold_end(const drive_t *drive)
+{
+    const derating_cfg_t *const cfg = &drive->cfg->derating;
+    const bool below = drive->fault.value < cfg->temperature_lowest;
+    const bool rises = cfg->temperature.gain > 0; /* its counts, with the temperature */
+
+    return below == rises;
+}
+
+static uint32_t measured_signs(const drive_t *drive)
+{
+    const fault_t *const fault = &drive->fault;
+    const protection_cfg_t *const limits = &drive->cfg->protection;
+
+    return sign_if(FAULT_SIGN_NOISE, is_noisy(drive)) |
+           sign_if(FAULT_SIGN_SENSED, drive_has_sensor(drive)) |
+           sign_if(FAULT_SIGN_STUCK, is_stuck(drive)) |
+           sign_if(FAULT_SIGN_NO_CURRENT, is_without_current(drive)) |
+           sign_if(FAULT_SIGN_OPEN_WIRE, drive->supervision.suspect.id == FAULT_LOST_PHASE) |
+           sign_if(FAULT_SIGN_COLD, is_cold_end(drive)) |
+           sign_if(FAULT_SIGN_GONE, fault->value < (limits->bus_min / 2)) |
+           sign_if(FAULT_SIGN_LATE, drive->supervision.late > 0U);
+}
+
+uint32_t diagnosis_signs(const drive_t *drive, uint32_t pole_pairs)
+{
+    return swing_signs(drive, pole_pairs) | scene_signs(drive) | measured_signs(drive);
+}
+
+const char *diagnosis_advice(const drive_t *drive, uint32_t pole_pairs)
+{
+    return fault_advice(drive->fault.id, diagnosis_signs(drive, pole_pairs));
+}
