@@ -690,6 +690,22 @@ TEST(temperature)
     expect_mantissa(-32768 / (0.16 * 4096), c.gain, c.shift);
 }
 
+// A quarter of the way from the ends of the converter to those of the line, whichever of them is the cold one.
+TEST(a_count_that_a_whole_sensor_does_not_have_is_told_where_the_line_leaves_room)
+{
+    const derating_cfg_t c =
+        motor_b({"board.temperature_points_c=[0, 50, 100]",
+                 "board.temperature_points_pct=[80, 50, 10]", "board.temperature_max_c=90"})
+            .derating;
+    expect(0.025 * 4096, c.temperature_lowest);
+    expect(0.95 * 4096, c.temperature_highest);
+    const derating_cfg_t whole = motor_b({"board.temperature_points_c=[-50, 150]",
+                                          "board.temperature_points_pct=[0, 100]"})
+                                     .derating;
+    TEST_ASSERT_EQUAL_INT32(0, whole.temperature_lowest);
+    TEST_ASSERT_EQUAL_INT32(4095, whole.temperature_highest);
+}
+
 TEST(the_supply_gives_what_a_start_imposes)
 {
     expect(0.0778 / 60 * 32768,

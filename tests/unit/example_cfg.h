@@ -163,7 +163,7 @@ static inline oscillation_cfg_t example_oscillation_cfg(void)
         .act = (uint32_t)OSCILLATION_ACT_FAULT,
         .halves_max = 20U,
         .periods_max = 500U,
-        .lag_periods_q4 = 160U, /* 10 slow periods: 100 Hz at a slow period of 1 ms */
+        .lag_periods_q4 = 221U, /* 13.8 slow periods */
         .amplitude_max = 1651, /* 2.02 A */
     };
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Signs of a fault: each beside what the drive knows, at its bounds. The slow period of the example is 1 ms, 10 ticks. */
+#include "config_guard.h"
 #include "diagnosis.h"
 #include "drive.h"
 #include "example_cfg.h"
@@ -18,6 +19,8 @@ static drive_t drive;
 void setUp(void)
 {
     cfg = example_drive_cfg();
+    cfg.oscillation.lag_periods_q4 = 160U;
+    cfg.crc = config_guard_crc(&cfg);
     TEST_ASSERT_NULL(drive_init(&drive, &cfg));
     drive.scene.state = DRIVE_STATE_RUN;
     drive.scene.motoring = WHOLE_CURRENT;
