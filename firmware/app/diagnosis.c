@@ -6,15 +6,17 @@
 #include <stddef.h>
 
 #define STEPS_IN_A_TURN (4294967296LL)
-#define NEAR_SHARE (12)  /* two frequencies are the same within 1/12 */
-#define SIX (6)          /* the legs commute six times in an electrical turn */
-#define LAG_EIGHTHS (6U) /* a swing by the lag of the loop: its period is 6/8 of the computed one at least … */
+#define NEAR_SHARE (12) /* two frequencies are the same within 1/12 */
+#define SIX (6)         /* the legs commute six times in an electrical turn */
+#define LAG_EIGHTHS \
+    (6U) /* a swing by the lag of the loop: its period is 6/8 of the computed one at least … */
 #define LAG_EIGHTHS_MOST (12U) /* … and 12/8 at most */
 #define EIGHT (8U)
 #define HALVES_SEEN (4U) /* half-waves that are a swing, though not yet a fault */
 #define NOISE_SHARE (6)  /* noise above 1/6 of a limit is not small beside it */
 #define WHOLE_SHARE (16) /* a swing within 1/16 of the current's limit is held by it */
-#define FOLLOW_SHARE (2) /* a rotor that turns with less than 1/2 of the vector's speed does not follow it */
+#define FOLLOW_SHARE \
+    (2) /* a rotor that turns with less than 1/2 of the vector's speed does not follow it */
 
 static uint32_t sign_if(fault_sign_t sign, bool is_there)
 {
@@ -40,9 +42,8 @@ static int64_t swing_step(const drive_t *drive)
 {
     const int64_t ticks = 2LL * (int64_t)drive->oscillation.span * (int64_t)drive->cfg->slow_ticks;
 
-    return (ticks == 0)
-               ? 0
-               : ((STEPS_IN_A_TURN * (int64_t)drive->cfg->oscillation.halves_max) / ticks);
+    return (ticks == 0) ? 0
+                        : ((STEPS_IN_A_TURN * (int64_t)drive->cfg->oscillation.halves_max) / ticks);
 }
 
 /* Whether a frequency is `times` as high as `turn`, both in steps per tick. */
@@ -113,7 +114,8 @@ static uint32_t swing_signs(const drive_t *drive, uint32_t pole_pairs)
 static int32_t noise_at_rest(const drive_t *drive)
 {
     const uint64_t samples = 2ULL * drive->calibration.samples;
-    const uint64_t sum = (uint64_t)fx_unsigned(drive->calibration.noise) << drive->cfg->sampling.current_shift;
+    const uint64_t sum = (uint64_t)fx_unsigned(drive->calibration.noise)
+                         << drive->cfg->sampling.current_shift;
 
     return (samples == 0U) ? 0 : (int32_t)(sum / samples);
 }
@@ -151,9 +153,9 @@ static uint32_t scene_signs(const drive_t *drive)
     const step_t handover = drive->cfg->startup.handover_speed;
 
     return sign_if(FAULT_SIGN_DERATED_BUS, is_derated_by(drive, DERATING_BUS_LOW)) |
-           sign_if(FAULT_SIGN_DERATED_OTHER,
-                   is_derated_by(drive, DERATING_HEAT | DERATING_TEMPERATURE |
-                                            DERATING_BUS_CURRENT)) |
+           sign_if(
+               FAULT_SIGN_DERATED_OTHER,
+               is_derated_by(drive, DERATING_HEAT | DERATING_TEMPERATURE | DERATING_BUS_CURRENT)) |
            sign_if(FAULT_SIGN_SWING,
                    was_running(drive) && (drive->oscillation.halves >= HALVES_SEEN)) |
            sign_if(FAULT_SIGN_PROBE, scene->state == DRIVE_STATE_PROBE) |

@@ -86,10 +86,10 @@ typedef struct {
 /* Where the drive was when it found a fault: what tells the causes apart and would be over by the time somebody looks. */
 typedef struct {
     drive_state_t state;
-    uint32_t limits;  /* DERATING_… in force */
-    step_t speed;     /* drive_speed() */
-    int32_t torque;   /* i_q*, Q15 of I_b */
-    int32_t phase_a;  /* measured, Q15 of I_b */
+    uint32_t limits; /* DERATING_… in force */
+    step_t speed;    /* drive_speed() */
+    int32_t torque;  /* i_q*, Q15 of I_b */
+    int32_t phase_a; /* measured, Q15 of I_b */
     int32_t phase_b;
     int32_t motoring; /* limit of the motoring current, Q15 of I_b */
 } fault_scene_t;
@@ -156,7 +156,7 @@ typedef struct {
     torque_loop_t torque_loop;     /* in RUN; the bridge in every mode */
     safe_state_t safe_state;       /* of the gates while nothing is driven */
     config_guard_t guard;
-    fault_t fault; /* the last fault … */
+    fault_t fault;       /* the last fault … */
     fault_scene_t scene; /* … and what was around it */
 } drive_t;
 

@@ -33,8 +33,8 @@ typedef enum {
     FAULT_STARTUP,           /* value, limit: see open_loop.c */
     FAULT_CURRENT_IMPLAUSIBLE, /* value: voltage that the measured current does not explain */
     FAULT_OSCILLATION,         /* value: amplitude of i_q*, the frequency: oscillation.h */
-    FAULT_TEMPERATURE_SENSOR,  /* value: raw count of the sensor, limit: the last one that it can have */
-    FAULT_COUNT                /* number of entries, no fault */
+    FAULT_TEMPERATURE_SENSOR, /* value: raw count of the sensor, limit: the last one that it can have */
+    FAULT_COUNT               /* number of entries, no fault */
 } fault_id_t;
 
 /* Fault, measured value, limit, and tick. Currents Q15 of I_b, bus Q15 of U_b. */

@@ -30,25 +30,25 @@ typedef enum {
     FAULT_SIGN_DERATED_BUS,   /* in RUN a low bus leaves less than 3/4 of the motoring current */
     FAULT_SIGN_DERATED_OTHER, /* likewise heat, temperature or the limit of the bus current */
     FAULT_SIGN_SWING,         /* in RUN some half-waves of a swing had been seen */
-    FAULT_SIGN_ONCE_A_TURN,   /* a swing below the current's limit has the frequency of the shaft, or twice that */
-    FAULT_SIGN_ELECTRIC,      /* … of the electrical turn, or twice that */
-    FAULT_SIGN_SIX,           /* … six times that */
-    FAULT_SIGN_LAG,           /* … the one at which the speed loop lags by half a turn */
-    FAULT_SIGN_NOISE,         /* noise of the current sensors at rest is large beside the limit of the start */
-    FAULT_SIGN_PROBE,         /* the motor was being measured */
-    FAULT_SIGN_ALIGN,         /* the rotor was being aligned, R and L measured */
-    FAULT_SIGN_START,         /* the start had aligned the rotor and held or turned it */
-    FAULT_SIGN_OPEN_GATES,    /* nothing was driven */
-    FAULT_SIGN_BRAKES,        /* the torque was against the speed, or a high bus took it away */
-    FAULT_SIGN_SLOW,          /* in RUN slower than the start hands over */
-    FAULT_SIGN_NOT_FOLLOWED,  /* the rotor did not turn with the vector of the start */
-    FAULT_SIGN_SENSED,        /* the angle is that of a sensor */
-    FAULT_SIGN_STUCK,         /* one of the measured phases does not change as the others do */
-    FAULT_SIGN_NO_CURRENT,    /* a phase had no current in the tick of the fault */
-    FAULT_SIGN_OPEN_WIRE,     /* a phase had none in the last half electrical turn */
-    FAULT_SIGN_COLD,          /* the temperature is beyond the cold end of its sensor */
-    FAULT_SIGN_GONE,          /* the bus is below half of its lowest voltage */
-    FAULT_SIGN_LATE,          /* there were late ticks */
+    FAULT_SIGN_ONCE_A_TURN, /* a swing below the current's limit has the frequency of the shaft, or twice that */
+    FAULT_SIGN_ELECTRIC, /* … of the electrical turn, or twice that */
+    FAULT_SIGN_SIX,      /* … six times that */
+    FAULT_SIGN_LAG,      /* … the one at which the speed loop lags by half a turn */
+    FAULT_SIGN_NOISE, /* noise of the current sensors at rest is large beside the limit of the start */
+    FAULT_SIGN_PROBE,        /* the motor was being measured */
+    FAULT_SIGN_ALIGN,        /* the rotor was being aligned, R and L measured */
+    FAULT_SIGN_START,        /* the start had aligned the rotor and held or turned it */
+    FAULT_SIGN_OPEN_GATES,   /* nothing was driven */
+    FAULT_SIGN_BRAKES,       /* the torque was against the speed, or a high bus took it away */
+    FAULT_SIGN_SLOW,         /* in RUN slower than the start hands over */
+    FAULT_SIGN_NOT_FOLLOWED, /* the rotor did not turn with the vector of the start */
+    FAULT_SIGN_SENSED,       /* the angle is that of a sensor */
+    FAULT_SIGN_STUCK,        /* one of the measured phases does not change as the others do */
+    FAULT_SIGN_NO_CURRENT,   /* a phase had no current in the tick of the fault */
+    FAULT_SIGN_OPEN_WIRE,    /* a phase had none in the last half electrical turn */
+    FAULT_SIGN_COLD,         /* the temperature is beyond the cold end of its sensor */
+    FAULT_SIGN_GONE,         /* the bus is below half of its lowest voltage */
+    FAULT_SIGN_LATE,         /* there were late ticks */
     FAULT_SIGNS
 } fault_sign_t;
 

@@ -237,8 +237,8 @@ constexpr double BROKEN_SHARE = 0.25;
 
 void set_temperature_ends(derating_cfg_t &c, const BoardSettings &board)
 {
-    const auto [least, most] = std::minmax(board.temperature_points_pct.front(),
-                                           board.temperature_points_pct.back());
+    const auto [least, most] =
+        std::minmax(board.temperature_points_pct.front(), board.temperature_points_pct.back());
     const double full = std::ldexp(1.0, board.adc_bits);
     const double lowest = BROKEN_SHARE * least / 100;
     const double highest = 1 - BROKEN_SHARE * (1 - most / 100);

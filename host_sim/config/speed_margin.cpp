@@ -11,9 +11,9 @@ namespace
 
 using Complex = std::complex<double>;
 
-constexpr double PWM_DELAY = 1.5; // periods from the samples to the middle of the voltage
+constexpr double PWM_DELAY = 1.5;   // periods from the samples to the middle of the voltage
 constexpr double HUNDREDFOLD = 100; // range of frequencies in which a loop may lag by half a turn
-constexpr int HALVINGS = 50;      // of a range in which a frequency is sought
+constexpr int HALVINGS = 50;        // of a range in which a frequency is sought
 
 // Where the gain of (2ζw·s + w²)/s² is 1, in w.
 double crossover_share(double damping)

@@ -426,7 +426,8 @@ std::string current_text(const Simulation &sim)
 {
     const dq_t &current = sim.drive().signals.current;
     return drive_is_controlled(sim.drive().state)
-               ? fmt::format(", i_q {:.2f} A, i_d {:.2f} A", current.q / Q15 * sim.bases().current_a,
+               ? fmt::format(", i_q {:.2f} A, i_d {:.2f} A",
+                             current.q / Q15 * sim.bases().current_a,
                              current.d / Q15 * sim.bases().current_a)
                : "";
 }
@@ -451,10 +452,10 @@ std::string fault_advice(const Simulation &sim, const BoardSettings *board)
 std::string status_text(const Follower &follower)
 {
     const Health &health = follower.health();
-    const std::string drive =
-        follower.shadow().is_in_step()
-            ? drive_text(follower.shadow().sim()) + fault_advice(follower.shadow().sim(), follower.board())
-            : "not in step";
+    const std::string drive = follower.shadow().is_in_step()
+                                  ? drive_text(follower.shadow().sim()) +
+                                        fault_advice(follower.shadow().sim(), follower.board())
+                                  : "not in step";
     return fmt::format("{}, load {} %, late {}, gaps {}{}", drive, health.load_pct,
                        health.late_ticks, follower.gaps().size(),
                        health.tick_lost ? ", THE CONTROL TICK STAYS AWAY" : "");
