@@ -214,10 +214,9 @@ TEST(test_a_fault_of_temperature_is_said_in_degrees)
 TEST(test_with_open_gates_no_signal_tells_what_the_drive_does_not_know)
 {
     const Config config = load();
-    const nf::Simulation made(config);
+    nf::Simulation sim(config);
     for (const drive_state_t state : {DRIVE_STATE_READY, DRIVE_STATE_RUN}) {
-        nf::Simulation sim = made;
-        const_cast<drive_t &>(sim.drive()).state = state;
+        sim.seam().drive.state = state;
         const nf::Tick tick = nf::tick_of_frame(sim, sim.in(), 0);
         for (const char *name : {"speed_estimated_rpm", "position_estimated_rad",
                                  "angle_estimated_el_deg", "i_q_measured_a", "i_d_measured_a",
