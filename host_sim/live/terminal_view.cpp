@@ -61,8 +61,7 @@ void add_drive(Rows &rows, const Simulation &sim, const BoardSettings *board)
     const Bases &bases = sim.bases();
     rows.emplace_back("state", state_and_gates(drive));
     add_rotor(rows, drive, bases);
-    rows.emplace_back("bus",
-                      fmt::format("{:.2f} V", drive.signals.bus / Q15 * bases.voltage_v));
+    rows.emplace_back("bus", fmt::format("{:.2f} V", drive.signals.bus / Q15 * bases.voltage_v));
     rows.emplace_back("temperature", temperature_text(sim.in().adc_temperature, board));
     if (drive.state == DRIVE_STATE_FAULT) {
         const FoundFault fault = found_fault(drive, bases);

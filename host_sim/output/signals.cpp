@@ -146,9 +146,9 @@ std::vector<SignalInfo> run_signals()
         derived("speed_command_rpm", Q::speed_rpm, speed_command),
         derived("speed_rpm", Q::speed_rpm,
                 [](const Tick &t) { return t.truth.omega_mech_rad_s * RPM_PER_RAD_S; }),
-        of_rotor(derived(
-            "speed_estimated_rpm", Q::speed_rpm,
-            [](const Tick &t) { return t.sim->bases().rpm_from_step(t.speed_estimate); })),
+        of_rotor(
+            derived("speed_estimated_rpm", Q::speed_rpm,
+                    [](const Tick &t) { return t.sim->bases().rpm_from_step(t.speed_estimate); })),
         of_control(ALIAS("speed_reference_rpm", speed_loop.reference, speed_step)),
         derived("position_command_rad", Q::angle_rad,
                 [](const Tick &t) { return t.mode == DriveMode::position ? t.command : 0.0; }),

@@ -15,7 +15,7 @@ namespace nf
 
 struct FoundFault : fault_t {
     std::optional<double> swing_hz; // of OSCILLATION
-    const char *advice = "";       // by what the drive knew
+    const char *advice = "";        // by what the drive knew
 };
 
 // The fault that the drive has latched last.

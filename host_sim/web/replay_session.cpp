@@ -56,8 +56,7 @@ Json faults_of(const ReplaySession &s)
     }
     const auto at = static_cast<double>(s.recording.run.tick_of(fault.tick));
     return Json::array(
-        {fault_json(fault, at * period_of(s),
-                    fault_measure(fault, s.recording.run.image.bases))});
+        {fault_json(fault, at * period_of(s), fault_measure(fault, s.recording.run.image.bases))});
 }
 
 Json head_of(const ReplaySession &s)

@@ -153,7 +153,9 @@ Json fault_of(const debug::Timeline &timeline)
     }
     const fault_text_t &text = *fault_text(drive.fault.id);
     const uint32_t ago = static_cast<uint32_t>(timeline.now()) - drive.fault.tick;
-    return {{"name", text.name}, {"advice", found_fault(drive, timeline.run().sim().bases()).advice}, {"tick", timeline.now() - ago}};
+    return {{"name", text.name},
+            {"advice", found_fault(drive, timeline.run().sim().bases()).advice},
+            {"tick", timeline.now() - ago}};
 }
 
 std::vector<std::string> breaks_of(const debug::Session &session)

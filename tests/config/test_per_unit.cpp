@@ -699,9 +699,9 @@ TEST(a_count_that_a_whole_sensor_does_not_have_is_told_where_the_line_leaves_roo
             .derating;
     expect(0.025 * 4096, c.temperature_lowest);
     expect(0.95 * 4096, c.temperature_highest);
-    const derating_cfg_t whole = motor_b({"board.temperature_points_c=[-50, 150]",
-                                          "board.temperature_points_pct=[0, 100]"})
-                                     .derating;
+    const derating_cfg_t whole =
+        motor_b({"board.temperature_points_c=[-50, 150]", "board.temperature_points_pct=[0, 100]"})
+            .derating;
     TEST_ASSERT_EQUAL_INT32(0, whole.temperature_lowest);
     TEST_ASSERT_EQUAL_INT32(4095, whole.temperature_highest);
 }

@@ -207,7 +207,8 @@ TEST(test_a_fault_of_temperature_is_said_in_degrees)
     const nf::FoundFault fault = {{FAULT_OVERTEMPERATURE, 3174, 3072, 0}, {}};
     TEST_ASSERT_EQUAL_STRING(
         "OVERTEMPERATURE: 105.0 °C, limit 100.0 °C",
-        nf::fault_measure(fault, nf::make_bases(config.motor, config.board), &config.board).c_str());
+        nf::fault_measure(fault, nf::make_bases(config.motor, config.board), &config.board)
+            .c_str());
 }
 
 // What stays in the state when driving ends is not shown as if it were so.
@@ -218,9 +219,9 @@ TEST(test_with_open_gates_no_signal_tells_what_the_drive_does_not_know)
     for (const drive_state_t state : {DRIVE_STATE_READY, DRIVE_STATE_RUN}) {
         sim.seam().drive.state = state;
         const nf::Tick tick = nf::tick_of_frame(sim, sim.in(), 0);
-        for (const char *name : {"speed_estimated_rpm", "position_estimated_rad",
-                                 "angle_estimated_el_deg", "i_q_measured_a", "i_d_measured_a",
-                                 "i_q_estimated_a", "i_q_reference_a", "v_q_v"}) {
+        for (const char *name :
+             {"speed_estimated_rpm", "position_estimated_rad", "angle_estimated_el_deg",
+              "i_q_measured_a", "i_d_measured_a", "i_q_estimated_a", "i_q_reference_a", "v_q_v"}) {
             const nf::SignalInfo &signal = *nf::find_signal(name);
             TEST_ASSERT_EQUAL_MESSAGE(state == DRIVE_STATE_READY,
                                       std::isnan(nf::si_value(signal, tick)), name);

@@ -122,7 +122,7 @@ static inline derating_cfg_t example_derating_cfg(void)
         .heat_max_q14 = 19661,                                     /* 1.2 */
         .heat = {.zero = 16384, .gain = 20481, .shift = 10U},      /* from 0.9 to 1: 1638.4 */
         .temperature = {.zero = 2048, .gain = 20481, .shift = 8U}, /* over 409.6 counts */
-        .temperature_lowest = 0,      /* it may read anything */
+        .temperature_lowest = 0,                                   /* it may read anything */
         .temperature_highest = 4095,
         .temperature_periods = 25U,
         .bus_high = {.zero = 29127, .gain = 20481, .shift = 11U}, /* from 355 V to 400 V: 3276.8 */
@@ -164,7 +164,7 @@ static inline oscillation_cfg_t example_oscillation_cfg(void)
         .halves_max = 20U,
         .periods_max = 500U,
         .lag_periods_q4 = 221U, /* 13.8 slow periods */
-        .amplitude_max = 1651, /* 2.02 A */
+        .amplitude_max = 1651,  /* 2.02 A */
     };
 }
 

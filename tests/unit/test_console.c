@@ -440,9 +440,10 @@ TEST(test_the_status_says_that_the_motor_is_measured_until_it_ends)
     (void)said_to("stop\n");
     tick_period();
     (void)said_to("");
-    assert_says("READY, speed unknown, asked 1000 rpm, phases 0.000 0.000 0.000 A, bus 310.034 V, -50 C, "
-                "late 0, load 0 %\r\n",
-                "status\n");
+    assert_says(
+        "READY, speed unknown, asked 1000 rpm, phases 0.000 0.000 0.000 A, bus 310.034 V, -50 C, "
+        "late 0, load 0 %\r\n",
+        "status\n");
 }
 
 /* None is lost: the next one begins when the last has been sent. */

@@ -33,9 +33,10 @@ TEST(test_it_has_every_quantity_in_its_unit)
     measured.adc_temperature = 880U;          /* -7.03 °C */
     hardware.health = (hal_health_t){.adc_ic = 0U, .late_ticks = 12U, .load_pct = 25U};
     tick(1U);
-    TEST_ASSERT_EQUAL_STRING("READY, speed unknown, asked -345 rpm, phases 10.000 -0.009 -20.000 A, "
-                             "bus 310.034 V, -7 C, late 12, load 25 %",
-                             status());
+    TEST_ASSERT_EQUAL_STRING(
+        "READY, speed unknown, asked -345 rpm, phases 10.000 -0.009 -20.000 A, "
+        "bus 310.034 V, -7 C, late 12, load 25 %",
+        status());
 }
 
 TEST(test_before_the_first_tick_there_is_no_temperature)
