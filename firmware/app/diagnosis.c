@@ -20,7 +20,7 @@
 
 static uint32_t sign_if(fault_sign_t sign, bool is_there)
 {
-    return is_there ? (1UL << (uint32_t)sign) : 0U;
+    return is_there ? ((uint32_t)1U << (uint32_t)sign) : 0U;
 }
 
 static bool was_running(const drive_t *drive)
@@ -82,7 +82,7 @@ static bool is_slower_than_lag(const periods_t *periods)
 }
 
 /* A loop that swings by itself does so up to the limit of its current. */
-static bool is_at_limit(const drive_t *drive)
+static bool swings_at_limit(const drive_t *drive)
 {
     const int32_t whole = drive->cfg->derating.current_max;
 
@@ -97,7 +97,8 @@ static uint32_t swing_signs(const drive_t *drive, uint32_t pole_pairs)
     const periods_t periods = periods_of(drive);
     const bool fast = is_faster_than_lag(&periods);
     const bool lags = !fast && !is_slower_than_lag(&periods);
-    const bool forced = !fast && !(lags && is_at_limit(drive));
+    const bool own = lags && swings_at_limit(drive);
+    const bool forced = !fast && !own;
     uint32_t signs = sign_if(FAULT_SIGN_LAG, lags);
 
     if (forced) { /* the loop answers to it; what is faster it does not */
@@ -114,14 +115,17 @@ static uint32_t swing_signs(const drive_t *drive, uint32_t pole_pairs)
 static int32_t noise_at_rest(const drive_t *drive)
 {
     const uint64_t samples = 2ULL * drive->calibration.samples;
-    const uint64_t sum = (uint64_t)fx_unsigned(drive->calibration.noise)
-                         << drive->cfg->sampling.current_shift;
+    const uint64_t sum = fx_unsigned(drive->calibration.noise);
+    uint64_t mean = 0U;
 
-    return (samples == 0U) ? 0 : (int32_t)(sum / samples);
+    if (samples > 0U) {
+        mean = (sum << drive->cfg->sampling.current_shift) / samples;
+    }
+    return (int32_t)mean;
 }
 
 /* Beside the smallest current that a start judges by. */
-static bool is_noisy(const drive_t *drive)
+static bool is_noisy_at_rest(const drive_t *drive)
 {
     return (NOISE_SHARE * noise_at_rest(drive)) > drive->cfg->startup.residual_max;
 }
@@ -208,7 +212,7 @@ static uint32_t measured_signs(const drive_t *drive)
     const fault_t *const fault = &drive->fault;
     const protection_cfg_t *const limits = &drive->cfg->protection;
 
-    return sign_if(FAULT_SIGN_NOISE, is_noisy(drive)) |
+    return sign_if(FAULT_SIGN_NOISE, is_noisy_at_rest(drive)) |
            sign_if(FAULT_SIGN_SENSED, drive_has_sensor(drive)) |
            sign_if(FAULT_SIGN_STUCK, is_stuck(drive)) |
            sign_if(FAULT_SIGN_NO_CURRENT, is_without_current(drive)) |

@@ -36,14 +36,14 @@ TEST(test_every_fault_has_one_line_of_cause_and_next_check_whatever_is_known)
     for (int32_t id = 1; id < (int32_t)FAULT_COUNT; id++) {
         assert_one_line(fault_advice((fault_id_t)id, 0U));
         for (uint32_t sign = 0U; sign < (uint32_t)FAULT_SIGNS; sign++) {
-            assert_one_line(fault_advice((fault_id_t)id, 1UL << sign));
+            assert_one_line(fault_advice((fault_id_t)id, (uint32_t)1U << sign));
         }
     }
 }
 
 TEST(test_a_sign_changes_the_advice_of_its_faults_only)
 {
-    const uint32_t turn = 1UL << (uint32_t)FAULT_SIGN_ONCE_A_TURN;
+    const uint32_t turn = (uint32_t)1U << (uint32_t)FAULT_SIGN_ONCE_A_TURN;
 
     TEST_ASSERT_NOT_NULL(strstr(fault_advice(FAULT_OSCILLATION, 0U), "notch_hz"));
     TEST_ASSERT_NOT_NULL(strstr(fault_advice(FAULT_OSCILLATION, turn), "pulsates"));
@@ -52,8 +52,8 @@ TEST(test_a_sign_changes_the_advice_of_its_faults_only)
 
 TEST(test_a_derated_torque_goes_before_what_a_swing_looks_like)
 {
-    const uint32_t both =
-        (1UL << (uint32_t)FAULT_SIGN_ONCE_A_TURN) | (1UL << (uint32_t)FAULT_SIGN_DERATED_BUS);
+    const uint32_t both = ((uint32_t)1U << (uint32_t)FAULT_SIGN_ONCE_A_TURN) |
+                          (1UL << (uint32_t)FAULT_SIGN_DERATED_BUS);
 
     TEST_ASSERT_NOT_NULL(strstr(fault_advice(FAULT_OSCILLATION, both), "low bus"));
 }
