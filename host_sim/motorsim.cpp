@@ -7,6 +7,7 @@
 #include "certificate_page.h"
 #include "certificate_text.h"
 #include "commands.h"
+#include "completion.h"
 #include "console.h"
 #include "data_list.h"
 #include "extremes.h"
@@ -657,25 +658,28 @@ void describe_with(CLI::App &command, std::vector<std::string> &with)
 {
     command.add_option("--with", with, "imperfection set, name or path; may be repeated")
         ->allow_extra_args(false)
-        ->type_name("IMPERFECTION");
+        ->type_name(nf::AN_IMPERFECTION);
 }
 
 void describe_set(CLI::App &command, std::vector<std::string> &set)
 {
     command.add_option("--set", set, "override a setting; may be repeated")
         ->allow_extra_args(false)
-        ->type_name("KEY=VALUE");
+        ->type_name(nf::A_SETTING);
 }
 
 void describe_choice(CLI::App &command, Choice &arguments)
 {
     command
         .add_option("scenario", arguments.scenario, "name (see `motorsim list`) or path of a .toml")
-        ->required();
+        ->required()
+        ->type_name(nf::A_SCENARIO);
     describe_with(command, arguments.with);
     command.add_option("--motor", arguments.motor,
-                       "another motor, by name or path; zoo:17 brings its board along");
-    command.add_option("--board", arguments.board, "another board, by name or path");
+                       "another motor, by name or path; zoo:17 brings its board along")
+        ->type_name(nf::A_MOTOR);
+    command.add_option("--board", arguments.board, "another board, by name or path")
+        ->type_name(nf::A_BOARD);
     describe_set(command, arguments.set);
 }
 
@@ -741,13 +745,16 @@ void describe_replay(CLI::App &command, ReplayArguments &arguments)
 
 void describe_identify(CLI::App &command, IdentifyArguments &arguments)
 {
-    command.add_option(
-        "scenario", arguments.scenario,
-        "whose motor, board and imperfections are simulated; the drive knows the name plate only");
+    command
+        .add_option("scenario", arguments.scenario,
+                    "whose motor, board and imperfections are simulated; the drive knows the name plate only")
+        ->type_name(nf::A_SCENARIO);
     describe_with(command, arguments.with);
     command.add_option("--motor", arguments.motor,
-                       "another motor; with --records the name plate, by name or path");
-    command.add_option("--board", arguments.board, "another board, by name or path");
+                       "another motor; with --records the name plate, by name or path")
+        ->type_name(nf::A_MOTOR);
+    command.add_option("--board", arguments.board, "another board, by name or path")
+        ->type_name(nf::A_BOARD);
     describe_set(command, arguments.set);
     command
         .add_option("--records", arguments.records,
@@ -791,12 +798,15 @@ void describe_certify(CLI::App &command, CertifyArguments &arguments)
     command
         .add_option("motor", arguments.motor,
                     "motor file, by name or path; zoo:17 brings its board along")
-        ->required();
-    command.add_option("--board", arguments.board, "board, by name or path; else bench_310v");
+        ->required()
+        ->type_name(nf::A_MOTOR);
+    command.add_option("--board", arguments.board, "board, by name or path; else bench_310v")
+        ->type_name(nf::A_BOARD);
     command
         .add_option("--tuning", arguments.tunings,
                     "tuning to try, by name or path; may be repeated; else the default, any")
-        ->allow_extra_args(false);
+        ->allow_extra_args(false)
+        ->type_name(nf::A_TUNING);
     describe_with(command, arguments.with);
     describe_set(command, arguments.set);
     command.add_option("--runs", arguments.runs, "machines, the same ones for each tuning")
@@ -817,7 +827,9 @@ void describe_certify(CLI::App &command, CertifyArguments &arguments)
 
 void describe_bench(CLI::App &command, BenchArguments &arguments)
 {
-    command.add_option("scenario", arguments.scenario, "scenario to time")->capture_default_str();
+    command.add_option("scenario", arguments.scenario, "scenario to time")
+        ->capture_default_str()
+        ->type_name(nf::A_SCENARIO);
     command.add_option("--runs", arguments.runs, "how often")
         ->capture_default_str()
         ->check(CLI::Range(1, 100000));

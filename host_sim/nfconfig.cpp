@@ -4,6 +4,7 @@
 // Exit code 0, or 2 with one line on stderr that says what is wrong.
 #include "alike.h"
 #include "block.h"
+#include "completion.h"
 #include "config.h"
 #include "data_sheet.h"
 #include "describe.h"
@@ -37,13 +38,21 @@ struct Choice {
 
 void add_choice(CLI::App &command, Choice &choice, bool required = true)
 {
-    command.add_option("--motor", choice.motor, "Motor, by name or path")->required(required);
-    command.add_option("--board", choice.board, "Board, by name or path")->required(required);
-    command.add_option("--tuning", choice.tuning, "Tuning, by name or path")->capture_default_str();
+    command.add_option("--motor", choice.motor, "Motor, by name or path")
+        ->required(required)
+        ->type_name(nf::A_MOTOR);
+    command.add_option("--board", choice.board, "Board, by name or path")
+        ->required(required)
+        ->type_name(nf::A_BOARD);
+    command.add_option("--tuning", choice.tuning, "Tuning, by name or path")
+        ->capture_default_str()
+        ->type_name(nf::A_TUNING);
     command.add_option("--with", choice.with, "Imperfection set, by name or path; repeatable")
-        ->allow_extra_args(false);
+        ->allow_extra_args(false)
+        ->type_name(nf::AN_IMPERFECTION);
     command.add_option("--set", choice.set, "Override section.key=value; repeatable")
-        ->allow_extra_args(false);
+        ->allow_extra_args(false)
+        ->type_name(nf::A_SETTING);
 }
 
 nf::Config load(const Choice &choice)

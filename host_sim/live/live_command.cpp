@@ -116,15 +116,19 @@ void describe(CLI::App &command, LiveArguments &arguments)
                     "commands from a file; - is standard input; status 1 when one is refused")
         ->check(not_empty, "")
         ->type_name("FILE");
-    command.add_option("--motor", arguments.files.motor,
-                       "the board's motor file for `set`; else the shipped one of its name");
-    command.add_option("--board", arguments.files.board, "likewise the board file");
-    command.add_option("--tuning", arguments.files.tuning, "likewise the tuning");
+    command
+        .add_option("--motor", arguments.files.motor,
+                    "the board's motor file for `set`; else the shipped one of its name")
+        ->type_name("MOTOR");
+    command.add_option("--board", arguments.files.board, "likewise the board file")
+        ->type_name("BOARD");
+    command.add_option("--tuning", arguments.files.tuning, "likewise the tuning")
+        ->type_name("TUNING");
     command
         .add_option("--set", arguments.files.set,
                     "what the board's configuration has been set to, over the files; repeatable")
         ->allow_extra_args(false)
-        ->type_name("KEY=VALUE");
+        ->type_name("SECTION.KEY=VALUE");
     command.add_option("--keep", arguments.keep_s, "so many seconds for `debug` and `record`")
         ->capture_default_str()
         ->check(CLI::Range(0.1, 600.0));

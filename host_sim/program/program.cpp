@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "program.h"
 
+#include "completion.h"
 #include "output_file.h"
 
 #include <cerrno>
@@ -30,18 +31,45 @@ void flush_output()
     }
 }
 
+// Of the words that nobody expected, the first one's likeliest meaning.
+std::string what_was_meant(const CLI::App &app)
+{
+    const std::vector<std::string> unexpected = app.remaining(true);
+    const std::string word = unexpected.empty() ? "" : nearest_word(app, unexpected.front());
+    return word.empty() ? "" : fmt::format(" did you mean {}?", word);
+}
+
+constexpr const char *ASK_COMPLETIONS = "--complete"; // as completion_script() has it
+
 } // namespace
 
 std::optional<int> parse(CLI::App &app, int argc, char **argv)
 {
     app.set_version_flag("--version", fmt::format("{} {}", app.get_name(), NF_VERSION));
+    std::string shell;
+    app.add_option("--completion", shell,
+                   "Print what a shell reads to complete words; bash: "
+                   "source <(" + app.get_name() + " --completion bash)")
+        ->type_name("")
+        ->check(CLI::IsMember({"bash", "zsh"}));
+    if (argc > 1 && std::string(argv[1]) == ASK_COMPLETIONS) {
+        for (const std::string &word : completions(app, {argv + 2, argv + argc})) {
+            fmt::print("{}\n", word);
+        }
+        return 0;
+    }
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success &asked) { // --help, --version
         return app.exit(asked);
     } catch (const CLI::ParseError &error) {
-        fmt::print(stderr, "{0}: {1}; `{0} --help` shows how\n", app.get_name(), error.what());
+        fmt::print(stderr, "{0}: {1};{2} `{0} --help` shows how\n", app.get_name(), error.what(),
+                   what_was_meant(app));
         return BAD_INPUT;
+    }
+    if (!shell.empty()) {
+        fmt::print("{}", completion_script(shell, app.get_name()));
+        return 0;
     }
     if (app.get_subcommands().empty()) {
         fmt::print(stderr, "{0}: no command; `{0} --help` shows how\n", app.get_name());
