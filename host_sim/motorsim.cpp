@@ -675,8 +675,9 @@ void describe_choice(CLI::App &command, Choice &arguments)
         ->required()
         ->type_name(nf::A_SCENARIO);
     describe_with(command, arguments.with);
-    command.add_option("--motor", arguments.motor,
-                       "another motor, by name or path; zoo:17 brings its board along")
+    command
+        .add_option("--motor", arguments.motor,
+                    "another motor, by name or path; zoo:17 brings its board along")
         ->type_name(nf::A_MOTOR);
     command.add_option("--board", arguments.board, "another board, by name or path")
         ->type_name(nf::A_BOARD);
@@ -746,12 +747,14 @@ void describe_replay(CLI::App &command, ReplayArguments &arguments)
 void describe_identify(CLI::App &command, IdentifyArguments &arguments)
 {
     command
-        .add_option("scenario", arguments.scenario,
-                    "whose motor, board and imperfections are simulated; the drive knows the name plate only")
+        .add_option(
+            "scenario", arguments.scenario,
+            "whose motor, board and imperfections are simulated; the drive knows the name plate only")
         ->type_name(nf::A_SCENARIO);
     describe_with(command, arguments.with);
-    command.add_option("--motor", arguments.motor,
-                       "another motor; with --records the name plate, by name or path")
+    command
+        .add_option("--motor", arguments.motor,
+                    "another motor; with --records the name plate, by name or path")
         ->type_name(nf::A_MOTOR);
     command.add_option("--board", arguments.board, "another board, by name or path")
         ->type_name(nf::A_BOARD);

@@ -49,7 +49,8 @@ std::optional<int> parse(CLI::App &app, int argc, char **argv)
     std::string shell;
     app.add_option("--completion", shell,
                    "Print what a shell reads to complete words; bash: "
-                   "source <(" + app.get_name() + " --completion bash)")
+                   "source <(" +
+                       app.get_name() + " --completion bash)")
         ->type_name("")
         ->check(CLI::IsMember({"bash", "zsh"}));
     if (argc > 1 && std::string(argv[1]) == ASK_COMPLETIONS) {

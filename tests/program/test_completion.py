@@ -37,7 +37,9 @@ class Completion(unittest.TestCase):
         self.assertNotIn("--trace", offered("bench", "--"))
 
     def test_a_name_is_one_of_the_files_of_its_kind(self):
-        self.assertEqual(["motor_a", "motor_b"], offered("run", "any", "--motor", "motor_"))
+        motors = offered("run", "any", "--motor", "motor_")
+        self.assertLessEqual({"motor_a", "motor_b"}, set(motors))
+        self.assertTrue(all(motor.startswith("motor_") for motor in motors), motors)
         self.assertIn("s1", offered("run", ""))
         self.assertIn("any", offered("show", "--motor", "motor_a", "--tuning", "", program=NFCONFIG))
 
