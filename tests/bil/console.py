@@ -3,8 +3,8 @@
 
 import re
 
-STATE = re.compile(r"([A-Z_]+), speed -?\d+ of -?\d+ rpm, phases (?:-?\d+\.\d{3} ){3}A, bus \d+\.\d{3} V, -?\d+ C,"
-                   r" late \d+, load \d+ %")
+STATE = re.compile(r"([A-Z_]+), speed (?:unknown, asked -?\d+|-?\d+ of -?\d+) rpm, phases (?:-?\d+\.\d{3} ){3}A,"
+                   r" bus \d+\.\d{3} V, -?\d+ C, late \d+, load \d+ %")
 
 
 def lines(said):

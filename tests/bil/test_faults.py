@@ -23,7 +23,8 @@ from rig import (BOARD, BUS, CALIBRATION_TICKS, FULL_SCALE_A, HAL, HALF_PERIOD, 
 REST = (HALF_PERIOD // 2,) * 3
 WATCHDOG_S = (8 * 4 + 1) / 29.5e3  # 8 counts of 4 cycles and one of uncertainty, of the slowest oscillator
 GIVING_UP_S = 0.1          # more than the image waits for a register and then says so
-HOT = 4000                # counts of the temperature, beyond every limit
+HOT = 3400                # counts of the temperature, some 100 C: beyond the limit, and what the sensor can have
+BEYOND = 4000             # hotter than the last point of board.temperature_points_pct
 TEMPERATURE_TICKS = 1026  # from one conversion to the next, and to the frame
 GATES_TICKS = 150         # from FLYING_START on: the gates are on, and it is not too hot for long enough yet
 TUNING = "any motor" if BOARD.stem == "b_g431b_esc1" else "robust for motor A"  # of the two images
@@ -252,6 +253,14 @@ class Console(unittest.TestCase):
         made.tick(CALIBRATION_TICKS)
         run(made)
         self.assertTrue(made.chip.timer.gates_on())
+
+    def test_a_temperature_that_the_sensor_cannot_have_is_a_fault_of_the_sensor(self):
+        for count in (0, BEYOND):  # open and shorted
+            with self.subTest(count):
+                made = ready()
+                made.set_inputs(MIDDLE, MIDDLE, BUS, temperature=count)
+                made.tick(TEMPERATURE_TICKS + OVERTEMPERATURE_TICKS)
+                self.assertIn("FAULT by TEMPERATURE_SENSOR", made.said())
 
     def test_a_board_that_is_hot_for_less_than_the_drives_time_can_be_run(self):
         made = ready()
