@@ -668,6 +668,11 @@ void describe_set(CLI::App &command, std::vector<std::string> &set)
         ->type_name(nf::A_SETTING);
 }
 
+void describe_board(CLI::App &command, std::string &board, const char *help)
+{
+    command.add_option("--board", board, help)->type_name(nf::A_BOARD);
+}
+
 void describe_choice(CLI::App &command, Choice &arguments)
 {
     command
@@ -679,8 +684,7 @@ void describe_choice(CLI::App &command, Choice &arguments)
         .add_option("--motor", arguments.motor,
                     "another motor, by name or path; zoo:17 brings its board along")
         ->type_name(nf::A_MOTOR);
-    command.add_option("--board", arguments.board, "another board, by name or path")
-        ->type_name(nf::A_BOARD);
+    describe_board(command, arguments.board, "another board, by name or path");
     describe_set(command, arguments.set);
 }
 
@@ -756,8 +760,7 @@ void describe_identify(CLI::App &command, IdentifyArguments &arguments)
         .add_option("--motor", arguments.motor,
                     "another motor; with --records the name plate, by name or path")
         ->type_name(nf::A_MOTOR);
-    command.add_option("--board", arguments.board, "another board, by name or path")
-        ->type_name(nf::A_BOARD);
+    describe_board(command, arguments.board, "another board, by name or path");
     describe_set(command, arguments.set);
     command
         .add_option("--records", arguments.records,
@@ -803,8 +806,7 @@ void describe_certify(CLI::App &command, CertifyArguments &arguments)
                     "motor file, by name or path; zoo:17 brings its board along")
         ->required()
         ->type_name(nf::A_MOTOR);
-    command.add_option("--board", arguments.board, "board, by name or path; else bench_310v")
-        ->type_name(nf::A_BOARD);
+    describe_board(command, arguments.board, "board, by name or path; else bench_310v");
     command
         .add_option("--tuning", arguments.tunings,
                     "tuning to try, by name or path; may be repeated; else the default, any")

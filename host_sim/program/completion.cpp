@@ -168,7 +168,7 @@ std::string completion_script(const std::string &shell, const std::string &name)
     // What ends with '=' is only begun. Where the program offers nothing, the shell offers files.
     static constexpr const char *BASH = R"(_{0}() {{
     local IFS=$'\n'
-    COMPREPLY=($("${{COMP_WORDS[0]}}" --complete "${{COMP_WORDS[@]:1:COMP_CWORD}}" 2>/dev/null))
+    COMPREPLY=($("${{COMP_WORDS[0]}}" {1} "${{COMP_WORDS[@]:1:COMP_CWORD}}" 2>/dev/null))
     [[ ${{#COMPREPLY[@]}} -eq 1 && ${{COMPREPLY[0]}} == *= ]] && compopt -o nospace
     return 0
 }}
@@ -177,7 +177,7 @@ complete -o default -F _{0} {0}
     static constexpr const char *ZSH = R"(#compdef {0}
 _{0}() {{
     local -a found begun
-    found=("${{(@f)$("${{words[1]}}" --complete "${{(@)words[2,CURRENT]}}" 2>/dev/null)}}")
+    found=("${{(@f)$("${{words[1]}}" {1} "${{(@)words[2,CURRENT]}}" 2>/dev/null)}}")
     begun=("${{(@M)found:#*=}}")
     found=("${{(@)found:#*=}}")
     [[ -n "${{begun[*]}}" ]] && compadd -S '' -- "${{begun[@]}}"
@@ -186,7 +186,7 @@ _{0}() {{
 }}
 compdef _{0} {0}
 )";
-    return fmt::format(fmt::runtime(shell == "zsh" ? ZSH : BASH), name);
+    return fmt::format(fmt::runtime(shell == "zsh" ? ZSH : BASH), name, ASK_COMPLETIONS);
 }
 
 } // namespace nf

@@ -27,6 +27,9 @@ std::vector<std::string> completions(const CLI::App &app, const std::vector<std:
 /// The command or option that `wrong`, which `app` did not expect when it parsed, most likely meant; "" for none.
 std::string nearest_word(const CLI::App &app, const std::string &wrong);
 
+/// The argument in front of the words to complete, as a shell asks for it.
+inline constexpr const char *ASK_COMPLETIONS = "--complete";
+
 /// What a shell, bash or zsh, has to read so that it asks the program `name` for completions.
 std::string completion_script(const std::string &shell, const std::string &name);
 

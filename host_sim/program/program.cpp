@@ -39,8 +39,6 @@ std::string what_was_meant(const CLI::App &app)
     return word.empty() ? "" : fmt::format(" did you mean {}?", word);
 }
 
-constexpr const char *ASK_COMPLETIONS = "--complete"; // as completion_script() has it
-
 } // namespace
 
 std::optional<int> parse(CLI::App &app, int argc, char **argv)
