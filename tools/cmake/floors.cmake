@@ -1,29 +1,49 @@
 # SPDX-License-Identifier: MIT
+# nf_optimise(<target>)
+#
+# C++ in which the runs spend their time: optimised where other C++ is not. What is precompiled without optimisation does not fit it.
+function(nf_optimise target)
+    if(NOT EMSCRIPTEN)
+        target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-O1>)
+        set_target_properties(${target} PROPERTIES DISABLE_PRECOMPILE_HEADERS ON)
+    endif()
+endfunction()
+
 # nf_precompile(<target>)
 #
 # C++ of the host takes the headers of the libraries, precompiled for nf_file, or for nf_design with Eigen; where
-# CMAKE_DISABLE_PRECOMPILE_HEADERS is off, as in the preset host-asan.
+# CMAKE_DISABLE_PRECOMPILE_HEADERS is off, as in the preset host-asan. Eigen without optimisation takes longer to compile, and a
+# hundred times longer to run.
 function(nf_precompile target)
     get_target_property(sources ${target} SOURCES)
-    if(NOT TARGET nf_file OR sources MATCHES "[.]c(;|$)" OR target MATCHES "^nf_(file|design)$")
-        return()
-    endif()
     get_target_property(linked ${target} LINK_LIBRARIES)
-    if(TARGET nf_design AND linked MATCHES "nf_(design|twins)")
-        target_precompile_headers(${target} REUSE_FROM nf_design)
+    if(NOT TARGET nf_file OR sources MATCHES "[.]c(;|$)" OR target STREQUAL nf_file)
+        return()
+    elseif(linked MATCHES "nf_(design|twins)|Eigen3")
+        nf_optimise(${target})
+        nf_precompile_with_eigen(${target})
     else()
         target_precompile_headers(${target} REUSE_FROM nf_file)
     endif()
 endfunction()
 
+function(nf_precompile_with_eigen target)
+    if(TARGET nf_design)
+        set_target_properties(${target} PROPERTIES DISABLE_PRECOMPILE_HEADERS ${CMAKE_DISABLE_PRECOMPILE_HEADERS})
+        if(NOT target STREQUAL nf_design)
+            target_precompile_headers(${target} REUSE_FROM nf_design)
+        endif()
+    endif()
+endfunction()
+
 # nf_compile_together(<target>)
 #
-# Compiles the C++ sources of a library twelve at a time: most of the time goes into the headers that they share. So a name in
+# Compiles the C++ sources of a library at once: most of the time goes into the headers that they share. So a name in
 # an unnamed namespace has to be unique in its library. Sources that were given to nf_compile_alone() before stay alone.
 function(nf_compile_together target)
     get_target_property(sources ${target} SOURCES)
     if(NOT sources MATCHES "[.]c(;|$)")
-        set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 12)
+        set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
     endif()
 endfunction()
 
@@ -32,26 +52,6 @@ endfunction()
 # Sources that get a translation unit of their own. Beside the call stands why.
 function(nf_compile_alone)
     set_source_files_properties(${ARGV} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-endfunction()
-
-# nf_quick_to_compile(<target>)
-#
-# C++ that runs for a moment and takes long to optimise: what reads the command line, the calls of a page. Headers precompiled for
-# optimised code do not fit it.
-function(nf_quick_to_compile target)
-    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-O0>)
-    set_target_properties(${target} PROPERTIES DISABLE_PRECOMPILE_HEADERS ON)
-endfunction()
-
-# nf_optimise(<target>)
-#
-# C++ in which the runs spend their time: optimised with sanitizers too, where other C++ is not. What is precompiled without
-# optimisation does not fit it.
-function(nf_optimise target)
-    if(CMAKE_BUILD_TYPE STREQUAL None)
-        target_compile_options(${target} PRIVATE -O1)
-        set_target_properties(${target} PROPERTIES DISABLE_PRECOMPILE_HEADERS ON)
-    endif()
 endfunction()
 
 # nf_add_floor(<target> SOURCES <file>... [LINK <target>...])
@@ -81,6 +81,6 @@ function(nf_add_program target)
     cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LINK")
     add_executable(${target} ${arg_SOURCES})
     target_link_libraries(${target} PRIVATE ${arg_LINK} nf_warnings)
-    nf_quick_to_compile(${target})
+    nf_precompile(${target})
     set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
 endfunction()

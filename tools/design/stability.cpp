@@ -17,12 +17,12 @@ constexpr double KI_LARGEST_PER_S = 1e6;
 constexpr double KI_STEP = 1.25; // the edge is bracketed in steps of this ratio
 constexpr double KP_FAR = 1e3;   // |K_p| beyond it is not looked at
 constexpr double KP_FIRST = 0.01;
-constexpr int BISECTIONS = 45; // a bracket of 1 ends below 1e-13
+constexpr int EDGE_STEPS = 45; // a bracket of 1 ends below 1e-13
 
 // Between `good`, where `holds`, and `bad`, where it does not.
 double edge(double good, double bad, const std::function<bool(double)> &holds)
 {
-    for (int k = 0; k < BISECTIONS; k++) {
+    for (int k = 0; k < EDGE_STEPS; k++) {
         const double middle = (good + bad) / 2;
         (holds(middle) ? good : bad) = middle;
     }
