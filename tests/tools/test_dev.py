@@ -22,6 +22,7 @@ case "$*" in
     *) exit $STATUS ;;
 esac
 """
+SCRIPTS = sorted(path.name for path in (ROOT / "tools/setup").iterdir() if os.access(path, os.X_OK))
 RECORDER = '#!/bin/sh\necho "$@" >>"$LOG"\n'
 # Takes a file of the project for its word only if there is one.
 STRICT = f"""#!/bin/sh
@@ -42,7 +43,7 @@ class Dev(unittest.TestCase):
         (self.root / "tools").mkdir()
         shutil.copy(ROOT / "tools/dev", self.root / "tools/dev")
         self.write("tools/requirements.txt", "")
-        for name in ("tools/setup/apt", "tools/setup/python", "tools/setup/unity", ".cache/venv/bin/python"):
+        for name in (*(f"tools/setup/{name}" for name in SCRIPTS), ".cache/venv/bin/python"):
             self.script(name, "#!/bin/sh\n")
         self.built()
         self.script("bin/cmake", RECORDER)
@@ -134,8 +135,7 @@ class Web(Dev):
     def setUp(self):
         super().setUp()
         self.write("tools/web/package-lock.json", "{}")
-        for name in ("tools/setup/node", "tools/web/node_modules/.bin/tsc"):
-            self.script(name, "#!/bin/sh\n")
+        self.script("tools/web/node_modules/.bin/tsc", "#!/bin/sh\n")
         self.script("bin/node", RECORDER + "exit $STATUS\n")
 
     def test_it_builds_the_simulator_then_the_page(self):
