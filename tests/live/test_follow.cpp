@@ -21,9 +21,9 @@ extern "C" {
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <optional>
 #include <set>
+#include <sstream>
 
 #include <unistd.h>
 
@@ -123,8 +123,9 @@ nf::Config scripted(const std::string &duration_s, const std::vector<std::string
 
 std::string file_text(const std::string &path)
 {
-    std::ifstream file(path);
-    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    std::ostringstream text;
+    text << std::ifstream(path).rdbuf();
+    return text.str();
 }
 
 // The trace of a run of the board's inputs on this program's drive, from the first tick that was shown.
