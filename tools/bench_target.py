@@ -81,7 +81,7 @@ def check(figures, path):
     count = sum(map(len, figures.values()))
     if found:
         print(f"{len(found)} of {count} figures outside {path.name}. If that is meant: "
-              "tools/bench_target.py --write-budget")
+              "tools/dev figures --write budget")
         return 1
     print(f"all {count} figures within {path.name}")
     return 0

@@ -5,7 +5,6 @@ test_store.py IMAGE BOARD CLOCK NFCONFIG. A slot is written here as store.h says
 """
 
 import binascii
-import os
 import struct
 import subprocess
 import sys
@@ -14,16 +13,18 @@ import tomllib
 import unittest
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import board
 import digital
 import elf
+import many_runs
 from copies import in_a_copy
 from flash import LOCK, PowerFails
 from link import Link
 from rig import BOARD, CALIBRATION_TICKS, IMAGE, STAGE, answer, booted, ready
 
 NFCONFIG = Path(sys.argv[4])
-STRIDE = 1 if os.environ.get("NF_MANY_RUNS") == "1" else 16
+STRIDE = 1 if many_runs.are_asked() else 16
 EDGE = 6  # steps at either end that do something else: an erase, the first words, stamps
 SLOTS = (0x0801F000, 0x0801F800)
 STAMPS = 192 * 8  # bytes of a slot before them

@@ -6,7 +6,6 @@ and replays a run of each. COMPILER compiles board.c of the STM32G431 and about_
 """
 
 import json
-import os
 import re
 import subprocess
 import sys
@@ -15,9 +14,12 @@ import tomllib
 import unittest
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import many_runs  # noqa: E402
+
 TRY_MOTORS, COMPILER = sys.argv[1:3]
 FEW, MANY = 300, 1000
-COUNT = int(sys.argv[3]) if len(sys.argv) > 3 else MANY if os.environ.get("NF_MANY_RUNS") == "1" else FEW
+COUNT = int(sys.argv[3]) if len(sys.argv) > 3 else MANY if many_runs.are_asked() else FEW
 SEED = int(sys.argv[4]) if len(sys.argv) > 4 else 1
 ROOT = Path(__file__).resolve().parents[2]
 INCLUDES = ("hal/stm32g431", "hal", "firmware/app", "firmware/drive", "firmware/config", "firmware/protect", "firmware/control",

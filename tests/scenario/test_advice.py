@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: MIT
 """The advice of a fault leads to what it was made by: causes injected into several motors, and which advice comes first.
 
-test_advice.py MOTORSIM [--table]: --table prints each run, and the share for each fault. NF_MANY_RUNS=1: each cause on each motor, else
-each on one of them in turn.
+test_advice.py MOTORSIM [--table]: --table prints each run, and the share for each fault. With many runs: each cause on each
+motor, else each on one of them in turn.
 """
 
 import collections
 import concurrent.futures
 import math
-import os
 import re
 import subprocess
 import sys
@@ -17,7 +16,11 @@ import tomllib
 import unittest
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import many_runs  # noqa: E402
+
 MOTORSIM = sys.argv[1]
+CORES = 2  # PROCESSORS of the test
 ROOT = Path(__file__).resolve().parents[2] / "host_sim"
 PAIRS = (("motor_a", "bench_310v"), ("odrive_d5065", "b_g431b_esc1"), ("teknic_m2310p", "frdm_mc_lvpmsm"),
          ("outrunner_24v", "b_g431b_esc1"), ("motor_b", "bench_310v"), ("compressor", "compressor_310v"))
@@ -170,13 +173,13 @@ def all_found(many):
     machines = [Machine(*pair) for pair in PAIRS]
     jobs = [(machine, cause) for place, machine in enumerate(machines) for k, cause in enumerate(causes(machine))
             if many or k % len(machines) == place]
-    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+    with concurrent.futures.ThreadPoolExecutor(CORES) as pool:
         return list(pool.map(found, jobs))
 
 
 class Advice(unittest.TestCase):
     def test_the_first_advice_names_the_cause_or_what_ends_it(self):
-        many = os.environ.get("NF_MANY_RUNS") == "1"
+        many = many_runs.are_asked()
         runs = all_found(many)
         ended = [one for one in runs if one]
         self.assertGreater(len(ended), LEAST_FAULTS * len(runs))

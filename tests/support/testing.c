@@ -6,7 +6,7 @@
 #include <string.h>
 
 static registered_test_t *first;
-static registered_test_t **behind_last = &first;
+static registered_test_t **end_of_list = &first;
 
 __attribute__((weak)) void setUp(void)
 {
@@ -18,15 +18,20 @@ __attribute__((weak)) void tearDown(void)
 
 void testing_register(registered_test_t *test)
 {
-    *behind_last = test;
-    behind_last = &test->next;
+    *end_of_list = test;
+    end_of_list = &test->next;
+}
+
+bool testing_has_many_runs(void)
+{
+    const char *const asked = getenv("NF_MANY_RUNS");
+
+    return (asked != NULL) && (strcmp(asked, "1") == 0);
 }
 
 unsigned testing_runs(unsigned few, unsigned many)
 {
-    const char *const asked = getenv("NF_MANY_RUNS");
-
-    return ((asked != NULL) && (strcmp(asked, "1") == 0)) ? many : few;
+    return testing_has_many_runs() ? many : few;
 }
 
 static const registered_test_t *find(const char *name)

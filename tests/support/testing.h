@@ -17,7 +17,7 @@
 #include <unity.h>
 
 #ifdef __cplusplus
-/* Unity's macros of these names would spoil the headers behind it; only unity.c needs them. */
+/* Unity's macros of these names would spoil the headers that come after it; only unity.c needs them. */
 #undef isinf
 #undef isnan
 extern "C" {
@@ -41,10 +41,10 @@ void testing_register(registered_test_t *test);
  */
 int testing_main(int argc, char **argv);
 
-/*
- * The number of runs of a test that repeats one. It is `few` in `tools/dev test`, and `many` in the evidence, which sets
- * NF_MANY_RUNS=1.
- */
+/* Whether a test that repeats a run does it often: not in `tools/dev test`, but in the evidence, which sets NF_MANY_RUNS=1. */
+bool testing_has_many_runs(void);
+
+/* The number of runs, or of seconds of one: `many` where testing_has_many_runs(), else `few`. */
 unsigned testing_runs(unsigned few, unsigned many);
 
 #ifdef __cplusplus

@@ -42,6 +42,7 @@ class Dev(unittest.TestCase):
         self.root = Path(folder.name)
         (self.root / "tools").mkdir()
         shutil.copy(ROOT / "tools/dev", self.root / "tools/dev")
+        shutil.copy(ROOT / "CMakePresets.json", self.root)
         self.write("tools/requirements.txt", "")
         for name in (*(f"tools/setup/{name}" for name in SCRIPTS), ".cache/venv/bin/python"):
             self.script(name, "#!/bin/sh\n")
@@ -98,6 +99,18 @@ class Commands(Dev):
         return [[command] for command in sorted(commands)] + [[command, option] for command, option in described
                                                               if option.startswith("--")]
 
+    def test_each_that_takes_no_words_refuses_one_in_one_line(self):
+        for command in ("setup", "quick", "demo", "docs", "format", "clean"):
+            done = self.dev([command, "--fast"])
+            self.assertEqual((done.returncode, done.stderr), (2, f"tools/dev {command}: found '--fast'; allowed: nothing\n"))
+        self.assertTrue((self.root / "build").is_dir())
+
+    def test_a_preset_that_is_not_there_is_refused_before_anything_is_installed(self):
+        done = self.dev(["build", "nopreset"])
+        self.assertEqual(done.returncode, 2)
+        self.assertRegex(done.stderr, r"^tools/dev build: found 'nopreset'; allowed: host, .*stm32g431.*\n$")
+        self.assertEqual(done.stdout, "")
+
     def test_each_gets_to_its_end_with_what_is_in_the_project(self):
         self.assertGreater(len(self.commands()), 10)
         for words in self.commands():
@@ -124,7 +137,7 @@ class Quick(Dev):
         self.assertEqual(built, ["motorsim", *(f"{folder}/all" for folder in self.FOLDERS)])
         for folder in self.FOLDERS:
             self.assertTrue((ROOT / folder / "CMakeLists.txt").is_file(), folder)
-            self.assertRegex(self.called(), rf"(?m)^--test-dir build/host/{folder} .*--no-tests=error")
+            self.assertRegex(self.called(), rf"(?m)^--test-dir build/host/{folder} -LE \^evidence\$ .*--no-tests=error")
         self.assertIn("-R ^gate\\.format$", self.called())
 
     def test_a_test_that_fails_is_a_failure(self):

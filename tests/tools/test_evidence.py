@@ -2,6 +2,7 @@
 """tools/dev evidence: which parts are due, what a stop leaves, and what its page and its cost say."""
 
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -23,7 +24,7 @@ SPINS = "import time; [None for _ in iter(lambda: time.process_time() < {}, Fals
 
 
 def ended(name, passed=True):
-    return ctest_run.Ended(name, passed, 1.0, 2.0)
+    return ctest_run.Ended(name, passed, 2.0)
 
 
 class Evidence(unittest.TestCase):
@@ -73,7 +74,7 @@ class Evidence(unittest.TestCase):
         self.assertTrue(self.state().is_due(self.part))
 
     def test_a_failure_of_what_a_part_needs_is_named(self):
-        self.assertEqual(self.note(ended("of.another", passed=False)).failed, {"what they need": ["of.another"]})
+        self.assertEqual(self.note(ended("of.another", passed=False)).needed, ["of.another"])
 
     def test_a_part_is_due_again_by_the_content_of_its_inputs_and_not_by_their_time(self):
         self.pass_all()
@@ -130,6 +131,60 @@ class Evidence(unittest.TestCase):
         self.assertIn('<span class="verdict bad">not kept</span>', text)
 
 
+class Command(Evidence):
+    """What is typed after `tools/dev evidence` and `tools/dev test`."""
+
+    def call(self, *words):
+        patches = (mock.patch.object(sys, "argv", ["evidence", *words]), mock.patch.object(run, "finish", self.finish),
+                   mock.patch("builtins.print"))
+        with patches[0], patches[1], patches[2] as said:
+            return run.main(), "".join(str(call.args[0]) for call in said.call_args_list)
+
+    def finish(self, parts, due, _state):
+        self.assertTrue({one.name for one in due} <= {one.name for one in parts})
+        self.due = [one.name for one in due]
+        return 0
+
+    def test_a_part_alone_is_made(self):
+        self.assertEqual(self.call("proof")[0], 0)
+        self.assertEqual(self.due, ["proof"])
+
+    def test_a_part_that_is_none_is_refused_in_one_line_that_names_all(self):
+        status, said = self.call("fuzzing")
+        self.assertEqual(status, 2)
+        self.assertRegex(said, r"^tools/dev evidence: found 'fuzzing'; allowed: proof, .*fuzz, [^\n]*$")
+
+    def test_the_list_names_each_part(self):
+        said = self.call("--list")[1]
+        for one in run.parts_of(run.PARTS.read_text(encoding="utf-8")):
+            self.assertIn(f" {one.name} ", said)
+
+    def test_a_stop_is_said_in_one_line(self):
+        with mock.patch.object(self, "finish", side_effect=KeyboardInterrupt):
+            status, said = self.call()
+        self.assertEqual(status, run.STOPPED)
+        self.assertRegex(said, r"^\nevidence: stopped; 0 of \d+ parts hold; .*$")
+
+    def test_each_part_that_the_entry_script_or_a_page_names_is_one(self):
+        names = {one.name for one in run.parts_of(run.PARTS.read_text(encoding="utf-8"))}
+        called = re.findall(r"evidence (\w+) \"\$@\"", (ROOT / "tools/dev").read_text(encoding="utf-8"))
+        self.assertEqual(called, ["coverage"])
+        table = re.search(r"\| part \| requirement \|\n.*\n((?:\|.*\n)*)", (ROOT / "docs/evidence.md").read_text(encoding="utf-8"))[1]
+        self.assertEqual(set(re.findall(r"^\| (\w+) \|", table, re.M)), names)
+
+    def test_ctest_gets_the_options_of_the_user_and_leaves_the_evidence_out(self):
+        always = ["-j2", "--output-on-failure", "--no-tests=error", "-LE"]
+        for typed, given in {(): ["^evidence$"], ("-L", "gate"): ["^evidence$", "-L", "gate"],
+                             ("-LE", "docs", "-V"): ["^evidence$|docs", "-V"], ("-R", "test_pi"): ["^evidence$", "-R", "test_pi"],
+                             ("-E", "a", "-j1"): ["^evidence$", "-E", "a", "-j1"]}.items():
+            self.assertEqual(run_tests.words_for_ctest(typed), (always + given, None))
+
+    def test_a_word_that_belongs_to_no_option_of_ctest_is_refused(self):
+        for typed in (("test_pi",), ("-R", "a", "test_pi")):
+            self.assertEqual(run_tests.words_for_ctest(typed)[1],
+                             "tools/dev test: found 'test_pi'; allowed: options of ctest, for instance -R test_pi")
+
+
 class ThisProject(unittest.TestCase):
     def test_each_test_of_the_evidence_belongs_to_one_part_whose_inputs_exist(self):
         parts = run.parts_of(run.PARTS.read_text(encoding="utf-8"))
@@ -161,10 +216,10 @@ class Cost(unittest.TestCase):
     def test_lines_of_a_ctest_that_a_test_has_called_are_not_tests(self):
         lines = ("  1/2 Test  #7: one ....   Passed    0.10 sec", " 12/286 Test #31: inner ...***Failed    0.01 sec",
                  " 1/286 Test #31: inner ...   Passed    0.01 sec", "  2/2 Test  #9: two ...***Failed    0.20 sec")
-        self.assertEqual(list(ctest_run.own_lines(lines)), [("one", "Passed", 0.1), ("two", "***Failed", 0.2)])
+        self.assertEqual(list(ctest_run.own_lines(lines)), [("one", "Passed"), ("two", "***Failed")])
 
     def test_a_test_dearer_than_allowed_is_found_unless_it_has_a_reason(self):
-        dear = [ctest_run.Ended("a", True, 1.0, run_tests.FAILS + 1)]
+        dear = [ctest_run.Ended("a", True, run_tests.FAILS + 1)]
         self.assertEqual(len(list(run_tests.too_dear(dear, {"a": mock.Mock(labels=set())}))), 1)
         self.assertEqual(list(run_tests.too_dear(dear, {"a": mock.Mock(labels={"dear"})})), [])
 

@@ -13,7 +13,7 @@ from .image import BenchError
 BELOW_PERCENT, ABOVE_PERCENT = 10, 3
 HEADER = """\
 # What the control tick may cost: [lowest, highest] of each figure, measured −{below} % and +{above} %.
-# Held by the test target.cost. Written by `tools/bench_target.py --write-budget`; say in the
+# Held by the test target.cost. Written by `tools/dev figures --write budget`; say in the
 # commit why the figures moved.
 """
 
@@ -38,7 +38,7 @@ def read(path):
         with open(path, "rb") as file:
             budget = tomllib.load(file)
     except OSError as error:
-        raise BenchError(f"{path}: {error.strerror}; expected a budget, which --write-budget "
+        raise BenchError(f"{path}: {error.strerror}; expected a budget, which `tools/dev figures --write` "
                          "writes") from error
     except tomllib.TOMLDecodeError as error:
         raise BenchError(f"{path}: {error}; expected TOML") from error

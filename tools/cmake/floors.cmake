@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # nf_optimise(<target>)
 #
-# C++ in which the runs spend their time: optimised where other C++ is not. What is precompiled without optimisation does not fit it.
+# C++ in which the runs spend their time: optimised where other C++ is not. Headers precompiled without optimisation do not fit it.
 function(nf_optimise target)
     if(NOT EMSCRIPTEN)
         target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-O1>)
@@ -49,7 +49,7 @@ endfunction()
 
 # nf_compile_alone(<source>...)
 #
-# Sources that get a translation unit of their own. Beside the call stands why.
+# Sources that get a translation unit of their own. Give the reason at the call.
 function(nf_compile_alone)
     set_source_files_properties(${ARGV} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()

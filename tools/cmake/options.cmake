@@ -9,11 +9,6 @@ set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 
-# The firmware and the plant are C, are debugged and take most of a run. C++ takes most of the time to compile: it gets line numbers,
-# and is optimised where nf_optimise() says so. gcc collects its garbage first when 400 MB of it lie about.
-set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "-O0 -g1 -DNDEBUG")
-add_compile_options("$<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-heapsize=400000>")
-
 # A simulation gives the same bytes on each PC and with each compiler: no fused
 # multiply-add, no fast-math, no code tuned to the machine that builds it.
 add_compile_options(-ffp-contract=off)
@@ -39,6 +34,11 @@ endfunction()
 if(NOT PROJECT_IS_TOP_LEVEL)
     return()
 endif()
+
+# The firmware and the plant are C, are debugged and take most of a run. C++ takes most of the time to compile: it gets line
+# numbers, and is optimised where nf_optimise() says so. gcc looks for memory to free only beyond 400 MB.
+set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "-O0 -g1 -DNDEBUG")
+add_compile_options("$<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-heapsize=400000>")
 
 target_compile_options(nf_warnings INTERFACE
     -Wall -Wextra -Wconversion -Wsign-conversion -Wshadow -Wdouble-promotion -Wundef -Wvla

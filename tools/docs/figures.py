@@ -52,7 +52,7 @@ def script(name, *words):
 
 
 def printed(page, *tables, by):
-    """Tables that a program prints. The option first: what is behind -- is the program's."""
+    """Tables that a program prints. The option first: what follows -- is the program's."""
     words = (page, *tables, "--", *by)
     return {"where": page, "check": script("printed", *words), "write": script("printed", "--write", *words)}
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import psutil
 
 LOOK_S = 0.5
-ENDED = re.compile(r"^\s*(?P<number>\d+)/(?P<total>\d+) Test\s+#\d+: (\S+) [.]+(.*?)\s+([\d.]+) sec")
+ENDED = re.compile(r"^\s*(?P<number>\d+)/(?P<total>\d+) Test\s+#\d+: (\S+) [.]+(.*?)\s+[\d.]+ sec")
 
 
 @dataclass
@@ -22,7 +22,6 @@ class Ended:
 
     name: str
     passed: bool
-    seconds: float  # by the clock
     core_seconds: float
 
 
@@ -80,13 +79,13 @@ def shown(lines):
 
 
 def own_lines(lines):
-    """(name, result, seconds) of each test that has ended. The output of a test may have such lines of another ctest: those of
+    """(name, result) of each test that has ended. The output of a test may have such lines of another ctest: those of
     this one count from 1 on and have the same total."""
     count, total = 0, None
     for found in filter(None, map(ENDED.match, lines)):
         if int(found["number"]) == count + 1 and total in (None, found["total"]):
             count, total = count + 1, found["total"]
-            yield found[3], found[4].strip(), float(found[5])
+            yield found[3], found[4].strip()
 
 
 class Run:
@@ -104,8 +103,8 @@ class Run:
             looker = Looker(ctest.pid, self.commands)
             looker.start()
             try:
-                for name, result, seconds in own_lines(shown(ctest.stdout)):
-                    yield Ended(name, result == "Passed", seconds, looker.most.get(name, 0.0))
+                for name, result in own_lines(shown(ctest.stdout)):
+                    yield Ended(name, result == "Passed", looker.most.get(name, 0.0))
             finally:
                 looker.over.set()
         self.status = ctest.returncode

@@ -2,11 +2,12 @@
 """tools/dev evidence: how far the whole can be relied on, part by part; tools/evidence/parts.toml lists the parts.
 
 A part is due until it has passed with what its inputs contain now. So a run that was stopped goes on where it was, and
-what has not changed is left out. Both is judged by content, not by time.
+what has not changed is left out. What counts is content, not time.
 """
 
 import argparse
 import fnmatch
+import functools
 import hashlib
 import json
 import os
@@ -28,8 +29,18 @@ OUT = BUILD / "evidence"
 STATE = OUT / "state.json"
 PAGE = ROOT / "build/report/evidence.html"
 PARTS = Path(__file__).with_name("parts.toml")
+PACKAGES = ROOT / "tools/setup/packages.txt"
 CORES = 2
 SHOWN = 20
+STOPPED = 130  # as a shell's
+
+
+@functools.cache
+def installed():
+    """The versions of the tools, of which each figure is one as well."""
+    names = [line.split()[0] for line in PACKAGES.read_text(encoding="utf-8").splitlines() if line and not line.startswith("#")]
+    asked = ["dpkg-query", "-W", "-f", "${Package} ${Version}\n", *names]
+    return subprocess.run(asked, capture_output=True, check=False).stdout
 
 
 @dataclass
@@ -48,10 +59,10 @@ class Part:
         return OUT / f"{self.name}.json"
 
     def digest(self):
-        """Of its inputs, those that git ignores left out, and of what the part is."""
+        """Of its inputs, those that git ignores left out, of the tools, and of what the part is."""
         listed = subprocess.run(["git", "ls-files", "-z", "-c", "-o", "--exclude-standard", "--", *self.inputs], cwd=ROOT,
                                 capture_output=True, check=True).stdout.split(b"\0")
-        digest = hashlib.sha256(repr((self.patterns, self.inputs)).encode())
+        digest = hashlib.sha256(repr((self.patterns, self.inputs)).encode() + installed())
         for path in sorted(filter(None, set(listed))):
             whole = ROOT / os.fsdecode(path)
             if whole.is_file():
@@ -118,12 +129,12 @@ class Progress:
         self.left = {test: one for one in due for test in one.tests}
         self.took = {one.name: {} for one in due}
         self.failed, self.begin = {}, time.monotonic()
+        self.needed = []  # tests of no part that failed: what a part needs
 
     def note(self, test):
         one = self.left.pop(test.name, None)
-        if one is None:  # what a part needs, and is none
-            if not test.passed:
-                self.failed.setdefault("what they need", []).append(test.name)
+        if one is None:
+            self.needed += [] if test.passed else [test.name]
             return
         self.took[one.name][test.name] = round(test.core_seconds, 1)
         if not test.passed:
@@ -167,6 +178,7 @@ def summary(parts, due, progress, state):
     rows = [[one.name, one.says, "failed: " + ", ".join(failed[one.name]) if one.name in failed
              else "not made" if state.is_due(one) else "passed" if one in due else "unchanged since it passed",
              f"{sum(took.get(one.name, {}).values()) / 60:.1f}"] for one in parts]
+    rows += [["what they need", name, "failed", ""] for name in (progress.needed if progress else [])]
     seconds = sorted((pair for tests in took.values() for pair in tests.items()), key=lambda pair: -pair[1])[:SHOWN]
     held = [one for one in parts if not state.is_due(one)]
     return {"part": "run", "title": "All parts", "says": f"Of {commit()}.",
@@ -194,26 +206,34 @@ def show(parts, state):
 def main():
     parser = argparse.ArgumentParser(prog="tools/dev evidence", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("parts", nargs="*", metavar="PART", help="these alone")
+    parser.add_argument("parts", nargs="*", metavar="PART", help="these alone; --list names them")
     parser.add_argument("--list", action="store_true", help="say what is due and how many core-minutes it takes")
     parser.add_argument("--again", action="store_true", help="what has passed, too")
     args = parser.parse_args()
     parts, state = parts_of(PARTS.read_text(encoding="utf-8")), State()
     unknown = sorted(set(args.parts) - {one.name for one in parts})
     if unknown:
-        parser.error(f"found '{unknown[0]}'; allowed: {', '.join(one.name for one in parts)}")
+        print(f"tools/dev evidence: found '{unknown[0]}'; allowed: {', '.join(one.name for one in parts)}", file=sys.stderr)
+        return 2
     if args.list:
         show(parts, state)
         return 0
     due = [one for one in parts if (not args.parts or one.name in args.parts) and (args.again or state.is_due(one))]
-    return finish(parts, due, state)
+    try:
+        return finish(parts, due, state)
+    except KeyboardInterrupt:
+        held = sum(not state.is_due(one) for one in parts)
+        print(f"\nevidence: stopped; {held} of {len(parts)} parts hold; called again, it goes on")
+        return STOPPED
 
 
 def finish(parts, due, state):
     progress = None
     if due:
         digests = {one.name: one.digest() for one in due}  # before the build: what is edited from here on is due again
-        subprocess.run([ROOT / "tools/dev", "build", "host"], check=True)
+        built = subprocess.run([ROOT / "tools/dev", "build", "host"], check=False).returncode
+        if built:
+            return built
         tests = ctested.listed(BUILD, whole=False)
         wrong = list(assign(parts, tests))
         if wrong:
@@ -228,9 +248,11 @@ def finish(parts, due, state):
     PAGE.write_text(page.page(whole), encoding="utf-8")
     missing = [one.name for one in parts if state.is_due(one) and one.name not in (progress.failed if progress else {})]
     failures = sorted(progress.failed) if progress else []
+    needed = progress.needed if progress else []
     print(f"evidence: {commit()}: {len(parts)} parts, {len(parts) - len(missing) - len(failures)} hold, "
-          f"{len(failures)} failed{listing(failures)}, {len(missing)} not made{listing(missing)}: {PAGE.relative_to(ROOT)}")
-    return 1 if failures else 0
+          f"{len(failures)} failed{listing(failures)}, {len(missing)} not made{listing(missing)}"
+          f"{'; what they need failed' if needed else ''}{listing(needed)}: {PAGE.relative_to(ROOT)}")
+    return 1 if failures or needed else 0
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""gate.licence: every source file says its licence, in its first line or in the one behind `#!`. --fix writes it there.
+"""gate.licence: every source file says its licence, in its first line or in the one after `#!`. --fix writes it there.
 
 A file that leaves the project, alone or in an archive, still says on what terms it may be used. Data and prose carry no
 such line; LICENSE covers them. A kind of file that is neither is a finding: nobody has said what it is.

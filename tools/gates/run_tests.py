@@ -37,15 +37,33 @@ def too_dear(ended, tests):
                    "slower machine, or a reason: nf_is_dear() in its CMakeLists.txt")
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("build", type=Path, help="the build folder")
-    parser.add_argument("-LE", "--label-exclude", metavar="REGEX", help="as of ctest; the evidence is left out anyway")
-    args, of_ctest = parser.parse_known_args()
-    tests = ctested.listed(args.build, whole=False)
+def words_for_ctest(words):
+    """Those of the user, and what leaves the evidence out; an error in one line, or None."""
+    # argparse would take ctest's -L for the beginning of -LE.
+    parser = argparse.ArgumentParser(add_help=False)
+    parser.add_argument("-L", "--label-regex", action="append", default=[])
+    parser.add_argument("-LE", "--label-exclude", action="append", default=[])
+    labels, rest = parser.parse_known_args(words)
+    for before, word in zip(["", *rest], rest):
+        if not before.startswith("-") and not word.startswith("-"):
+            return [], f"tools/dev test: found '{word}'; allowed: options of ctest, for instance -R {word}"
     # Of several -LE ctest leaves out what matches all of them.
-    left_out = "|".join(filter(None, ("^evidence$", args.label_exclude)))
-    run = ctest_run.Run(args.build, ["-j2", "--output-on-failure", "--no-tests=error", "-LE", left_out, *of_ctest],
+    left_out = "|".join(("^evidence$", *labels.label_exclude))
+    chosen = [word for label in labels.label_regex for word in ("-L", label)]
+    return ["-j2", "--output-on-failure", "--no-tests=error", "-LE", left_out, *chosen, *rest], None
+
+
+def main(words):
+    if {"-h", "--help"} & set(words):
+        print(__doc__, "\nOptions are those of ctest: -R REGEX, -L LABEL, -LE LABEL, --rerun-failed, ...", sep="")
+        return 0
+    build = Path(words[0])
+    for_ctest, error = words_for_ctest(words[1:])
+    if error:
+        print(error, file=sys.stderr)
+        return 2
+    tests = ctested.listed(build, whole=False)
+    run = ctest_run.Run(build, for_ctest,
                         {name: test.command for name, test in tests.items() if "evidence" not in test.labels})
     ended = list(run)
     report(ended)
@@ -56,4 +74,4 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(sys.argv[1:]))
