@@ -149,7 +149,8 @@ def main(words=None):
     args = parser.parse_args(words)
     for name in args.names:
         if name not in usual + dear:
-            parser.error(f"found '{name}'; allowed: {', '.join(usual + dear)}")
+            print(f"tools/dev figures: found '{name}'; allowed: {', '.join(usual + dear)}", file=sys.stderr)
+            return 2
     if args.list:
         print(listing())
         return 0
