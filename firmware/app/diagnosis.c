@@ -50,9 +50,9 @@ static int64_t swing_step(const drive_t *drive)
 static bool is_times(int64_t frequency, int64_t turn, int64_t times)
 {
     const int64_t expected = turn * times;
-    const int64_t off = frequency - expected;
+    const int64_t off = (frequency > expected) ? (frequency - expected) : (expected - frequency);
 
-    return (expected > 0) && ((NEAR_SHARE * ((off < 0) ? -off : off)) <= expected);
+    return (expected > 0) && ((NEAR_SHARE * off) <= expected);
 }
 
 /* Period of the swing and the one at which the loop lags by half a turn, in sixteenths of a slow period. */

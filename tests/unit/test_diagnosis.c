@@ -142,6 +142,8 @@ TEST(test_a_torque_against_the_speed_brakes_and_ripple_does_not)
     TEST_ASSERT_FALSE(has(FAULT_SIGN_BRAKES));
     drive.scene.limits = DERATING_BUS_HIGH;
     TEST_ASSERT_TRUE(has(FAULT_SIGN_BRAKES));
+    drive.scene.torque = -cfg.supervision.phase_range_min; /* with the speed: it drives */
+    TEST_ASSERT_FALSE(has(FAULT_SIGN_BRAKES));
 }
 
 TEST(test_a_rotor_follows_the_vector_of_a_start_with_half_of_its_speed)
