@@ -134,7 +134,7 @@ void check(const nf::Config &config, const Measurement &measurement)
 
 TEST(test_random_motors_are_measured_within_the_errors_that_are_asked_for)
 {
-    for (std::size_t k = 0; k < std::size(MOTORS); k += testing_has_many_runs() ? 1 : 2) {
+    for (std::size_t k = 0; k < std::size(MOTORS); k += testing_has_many_runs() ? 1U : 2U) {
         const char *const motor = MOTORS[k];
         const nf::Config config = nf::load_scenario(motor);
         const Outcome outcome = measured(config);
