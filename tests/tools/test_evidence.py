@@ -15,6 +15,7 @@ sys.path[:0] = [str(ROOT / "tools/evidence"), str(ROOT / "tools/gates")]
 
 import ctest_run  # noqa: E402
 import ctested  # noqa: E402
+import fuzz  # noqa: E402
 import page  # noqa: E402
 import part  # noqa: E402
 import run  # noqa: E402
@@ -193,6 +194,11 @@ class ThisProject(unittest.TestCase):
         for one in parts:
             for path in one.inputs:
                 self.assertTrue((ROOT / path).exists(), f"{one.name}: {path}")
+
+
+    def test_each_program_that_takes_any_bytes_is_fuzzed(self):
+        listed = (ROOT / "tests/fuzz/CMakeLists.txt").read_text(encoding="utf-8")
+        self.assertEqual(set(re.findall(r"^nf_add_fuzzed\((\w+) ", listed, re.M)), set(fuzz.PROGRAMS))
 
 
 class Cost(unittest.TestCase):

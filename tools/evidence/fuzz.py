@@ -2,15 +2,16 @@
 """evidence.fuzz: whatever bytes come in, nothing breaks.
 
 The programs of tests/fuzz run under libFuzzer with the address and the undefined-behaviour sanitizer, beginning with their
-committed corpus: frames into the drive, text into the configuration's loader, recordings, the console, commands of
-the stepper. What each asks for beyond that stands in its source. A crash, an alarm, a broken promise, an input that takes
+committed corpus: frames into the drive, text into the configuration's loader, recordings, the console, the line of the link,
+blocks of configuration, packed frames, commands of the stepper. What each asks for beyond that stands in its source. A crash, an alarm, a broken promise, an input that takes
 ten seconds or a GB of memory is a finding; its input is kept, and the line that runs it again is printed. Each run begins
 with the committed corpus alone: what the one before has kept in build/fuzz goes away.
 
 Each program runs at least three times as long as its planted faults (tests/evidence/fuzz_can_fail.py) took when this was
 measured: that of the configuration 5.3 to 13.8 s of a core, before an input that shows it came into the corpus, and that of the
 recording 0.3 to 0.7 s, of four seeds each; those of the drive, the stepper and the console at most 0.6 s with the one seed
-tried, as they are found while the corpus is read.
+tried, as they are found while the corpus is read. The others have no planted fault: what they call is watched by the same
+sanitizers.
 The build has changed since: C without calls at comparisons, and counters. The test still asks for each fault within the
 program's time. --seconds gives all of them another time.
 
@@ -57,6 +58,9 @@ PROGRAMS = {
     "recording": Program("any recording, read and run again", 4300, 30),
     "console": Program("any bytes to the console", 1020, 60),
     "stepper": Program("any commands of the stepper", 2400, 5),
+    "link": Program("any bytes to the serial line, of a PC that is connected", 1900, 10),
+    "block": Program("any block of configuration words", 840, 500),
+    "frame_code": Program("any bytes as a packed frame", 135, 5000),
 }
 AT_ONCE = 2
 SEED = 1
