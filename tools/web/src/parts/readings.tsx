@@ -19,7 +19,7 @@ export interface ReadSignal {
 export function readingsOf(signals: ReadSignal[], values: Record<string, number | null>): Reading[] {
     return signals.map(({ label, name, unit, factor = 1 }) => {
         const value = values[name] ?? null;
-        return { label, text: `${shown(value === null ? null : value * factor)} ${unit}` };
+        return { label, text: `${shown(value === null ? null : value * factor, unit)} ${unit}` };
     });
 }
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The present tick: its stages in their order, and the same tick beside double precision.
 import type { DiffRow, SignalValue, StepView } from "../core/protocol.ts";
-import { shown } from "../parts/format.ts";
+import { shown, significant } from "../parts/format.ts";
 
 const DIGITS = 6;
 
 function precise(value: number): string {
-    return String(Number(value.toPrecision(DIGITS)));
+    return significant(value, DIGITS);
 }
 
 function valueText({ value, unit, word }: SignalValue): string {
