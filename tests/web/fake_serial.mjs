@@ -5,6 +5,11 @@
     const failure = (name, text) => new DOMException(text, name);
     const asText = (bytes) => btoa(String.fromCharCode(...bytes));
     const asBytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+    // Of the other end of the line, where the rates are not the same.
+    const heard = (bytes) => {
+        const { baud, opened } = fakeSerial;
+        return baud === undefined || baud === opened.baudRate ? bytes : bytes.map((byte) => byte ^ 0xa5);
+    };
 
     // A stream comes into being when it is asked for, and is gone when it has ended or failed.
     class FakePort extends EventTarget {
@@ -24,6 +29,7 @@
             await globalThis.serialOpen();
             this.#isOpen = true;
             fakeSerial.opened = { baudRate, bufferSize };
+            fakeSerial.tried.push(baudRate);
         }
 
         get readable() {
@@ -58,7 +64,7 @@
 
         take(bytes) {
             if (this.readable !== null) {
-                this.#said.enqueue(bytes);
+                this.#said.enqueue(heard(bytes));
             }
         }
 
@@ -82,7 +88,7 @@
             if (!this.connected) {
                 throw failure("NetworkError", "The device has been lost.");
             }
-            await globalThis.serialWrite(asText(bytes));
+            await globalThis.serialWrite(asText(heard(bytes)));
         }
     }
 
@@ -113,7 +119,9 @@
     globalThis.fakeSerial = {
         cancelled: false, // by the person who is to choose a port
         busy: false, // another program has the port
+        baud: undefined, // of the board; undefined: any
         opened: undefined, // how the page has opened it
+        tried: [], // rates, in their order
         take: (text) => serial.port.take(asBytes(text)),
         disturb: () => serial.port.disturb(),
         lose: () => serial.port.lose(),

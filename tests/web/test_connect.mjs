@@ -11,6 +11,8 @@ import { BAUD, connect, connectToReady, openConnect, run, setKey, SPEED_RPM, wit
 import { otherFirmware, printer } from "./strangers.mjs";
 
 const LOAD_NM = 2;
+// Of host_sim/boards, and of a board file that names none.
+const KNOWN_RATES = [921600, 460800, 115200];
 const LOADED_A = 2 * LOAD_NM / 3 / 2 / 0.387 / 2; // half of torque over 3/2 · pole pairs · flux
 
 // To the line that was asked last.
@@ -51,6 +53,35 @@ test("a board is identified and followed; Run and a speed bring it there", async
     await page.getByLabel("Search signals by name or unit").fill("angle_estimated");
     await page.getByLabel("angle_estimated_el_deg").check();
     await page.locator(".u-legend").getByText("angle_estimated_el_deg [deg]").waitFor();
+}));
+
+// The board's own pace does not matter to who only asks it.
+async function connectAlone(page, boardBaud) {
+    await page.evaluate((baud) => (globalThis.fakeSerial.baud = baud), boardBaud);
+    await button(page, "Connect").click();
+}
+
+const tried = (page) => page.evaluate(() => globalThis.fakeSerial.tried);
+
+test("the rates of the shipped boards are tried, the highest first, and the page names the one that works", async () => withBoard(async (page) => {
+    await connectAlone(page, KNOWN_RATES.at(-1));
+    await page.getByText(`Waiting for the board to answer at ${KNOWN_RATES[1]} baud…`).waitFor();
+    await page.locator(".board-name").getByText(`, at ${KNOWN_RATES.at(-1)} baud`).waitFor();
+    assert.deepEqual(await tried(page), KNOWN_RATES);
+}));
+
+test("a rate that a person has entered is the only one that is tried", async () => withBoard(async (page) => {
+    await type(page, "Baud rate [baud]", "57600");
+    await connectAlone(page, KNOWN_RATES[0]);
+    await page.getByText("no board answers at 57600 baud; check its power").waitFor();
+    assert.deepEqual(await tried(page), [57600]);
+}));
+
+test("a person who cancels while the rates are tried may connect again", async () => withBoard(async (page) => {
+    await connectAlone(page, KNOWN_RATES.at(-1));
+    await button(page, "Cancel").click();
+    await page.evaluate(() => (globalThis.fakeSerial.baud = undefined));
+    await connect(page);
 }));
 
 test("Stop stops the motor, by its button and by Escape", async () => withBoard(async (page) => {
@@ -218,10 +249,12 @@ test("a board is followed without a gap while another part of the page is open",
     assert.equal(await reading(page, "Gaps"), 0);
 }));
 
+const NO_ANSWER = new RegExp(`^no board answers at ${KNOWN_RATES.join(", ")} baud; check its power, its port, and that .*\\(board\\.baud\\)`);
+
 for (const [what, makeBoard, line] of [
-    ["a device of another kind", printer, /^the board does not answer/],
+    ["a device of another kind", printer, NO_ANSWER],
     ["a board of another firmware", () => otherFirmware(99), /firmware is another one .*: version of the link 99, here \d/],
-    ["a port at which nobody answers", frozenBoard, /^the board does not answer/],
+    ["a port at which nobody answers", frozenBoard, NO_ANSWER],
 ]) {
     test(`${what} gets a line`, async () => withBoard(async (page) => {
         await button(page, "Connect").click();

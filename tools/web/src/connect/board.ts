@@ -2,12 +2,11 @@
 // The board that the page is connected to, or was. It is followed whichever part of the bench is open, and also while nobody sees
 // the page: without timers and frames of the screen, which such a page does not have. Where tuning.command_timeout_s says so, a
 // board that hears nobody for that long stops its motor.
-import type { LiveBlock, LiveHead, SignalInfo } from "../core/protocol.ts";
+import type { LiveBlock, LiveHead, LiveOptions, SignalInfo } from "../core/protocol.ts";
 import { Listeners } from "../parts/listeners.ts";
 import { BoardLink } from "./board_link.ts";
 import { ByteRate } from "./byte_rate.ts";
 import { Scopes } from "./scopes.ts";
-import type { Connection } from "./settings.ts";
 import { rotorDeg, SHOWN } from "./shown.ts";
 import { Talk } from "./talk.ts";
 import { alertAfterwards } from "./time_out.ts";
@@ -18,11 +17,14 @@ const FRESH_MS = 500; // at the board's own pace
 
 export type Phase = "away" | "connecting" | "following" | "leaving" | "closing";
 
-// What a person can do about it.
-function explained(error: Error, baud: number): Error {
-    return error.message.startsWith("the board does not answer")
-        ? new Error(`${error.message}. Is it powered, and is ${baud} baud the board.baud of its file?`)
-        : error;
+function isSilence(error: Error): boolean {
+    return error.message.startsWith("the board does not answer");
+}
+
+function silenceAt(rates: number[]): Error {
+    return new Error(
+        `no board answers at ${rates.join(", ")} baud; check its power, its port, and that the rate of its image (board.baud) is tried`,
+    );
 }
 
 export class Board {
@@ -33,6 +35,7 @@ export class Board {
     problem = ""; // why there is no board any more
     parting = ""; // what a person is to know of the one that was left
     danger = ""; // of the motor of one that was lost
+    baud = 0; // of the line: the rate that is tried, then the one at which the board answers
     head: LiveHead | undefined;
     signals: SignalInfo[] = [];
     block: LiveBlock | undefined;
@@ -53,20 +56,16 @@ export class Board {
         return this.block?.command?.run ?? true;
     }
 
-    async connect(port: SerialPort, { baud, options }: Connection): Promise<void> {
+    // At the first of the rates at which there is an answer.
+    async connect(port: SerialPort, rates: number[], options: LiveOptions): Promise<void> {
         this.begin(options.pace);
         try {
-            const link = await BoardLink.open(port, baud);
-            this.link = link;
-            if (this.isCut) {
-                throw new Error("it is not wanted any more");
-            }
-            this.head = await link.ask("liveOpen", { line: link.memory, options, scope: this.scopes.choice });
+            const link = await this.find(port, rates, options);
             this.phase = "following";
             this.changed.tell();
             await this.follow(link);
         } catch (error) {
-            await this.lose(explained(error as Error, baud));
+            await this.lose(error as Error);
         }
     }
 
@@ -125,6 +124,37 @@ export class Board {
         this.talk.begin();
         this.scopes.begin();
         this.changed.tell();
+    }
+
+    private async find(port: SerialPort, rates: number[], options: LiveOptions): Promise<BoardLink> {
+        for (const baud of rates) {
+            this.baud = baud;
+            this.changed.tell();
+            const link = await BoardLink.open(port, baud);
+            this.link = link;
+            if (await this.answers(link, options)) {
+                return link;
+            }
+            this.link = undefined;
+            await link.close();
+        }
+        throw silenceAt(rates);
+    }
+
+    // Any other answer than a board's is an error.
+    private async answers(link: BoardLink, options: LiveOptions): Promise<boolean> {
+        try {
+            if (this.isCut) {
+                throw new Error("it is not wanted any more");
+            }
+            this.head = await link.ask("liveOpen", { line: link.memory, options, scope: this.scopes.choice });
+            return true;
+        } catch (error) {
+            if (!isSilence(error as Error)) {
+                throw error;
+            }
+            return false;
+        }
     }
 
     // Not as it was to end.

@@ -16,7 +16,7 @@ import { useBoard } from "./use_board.ts";
 function Side({ props, board }: { props: TabProps; board: Board }) {
     return (
         <div class="side scroll" tabIndex={0} role="group" aria-label="The board">
-            <Connection board={board} names={props.names} />
+            <Connection board={board} props={props} />
             <Alarms board={board} />
             {board.phase === "following" && <BoardControls board={board} />}
             {board.head !== undefined && (

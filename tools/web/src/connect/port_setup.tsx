@@ -14,13 +14,13 @@ const FILES: (keyof BoardFiles)[] = ["motor", "board", "tuning"];
 
 function Field({ name, settings, setSettings }: Omit<Props, "names"> & { name: NumberName }) {
     const id = useId();
-    const { label, unit, least, most } = NUMBERS[name];
+    const { label, unit, least, most, empty } = NUMBERS[name];
     const set = (text: string): void => setSettings({ ...settings, numbers: { ...settings.numbers, [name]: text } });
     return (
         <div class="knob">
             <label for={id}>{unit === "" ? label : `${label} [${unit}]`}</label>
             <input
-                id={id} type="number" min={least} max={most} step="any" value={settings.numbers[name]}
+                id={id} type="number" min={least} max={most} step="any" placeholder={empty} value={settings.numbers[name]}
                 onInput={(event) => set(event.currentTarget.value)}
             />
         </div>

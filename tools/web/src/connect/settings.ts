@@ -9,10 +9,11 @@ export interface NumberField {
     unit: string;
     least: number;
     most: number;
+    empty?: string; // what an empty field stands for
 }
 
 export const NUMBERS: Record<NumberName, NumberField> = {
-    baud: { label: "Baud rate", unit: "baud", least: 1200, most: 12_000_000 },
+    baud: { label: "Baud rate", unit: "baud", least: 1200, most: 12_000_000, empty: "automatic" },
     keep_s: { label: "Seconds kept for a recording", unit: "s", least: 0.1, most: 60 },
     pace: { label: "Board's time ×", unit: "", least: 0.001, most: 1000 },
 };
@@ -24,11 +25,11 @@ export interface Settings {
 
 export const FIRST_SETTINGS: Settings = {
     files: { motor: "", board: "", tuning: "" }, // as the board says
-    numbers: { baud: "115200", keep_s: "10", pace: "1" },
+    numbers: { baud: "", keep_s: "10", pace: "1" },
 };
 
 export interface Connection {
-    baud: number;
+    baud: number | undefined; // undefined: one of the known rates
     options: LiveOptions;
 }
 
@@ -42,10 +43,18 @@ function numberOf({ numbers }: Settings, name: NumberName): number {
     return value;
 }
 
-export function connectionOf(settings: Settings): Connection {
+function baudOf(settings: Settings): number | undefined {
+    if (settings.numbers.baud.trim() === "") {
+        return undefined;
+    }
     const baud = numberOf(settings, "baud");
     if (!Number.isInteger(baud)) {
         throw new Error(`${NUMBERS.baud.label} = ${baud}; allowed: whole numbers`);
     }
-    return { baud, options: { files: settings.files, pace: numberOf(settings, "pace"), keep_s: numberOf(settings, "keep_s") } };
+    return baud;
+}
+
+export function connectionOf(settings: Settings): Connection {
+    const options = { files: settings.files, pace: numberOf(settings, "pace"), keep_s: numberOf(settings, "keep_s") };
+    return { baud: baudOf(settings), options };
 }
