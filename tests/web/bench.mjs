@@ -13,7 +13,9 @@ export const packages = createRequire(join(ROOT, "tools/web/package.json"));
 const { chromium } = packages("playwright-core");
 
 const CHROMIUM = "/usr/bin/chromium";
-const WINDOW = { width: 1280, height: 720 };
+// A phone, a tablet, a laptop and a desktop.
+export const WINDOWS = [[390, 844], [768, 1024], [1280, 720], [1920, 1080]].map(([width, height]) => ({ width, height }));
+const WINDOW = WINDOWS[2];
 export const LOAD_MS = Number(process.env.NF_WAIT_MS ?? 60_000); // on a machine that does other things too
 
 export function setting(name) {

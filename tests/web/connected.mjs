@@ -49,7 +49,7 @@ export async function connectToReady(page) {
 
 export async function run(page, rpm = SPEED_RPM) {
     await type(page, "Speed [rpm]", String(rpm));
-    await button(page, "Run").click();
+    await button(page, "Start motor").click();
     await state(page, "RUN");
     await reads(page, "Speed, estimated", (now) => Math.abs(now - rpm) < SPEED_NEAR_RPM);
 }

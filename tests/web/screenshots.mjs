@@ -30,7 +30,7 @@ async function run(page) {
 async function playAndStep(page) {
     await settled(page);
     await switchOn(page);
-    await button(page, "Run").click();
+    await button(page, "Start motor").click();
     await type(page, "Speed [rpm]", "900");
     await state(page, "RUN");
     await reads(page, "Speed", near(900, 0.05));

@@ -45,7 +45,7 @@ test("without the server's headers the page asks to be loaded once more, and con
     await connect(page);
 }, simulatedBoard, { isPlain: true }));
 
-test("a board is identified and followed; Run and a speed bring it there", async () => withBoard(async (page) => {
+test("a board is identified and followed; Start motor and a speed bring it there", async () => withBoard(async (page) => {
     await connectToReady(page);
     assert.equal(await page.evaluate(() => globalThis.fakeSerial.opened.baudRate), BAUD);
     await run(page);
@@ -98,7 +98,7 @@ test("what waits for its turn when a stop comes is not done after it", async () 
     await connectToReady(page);
     board.freeze();
     await tell(page, "store");
-    await button(page, "Run").click();
+    await button(page, "Start motor").click();
     await page.keyboard.press("Escape");
     board.thaw();
     await answers(page, "store", /^ok$/);
@@ -147,7 +147,7 @@ test("a motor that is left runs on, which is said; whoever connects next finds i
     await until(() => page.getByLabel("Speed [rpm]", { exact: true }).inputValue(), (rpm) => Number(rpm) === SPEED_RPM);
 }));
 
-test("a fault has its advice; after Clear fault and Run the motor turns again", async () => withBoard(async (page) => {
+test("a fault has its advice; after Clear fault and Start motor the motor turns again", async () => withBoard(async (page) => {
     await connectToReady(page);
     await run(page);
     await button(page, "Parameters").click();

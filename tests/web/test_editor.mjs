@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The editor of the tab Run: errors at the line in the program's words, completion, help, and a link that holds the edits.
+// The editor of the tab Simulate: errors at the line in the program's words, completion, help, and a link that holds the edits.
 import assert from "node:assert/strict";
 import { mkdir, mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
@@ -60,8 +60,8 @@ test("keys are completed and explained", async () => withPage(async (page) => {
 test("an edited file is run, and a link holds it", async () => withPage(async (page) => {
     const line = await openMotor(page);
     await replaceLine(page, line, `${KEY} = 5`);
-    await page.getByText("The choice has changed since this run: press Run.").waitFor();
-    await page.getByRole("button", { name: "Run", exact: true }).click();
+    await page.getByText("The choice has changed since this run: press Simulate.").waitFor();
+    await page.getByRole("button", { name: "Simulate" }).click();
     const command = page.getByText(`motorsim run s1_robust --set motor=${MOTOR}`, { exact: true });
     await command.waitFor();
     const row = page.getByRole("row", { name: /^resistance_ohm/ });
@@ -83,7 +83,7 @@ test("an edited base is run in place of the shipped one", async () => withPage(a
     const before = await ticks();
     await replaceLine(page, line, "duration_s = 3.0");
     await command.getByText("motorsim run scenarios/s1_robust.toml", { exact: true }).waitFor();
-    await page.getByRole("button", { name: "Run", exact: true }).click();
+    await page.getByRole("button", { name: "Simulate" }).click();
     await until(ticks, (after) => after > before);
     await page.getByRole("button", { name: "scenarios/s1_robust.toml" }).click();
     await page.locator(".cm-line").getByText('base = "s1.toml"').waitFor();

@@ -14,7 +14,7 @@ async function running(page, scenario = "s1_robust") {
     await settled(page);
     await page.getByLabel("Scenario").selectOption(scenario);
     await switchOn(page);
-    await page.getByRole("button", { name: "Run", exact: true }).click();
+    await button(page, "Start motor").click();
     await type(page, "Speed [rpm]", String(SPEED_RPM));
     await state(page, "RUN");
 }
@@ -27,6 +27,14 @@ test("it follows a speed, and bears a load", async () => withPage(async (page) =
     await reads(page, "Torque", (nm) => nm > before + 1.5);
     await button(page, "Stop").click();
     await state(page, "READY");
+}));
+
+test("readings have the decimals of their quantity", async () => withPage(async (page) => {
+    await running(page);
+    await page.locator("caption").filter({ hasText: "Now" }).waitFor();
+    for (const text of await page.locator(".readings td").allInnerTexts()) {
+        assert.match(text, /^-?\d+(\.\d{1,4})? \S+$/);
+    }
 }));
 
 // Where the rotor has come to rest. A speed near 0 is not enough: there a rotor also turns back.
@@ -90,7 +98,7 @@ test("a broken phase is a fault with advice; the tick before it can be seen; rep
     await button(page, "Open phase a").click();
     await button(page, "Clear fault").click();
     await state(page, "READY");
-    await button(page, "Run").click();
+    await button(page, "Start motor").click();
     await state(page, "RUN");
 }));
 
@@ -133,7 +141,7 @@ test("a signal is found and shown; time stands still in a pause", async () => wi
     await until(twice, ([now, , later]) => now === later);
 }));
 
-test("it is the machine of Run, with its edited files", async () => withPage(async (page) => {
+test("it is the machine of the scenario, with its edited files", async () => withPage(async (page) => {
     await settled(page);
     await replaceLine(page, await openFile(page, "motors/motor_a.toml", "resistance_ohm"), "resistance_ohm = -3");
     await openTab(page, "Play");

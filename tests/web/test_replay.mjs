@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The tab Replay, used as a person would, beside `motorsim replay`.
 import assert from "node:assert/strict";
-import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
+import { mkdir, mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { basename, dirname, join } from "node:path";
 import { test } from "node:test";
@@ -59,9 +59,21 @@ test("a chosen log, and another signal of it", async () => withLog(async (page, 
     await page.getByLabel("Search signals by name or unit").fill("angle_estimated");
     await page.getByLabel("angle_estimated_el_deg").check();
     await page.locator(".u-legend").getByText("angle_estimated_el_deg [deg]").waitFor();
-    await openTab(page, "Run");
+    await openTab(page, "Simulate");
     await openTab(page, "Replay");
     await page.locator(".summary pre").waitFor();
+}));
+
+test("without a recording it says where one comes from, and the command for a sample makes one", async () => withLog(async (page, log) => {
+    const command = await page.locator(".explained pre").innerText();
+    const args = [...command.matchAll(/'[^']*'|\S+/g)].map(([word]) => word.replaceAll("'", ""));
+    assert.equal(args[0], "build/host/motorsim");
+    const sample = join(dirname(log), "sample");
+    await mkdir(sample);
+    await motorsim(args.slice(1), sample); // says with its status that the fault breaks the scenario's limits
+    await page.getByLabel("Or choose a file").setInputFiles(join(sample, "field.log"));
+    await page.locator(".summary pre").getByText("LOST_PHASE").waitFor();
+    await page.locator(".explained").waitFor({ state: "detached" });
 }));
 
 for (const [what, damage] of [

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The tab Run, used as a person would.
+// The tab Simulate, used as a person would.
 import assert from "node:assert/strict";
 import { mkdtemp, readFile, rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
@@ -66,7 +66,7 @@ test("an edit's effect stands beside the run before it, in figures and curves", 
     await settled(page);
     const first = await figures(page);
     await replaceLine(page, await openFile(page, "motors/motor_a.toml", "inertia_kg_m2"), "inertia_kg_m2 = 0.03");
-    await page.getByRole("button", { name: "Run", exact: true }).click();
+    await page.getByRole("button", { name: "Simulate" }).click();
     await page.getByRole("columnheader", { name: "Before" }).waitFor();
     const before = await page.locator("tr").filter({ hasText: "speed_error_rms_rpm" }).locator(".before").innerText();
     assert.equal(before.split(" ")[0], first.speed_error_rms_rpm);
@@ -74,7 +74,7 @@ test("an edit's effect stands beside the run before it, in figures and curves", 
     await page.getByRole("button", { name: "Curves" }).click();
     await page.getByRole("group", { name: /^Panel 1: speed_command_rpm.*, and of the run before, / }).waitFor();
     const compared = await coloured(page);
-    await page.getByRole("button", { name: "Run before" }).click();
+    await page.getByRole("button", { name: "Curves before" }).click();
     await page.getByRole("group", { name: /^Panel 1: speed_command_rpm(?!.*before)/ }).waitFor();
     const alone = await coloured(page);
     assert.ok(alone > 100 && compared > 1.1 * alone, `${alone} pixels of curves, ${compared} with those of the run before`);

@@ -91,7 +91,7 @@ test("keys walk forwards and backwards, to the same words", async () => withPage
 
 test("it runs until an expression holds, in the same tick as the program", async () => withPage(async (page) => {
     await stepper(page);
-    await page.getByLabel("Run until").fill("speed_rpm > 900");
+    await page.getByLabel("Continue until").fill("speed_rpm > 900");
     await page.keyboard.press("Enter");
     const printed = await native(["run until speed_rpm > 900"]);
     const tick = /^tick (\d+) /m.exec(printed)[1];
@@ -141,7 +141,7 @@ test("a long run is shown and stopped", async () => withPage(async (page) => {
     await settled(page);
     await switchOn(page);
     await page.getByRole("button", { name: "Step through this" }).click();
-    await page.getByLabel("Run until").fill("speed_rpm > 1000000");
+    await page.getByLabel("Continue until").fill("speed_rpm > 1000000");
     await page.keyboard.press("Enter");
     await page.getByText(/^runs, at tick \d+$/).waitFor();
     await page.getByRole("button", { name: "Stop" }).click();

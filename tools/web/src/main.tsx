@@ -2,6 +2,7 @@
 // The page: its head, its tabs, and the one that is open.
 import { render } from "preact";
 import { useEffect, useState } from "preact/hooks";
+import { addEntry, nameEntry, onEntry, type View, viewOfAddress } from "./address.ts";
 import { BoardLine } from "./connect/board_line.tsx";
 import { Client } from "./core/client.ts";
 import { isolateLater } from "./parts/isolation.ts";
@@ -44,12 +45,34 @@ function TabList({ open, show }: { open: Tab; show(tab: Tab): void }) {
     );
 }
 
+// The open view is the one of the address.
+function useView(): [Tab, View, (next: View) => void] {
+    const [view, setView] = useState({ ...viewOfAddress(), what: "" }); // what it was for is gone with the page that was there before
+    const tab = TABS.find(({ id }) => id === view.id) ?? (TABS[0] as Tab);
+    useEffect(() => {
+        const gone = new AbortController();
+        onEntry(setView, gone.signal);
+        return () => gone.abort();
+    }, []);
+    // Also an entry that was made with another choice: the page has the newest one.
+    useEffect(() => {
+        nameEntry({ id: tab.id, what: view.what });
+        document.title = `${tab.title} – neurofoc bench`;
+    }, [view]);
+    const show = (next: View): void => {
+        if (next.id !== tab.id) {
+            addEntry(next);
+            setView(next);
+        }
+    };
+    return [tab, view, show];
+}
+
 function Page({ client }: { client: Client }) {
     const [loaded, setLoaded] = useState<Omit<TabProps, "show" | "what">>();
     const [problem, setProblem] = useState("");
-    const [{ tab: open, what }, setOpen] = useState({ tab: TABS[0] as Tab, what: "" });
-    const show = (id: string, given = ""): void =>
-        setOpen({ tab: TABS.find((tab) => tab.id === id) ?? open, what: given });
+    const [open, { what }, showView] = useView();
+    const show = (id: string, given = ""): void => showView({ id, what: given });
     useEffect(() => {
         client.ask("load", null).then(
             (answer) => setLoaded({ client, ...answer }),

@@ -24,8 +24,9 @@ export interface Tab {
     view: ComponentType<TabProps>;
 }
 
+// The id is the one of the address.
 export const TABS: Tab[] = [
-    { id: "run", title: "Run", view: RunTab },
+    { id: "simulate", title: "Simulate", view: RunTab },
     { id: "play", title: "Play", view: PlayTab },
     { id: "step", title: "Step", view: StepTab },
     { id: "replay", title: "Replay", view: ReplayTab },

@@ -43,5 +43,5 @@ export function WhereAvailable({ children }: { children: ComponentChildren }) {
     if (hasSerial && canShare()) {
         return <>{children}</>;
     }
-    return <section class="unavailable" aria-label="Why no board">{hasSerial ? <NotIsolated /> : <NoSerial />}</section>;
+    return <section class="explained" aria-label="Why no board">{hasSerial ? <NotIsolated /> : <NoSerial />}</section>;
 }

@@ -5,45 +5,60 @@ import type { Band } from "./plot_panel.tsx";
 import { token } from "./theme.ts";
 
 const LABEL_PX = 12;
+const GAP_PX = 4;
 
-function paintState(plot: uPlot, band: Band, colour: string, text: string): void {
-    const { ctx, bbox } = plot;
-    const left = plot.valToPos(band.from, "x", true);
-    const right = plot.valToPos(band.to, "x", true);
-    ctx.fillStyle = colour;
-    ctx.fillRect(left, bbox.top, right - left, bbox.height);
-    if (ctx.measureText(band.label).width + 8 < right - Math.max(left, bbox.left)) {
-        ctx.fillStyle = text;
-        ctx.fillText(band.label, Math.max(left, bbox.left) + 4, bbox.top + 2);
+// Room above a plot for the names of the states: in the plot, its grid and its curves would cross them.
+export const LABELS_PX = LABEL_PX + 2 * GAP_PX;
+
+interface Painted {
+    band: Band;
+    index: number; // among the bands
+    left: number;
+    right: number;
+}
+
+function paintGround({ ctx, bbox }: uPlot, { band, index, left, right }: Painted): void {
+    ctx.fillStyle = band.kind === "fault" ? token("--bad") : token(`--band-${(index % 2) + 1}`);
+    ctx.fillRect(left, bbox.top, band.kind === "fault" ? 2 * devicePixelRatio : right - left, bbox.height);
+}
+
+// A state's name only where its ground has room for it.
+function paintLabel({ ctx, bbox }: uPlot, { band, left, right }: Painted): void {
+    const gap = GAP_PX * devicePixelRatio;
+    const { width } = ctx.measureText(band.label);
+    if (band.kind === "fault") {
+        const hasRoom = left + gap + width < bbox.left + bbox.width;
+        ctx.fillStyle = token("--bad");
+        ctx.fillText(band.label, hasRoom ? left + gap : left - gap - width, bbox.top + bbox.height - gap);
+        return;
+    }
+    const from = Math.max(left, bbox.left);
+    if (width + gap < Math.min(right, bbox.left + bbox.width) - from) {
+        ctx.fillStyle = token("--text-soft");
+        ctx.fillText(band.label, from, bbox.top - gap);
     }
 }
 
-function paintFault(plot: uPlot, band: Band, colour: string): void {
-    const { ctx, bbox } = plot;
-    const at = plot.valToPos(band.from, "x", true);
-    ctx.fillStyle = colour;
-    ctx.fillRect(at, bbox.top, 2, bbox.height);
-    ctx.fillText(band.label, at + 5, bbox.top + bbox.height - LABEL_PX * devicePixelRatio - 4);
-}
+type Paint = (plot: uPlot, painted: Painted) => void;
 
-// For the hook that draws before the curves. Every other state has a ground of its own; its name says which it is.
-export function bandPainter(bands: () => Band[]): (plot: uPlot) => void {
+function painter(bands: () => Band[], paint: Paint): (plot: uPlot) => void {
     return (plot) => {
         const { ctx, bbox } = plot;
         ctx.save();
         ctx.beginPath();
-        ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+        ctx.rect(bbox.left, 0, bbox.width, bbox.top + bbox.height);
         ctx.clip();
         ctx.font = `${LABEL_PX * devicePixelRatio}px system-ui`;
-        ctx.textBaseline = "top";
+        ctx.textBaseline = "alphabetic";
         ctx.textAlign = "left";
-        bands().forEach((band, index) => {
-            if (band.kind === "state") {
-                paintState(plot, band, token(`--band-${(index % 2) + 1}`), token("--text-soft"));
-            } else {
-                paintFault(plot, band, token("--bad"));
-            }
-        });
+        bands().forEach((band, index) => paint(plot, {
+            band, index, left: plot.valToPos(band.from, "x", true), right: plot.valToPos(band.to, "x", true),
+        }));
         ctx.restore();
     };
+}
+
+// Grounds below the grid, names above it. Every other state has a ground of its own; its name says which it is.
+export function bandHooks(bands: () => Band[]): uPlot.Hooks.Arrays {
+    return { drawClear: [painter(bands, paintGround)], drawAxes: [painter(bands, paintLabel)] };
 }

@@ -12,7 +12,7 @@ export function FaultCard({ fault, isPast = false }: { fault: Fault | null; isPa
                     <strong>{`${isPast ? "The last known fault: " : ""}${fault.name} at ${shown(fault.time_s)} s`}</strong>
                     <p>{fault.measure}</p>
                     <p>{fault.advice}</p>
-                    <p class="note">Repair what is broken, press Clear fault, then Run.</p>
+                    <p class="note">Repair what is broken, press Clear fault, then Start motor.</p>
                 </div>
             )}
         </div>

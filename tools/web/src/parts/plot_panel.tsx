@@ -2,9 +2,10 @@
 // Curves over time: zoom by dragging or the wheel, pan with the shift key, cursor with values, bands behind the curves.
 import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
-import { bandPainter } from "./bands.ts";
+import { bandHooks, LABELS_PX } from "./bands.ts";
 import { shown, withUnit } from "./format.ts";
-import { onThemeChange, token } from "./theme.ts";
+import { keptInBox, legendIn, type PlotBoxes, sizeOf } from "./plot_box.ts";
+import { token } from "./theme.ts";
 
 export interface Curve {
     name: string;
@@ -33,7 +34,6 @@ interface Props {
     range: Range; // shown
     whole: Range;
     onRange(range: Range): void;
-    height: number;
     syncKey: string; // panels of one key share the cursor
 }
 
@@ -41,6 +41,8 @@ const COLOURS = 7; // --curve-1 …
 const ZOOM_STEP = 0.8;
 const PAN_STEP = 0.1;
 const CURSOR_STEP_PX = 8;
+const GRID_PX = 1; // not thicker than a curve
+const VALUE_SPACE_PX = 24; // between two values of an axis: a plot may be low
 
 // An estimate, a reference or a command is dashed beside what is true.
 function dashOf(name: string): number[] | undefined {
@@ -64,7 +66,7 @@ export function seriesOf(curve: Pick<Curve, "name" | "unit">, index: number): uP
         stroke: () => token(`--curve-${(index % COLOURS) + 1}`),
         width: 1.5,
         points: { show: false },
-        value: (_plot, value) => shown(value),
+        value: (_plot, value) => shown(value, curve.unit),
         ...(dash === undefined ? {} : { dash }),
     };
 }
@@ -73,8 +75,8 @@ export function seriesOf(curve: Pick<Curve, "name" | "unit">, index: number): uP
 export function axesOf(curves: Pick<Curve, "unit">[]): uPlot.Axis[] {
     const common: uPlot.Axis = {
         stroke: () => token("--text-soft"),
-        grid: { stroke: () => token("--line") },
-        ticks: { stroke: () => token("--line") },
+        grid: { stroke: () => token("--line"), width: GRID_PX },
+        ticks: { stroke: () => token("--line"), width: GRID_PX, size: 5 },
         font: "12px system-ui",
         labelFont: "12px system-ui",
     };
@@ -86,23 +88,34 @@ export function axesOf(curves: Pick<Curve, "unit">[]): uPlot.Axis[] {
         label: unit === "" ? "1" : unit,
         labelSize: 18,
         size: 58,
-        grid: { show: index === 0, stroke: () => token("--line") },
+        space: VALUE_SPACE_PX,
+        grid: { ...common.grid, show: index === 0 },
     }));
-    return [{ ...common, label: "t [s]", labelSize: 16, size: 34 }, ...y];
+    return [{ ...common, label: "t [s]", labelSize: 14, size: 26 }, ...y];
 }
 
-function optionsOf(props: Props, width: number, onRange: (range: Range) => void): uPlot.Options {
+// Of each plot over time.
+export function commonOptions(boxes: PlotBoxes, bands: () => Band[]): Omit<uPlot.Options, "series"> {
     return {
-        width,
-        height: props.height,
+        ...sizeOf(boxes),
+        padding: [LABELS_PX, null, null, null],
         scales: { x: { time: false, range: (_plot, min, max) => [min, max] } },
+        legend: legendIn(boxes),
+        hooks: bandHooks(bands),
+    };
+}
+
+function optionsOf(props: Props, boxes: PlotBoxes, onRange: (range: Range) => void): uPlot.Options {
+    const common = commonOptions(boxes, () => props.bands);
+    return {
+        ...common,
         series: [{ label: "t [s]", value: (_plot, value) => shown(value) }, ...props.curves.map((curve, index) => ({
             ...seriesOf(curve, index), ...(curve.isBefore && faint(props.curves, curve)),
         }))],
         axes: axesOf(props.curves),
         cursor: { sync: { key: props.syncKey }, drag: { x: true, y: false }, points: { size: 6 } },
         hooks: {
-            drawClear: [bandPainter(() => props.bands)],
+            ...common.hooks,
             setSelect: [
                 (plot) => {
                     if (plot.select.width > 0) {
@@ -184,42 +197,36 @@ function described({ title, curves, range }: Props): string {
 }
 
 export function PlotPanel(props: Props) {
-    const box = useRef<HTMLDivElement>(null);
+    const boxes = { plot: useRef<HTMLDivElement>(null), legend: useRef<HTMLDivElement>(null) };
     const plot = useRef<uPlot | undefined>(undefined);
     const latest = useRef(props); // for listeners that live as long as the plot
     latest.current = props;
 
     useEffect(() => {
-        const element = box.current as HTMLDivElement;
-        const options = optionsOf(props, element.clientWidth, (range) => latest.current.onRange(range));
-        const made = new uPlot(options, dataOf(props), element);
+        const options = optionsOf(props, boxes, (range) => latest.current.onRange(range));
+        const made = new uPlot(options, dataOf(props), boxes.plot.current as HTMLDivElement);
         plot.current = made;
         made.setScale("x", { min: latest.current.range.from, max: latest.current.range.to });
         made.over.addEventListener("wheel", (event) => onWheel(event, made, latest.current), { passive: false });
         made.over.addEventListener("dblclick", () => latest.current.onRange(latest.current.whole));
-        const sized = new ResizeObserver(() => made.setSize({ width: element.clientWidth, height: props.height }));
-        sized.observe(element);
-        const gone = new AbortController();
-        onThemeChange(() => made.redraw(false, true), gone.signal);
-        return () => {
-            gone.abort();
-            sized.disconnect();
-            made.destroy();
-        };
-    }, [props.times, props.curves, props.bands, props.height]);
+        return keptInBox(made, boxes);
+    }, [props.times, props.curves, props.bands]);
 
     useEffect(() => {
         plot.current?.setScale("x", { min: props.range.from, max: props.range.to });
     }, [props.range]);
 
     return (
-        <div
-            ref={box}
-            class="plot"
-            role="group"
-            tabIndex={0}
-            aria-label={described(props)}
-            onKeyDown={(event) => plot.current && onKey(event, plot.current, props)}
-        />
+        <>
+            <div ref={boxes.legend} class="plot-legend" />
+            <div
+                ref={boxes.plot}
+                class="plot"
+                role="group"
+                tabIndex={0}
+                aria-label={described(props)}
+                onKeyDown={(event) => plot.current && onKey(event, plot.current, props)}
+            />
+        </>
     );
 }

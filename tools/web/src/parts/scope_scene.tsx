@@ -7,7 +7,6 @@ import { RollingScope, type ScopePicture } from "./rolling_scope.tsx";
 import type { ScopeTrack } from "./scope_track.ts";
 import { SignalTree } from "./signal_tree.tsx";
 
-const SCOPE_PX = 126;
 const SPANS_S = [1, 2, 5, 10];
 
 interface PanelProps {
@@ -34,7 +33,7 @@ function ScopePanel({ index, names, signals, track, span, selected, select }: Pa
     return (
         <section class={selected ? "panel selected" : "panel"} aria-label={title} onPointerDown={select}>
             <header><button type="button" aria-pressed={selected} onClick={select}>{title}</button></header>
-            <RollingScope title={title} curves={curves} span={span} height={SCOPE_PX} attach={attach} />
+            <RollingScope title={title} curves={curves} span={span} attach={attach} />
         </section>
     );
 }
@@ -63,7 +62,7 @@ export interface SceneProps {
     span: number;
     choosing: boolean; // of signals
     beside?: ComponentChildren;
-    children: ComponentChildren; // below the scopes
+    children: ComponentChildren; // beside the scopes where there is room, else below them
     setPanels(panels: string[][]): void;
 }
 
@@ -72,13 +71,17 @@ export function ScopeScene({ label, signals, track, panels, span, choosing, besi
     return (
         <div class="scene">
             <div class="scene-main scroll" tabIndex={0} role="group" aria-label={label}>
-                {panels.map((names, index) => (
-                    <ScopePanel
-                        key={index} index={index} names={names} signals={signals} track={track} span={span}
-                        selected={index === chosen} select={() => setChosen(index)}
-                    />
-                ))}
-                <div class="scene-below">{children}</div>
+                <div class="scene-parts">
+                    <div class="panels">
+                        {panels.map((names, index) => (
+                            <ScopePanel
+                                key={index} index={index} names={names} signals={signals} track={track} span={span}
+                                selected={index === chosen} select={() => setChosen(index)}
+                            />
+                        ))}
+                    </div>
+                    <div class="scene-beside">{children}</div>
+                </div>
             </div>
             {choosing && (
                 <aside aria-label="Choice of signals">

@@ -50,10 +50,10 @@ function Legend({ values, largestA }: { values: PlayBlock["values"]; largestA: n
     const amplitude = Math.hypot(values["i_d_a"] ?? NaN, values["i_q_a"] ?? NaN);
     return (
         <ul class="legend">
-            <li><span class="key north" />{`rotor θ ${shown(values["angle_el_deg"])}°`}</li>
-            <li><span class="key estimate" />{`estimate θ̂ ${shown(values["angle_estimated_el_deg"])}°`}</li>
-            <li>{`error θ − θ̂ ${shown(values["angle_error_el_deg"])}°`}</li>
-            <li><span class="key current" />{`current ${shown(amplitude)} A; full length ${shown(largestA)} A`}</li>
+            <li><span class="key north" />{`rotor θ ${shown(values["angle_el_deg"], "°")}°`}</li>
+            <li><span class="key estimate" />{`estimate θ̂ ${shown(values["angle_estimated_el_deg"], "°")}°`}</li>
+            <li>{`error θ − θ̂ ${shown(values["angle_error_el_deg"], "°")}°`}</li>
+            <li><span class="key current" />{`current ${shown(amplitude, "A")} A of ${shown(largestA, "A")} A`}</li>
         </ul>
     );
 }

@@ -6,7 +6,7 @@ import { FaultCard } from "../parts/fault_card.tsx";
 import { Readings, readingsOf } from "../parts/readings.tsx";
 import { scopeChoice, ScopeScene, type SceneProps, SpanChoice } from "../parts/scope_scene.tsx";
 import { StateMachine } from "../parts/state_machine.tsx";
-import { FIRST, type Selection } from "../run/bench_state.ts";
+import type { Selection } from "../run/bench_state.ts";
 import { MachineChoice } from "../run/machine_choice.tsx";
 import { keepInLink, selectionOfLink } from "../run/selection_link.ts";
 import type { TabProps } from "../tabs.ts";
@@ -76,13 +76,17 @@ function Scene({ head, player, play, scope, choosing }: Props) {
         <ScopeScene label="Scopes and motor" signals={head.signals} track={player.track} choosing={choosing} {...scope}>
             <MotorDrawing player={player} largestA={head.limits.current_a} />
             <StateMachine moves={head.moves} state={block?.state ?? "INIT"} />
-            {block !== undefined && <Readings caption={`Now, t = ${block.time_s.toFixed(3)} s`} rows={readingsOf(READINGS, block.values)} />}
+            {block !== undefined && (
+                <div class="figures">
+                    <Readings caption={`Now, t = ${block.time_s.toFixed(3)} s`} rows={readingsOf(READINGS, block.values)} />
+                </div>
+            )}
         </ScopeScene>
     );
 }
 
-function Side({ props, play, selection, choose }: {
-    props: TabProps; play: Play; selection: Selection; choose(selection: Selection): void;
+function Side({ props, play, problem, selection, choose }: {
+    props: TabProps; play: Play; problem: string; selection: Selection; choose(selection: Selection): void;
 }) {
     const { head, knobs } = play;
     return (
@@ -94,21 +98,34 @@ function Side({ props, play, selection, choose }: {
             <button type="button" class={head === undefined ? "main" : ""} onClick={() => void play.begin(selection)}>
                 {head === undefined ? "Switch the machine on" : "Begin anew"}
             </button>
-            {play.problem !== "" && <p class="problem" role="alert">{play.problem}</p>}
+            {problem !== "" && <p class="problem" role="alert">{problem}</p>}
             <FaultCard fault={play.block?.fault ?? null} />
             {head !== undefined && knobs !== undefined && <Controls head={head} knobs={knobs} act={play.act} />}
         </div>
     );
 }
 
+function Introduction() {
+    return (
+        <p class="note">
+            A machine that is switched on runs here in real time: scopes, its rotor and the states of its drive. Press Start motor then,
+            turn its knobs, and break its wires and sensors.
+        </p>
+    );
+}
+
 export function PlayTab(props: TabProps) {
     const [selection, setSelection] = useState<Selection>();
+    const [linkProblem, setLinkProblem] = useState("");
     const [panels, setPanels] = useState(FIRST_PANELS);
     const [span, setSpan] = useState(FIRST_SPAN_S);
     const [choosing, setChoosing] = useState(false);
     const play = usePlay(props.client, scopeChoice(panels, span));
     useEffect(() => {
-        selectionOfLink().then(setSelection, () => setSelection(FIRST)); // Run has said that a link is damaged
+        void selectionOfLink().then((linked) => {
+            setSelection(linked.selection);
+            setLinkProblem(linked.problem);
+        });
     }, []);
     useEffect(() => play.setScope(scopeChoice(panels, span)), [panels, span]);
     if (selection === undefined) {
@@ -121,16 +138,16 @@ export function PlayTab(props: TabProps) {
     };
     return (
         <div class="run">
-            <Side props={props} play={play} selection={selection} choose={choose} />
+            <Side props={props} play={play} problem={play.problem || linkProblem} selection={selection} choose={choose} />
             <div class="run-main">
                 <Toolbar
                     props={props} play={play} choosing={choosing} setChoosing={setChoosing} span={span} setSpan={setSpan}
                 />
-                {play.head !== undefined && play.player !== undefined && (
+                {play.head !== undefined && play.player !== undefined ? (
                     <Scene
                         head={play.head} player={play.player} play={play} choosing={choosing} scope={{ panels, span, setPanels }}
                     />
-                )}
+                ) : <Introduction />}
             </div>
         </div>
     );

@@ -7,6 +7,9 @@ import { FIRST_PANELS } from "../parts/board_panels.ts";
 import { Curves } from "../run/curves.tsx";
 import type { TabProps } from "../tabs.ts";
 
+const SAMPLE =
+    `build/host/motorsim run s1_robust --record field.log --set 'scenario.fault=[{time_s=0.3, what="phase_a_open"}]'`;
+
 interface Opened {
     head: ReplayHead;
     curves: Recorded;
@@ -78,7 +81,7 @@ function DropZone({ open }: { open(file: File): Promise<void> }) {
             }}
         >
             <p>Drop a log of the serial line here, with a recording of the flight recorder in it.</p>
-            <label for={id}>Or choose a file</label>
+            <label for={id}>Or choose a file</label>{" "}
             <input id={id} type="file" onChange={(event) => take(event.currentTarget.files)} />
         </div>
     );
@@ -94,6 +97,27 @@ function Fault({ head }: { head: ReplayHead }) {
                 </div>
             ))}
         </>
+    );
+}
+
+function Introduction() {
+    return (
+        <section class="explained" aria-label="Where a recording comes from">
+            <h2>No recording is open</h2>
+            <p>
+                Drop a file with a recording at the place for it, or choose one there. The curves before the fault are shown here then,
+                and the way to the stepper at the tick of the fault.
+            </p>
+            <p>A recording comes from</p>
+            <ul>
+                <li>a board at this page: Connect, then Record and Open in Replay;</li>
+                <li>a board at a terminal: the command dump, whatever the terminal writes into its log;</li>
+                <li>
+                    no board at all. This makes a sample, in which a phase opens at 0.3 s:
+                    <pre>{SAMPLE}</pre>
+                </li>
+            </ul>
+        </section>
     );
 }
 
@@ -120,7 +144,9 @@ export function ReplayTab({ client, show }: TabProps) {
                 )}
             </div>
             <div class="run-main">
-                {drawn !== undefined && <Curves run={drawn} panels={panels} onPanels={replay.setPanels} />}
+                {drawn === undefined
+                    ? <Introduction />
+                    : <Curves run={drawn} panels={panels} onPanels={replay.setPanels} />}
             </div>
         </div>
     );

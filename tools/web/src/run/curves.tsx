@@ -15,9 +15,6 @@ interface Props {
     onPanels(panels: string[][]): void;
 }
 
-const MIN_HEIGHT_PX = 150;
-const AREA_SHARE = 0.62; // of the window's height, for all panels
-
 function bandsOf(run: Drawn, end: number): Band[] {
     const states = run.states.map((state, index): Band => ({
         from: state.from_s,
@@ -76,13 +73,11 @@ function Panel({ index, props, selected, select, range, whole, onRange }: PanelP
         [run, before, names.join()],
     );
     const bands = useMemo(() => bandsOf(run, whole.to), [run]);
-    const height = Math.max(MIN_HEIGHT_PX, Math.floor((innerHeight * AREA_SHARE) / panels.length) - 60);
     const title = `Panel ${index + 1}`;
     return (
         <section class={selected ? "panel selected" : "panel"} aria-label={title} onFocusIn={select} onPointerDown={select}>
             <header>
                 <button type="button" aria-pressed={selected} onClick={select}>{title}</button>
-                <span class="note">{names.length === 0 ? "choose signals at the right" : ""}</span>
                 <button
                     type="button"
                     aria-label={`Remove panel ${index + 1}`}
@@ -92,9 +87,10 @@ function Panel({ index, props, selected, select, range, whole, onRange }: PanelP
                     ✕
                 </button>
             </header>
+            {names.length === 0 && <p class="note">Choose its signals in the list.</p>}
             <PlotPanel
                 title={title} times={run.times} curves={curves} bands={bands} range={range} whole={whole}
-                onRange={onRange} height={height} syncKey="run"
+                onRange={onRange} syncKey="run"
             />
         </section>
     );
@@ -133,7 +129,7 @@ export function Curves(props: Props) {
                     <button type="button" onClick={() => onPanels([...panels, []])}>Add panel</button>
                     <button type="button" onClick={() => setRange(whole)}>Show all</button>
                     {props.before !== undefined && (
-                        <button type="button" aria-pressed={comparing} onClick={() => setComparing(!comparing)}>Run before</button>
+                        <button type="button" aria-pressed={comparing} onClick={() => setComparing(!comparing)}>Curves before</button>
                     )}
                 </div>
                 {drawn.before !== undefined && <p class="note">The fainter curves are of the run before.</p>}

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Run: a scenario with its imperfections and edited files, the figures beside their limits, and the curves.
+// Simulate: a scenario that is run with its imperfections and edited files, its figures beside their limits, and the curves.
 import { useEffect, useState } from "preact/hooks";
 import type { TabProps } from "../tabs.ts";
-import { argumentsOf, choiceOf, FIRST, type Selection } from "./bench_state.ts";
+import { argumentsOf, choiceOf, type Selection } from "./bench_state.ts";
 import { Curves } from "./curves.tsx";
 import { downloadPicture, downloadResults, TraceButton } from "./downloads.tsx";
 import { Files } from "./files.tsx";
@@ -79,7 +79,7 @@ function Status({ runner, selection }: { runner: Runner; selection: Selection })
     const done = `${runner.run?.head.ticks} ticks in ${Math.round(runner.tookMs)} ms.`;
     return (
         <p class="note" role="status">
-            {stale ? "The choice has changed since this run: press Run." : runner.run === undefined ? "" : done}
+            {stale ? "The choice has changed since this run: press Simulate." : runner.run === undefined ? "" : done}
         </p>
     );
 }
@@ -97,9 +97,9 @@ export function RunTab(props: TabProps) {
             setSelection(first);
             void runner.start(first);
         };
-        selectionOfLink().then(begin, () => {
-            setProblem("The link is damaged; this is the first scenario in its place.");
-            begin(FIRST);
+        void selectionOfLink().then((linked) => {
+            setProblem(linked.problem);
+            begin(linked.selection);
         });
     }, []);
     if (selection === undefined) {

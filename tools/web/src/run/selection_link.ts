@@ -1,28 +1,36 @@
 // SPDX-License-Identifier: MIT
 // The choice of the bench in the address of the page. All tabs have the same.
+import { choiceOfAddress, keepChoice } from "../address.ts";
 import type { Client } from "../core/client.ts";
 import type { Choice } from "../core/protocol.ts";
 import { packed, unpacked } from "../parts/link.ts";
 import { choiceOf, FIRST, plainChoice, type Selection, selectionFrom } from "./bench_state.ts";
 
-const LINK = /^#run=(.+)$/;
-
 // What was kept last: the address has it a moment later.
 let newest: Selection | undefined;
 
-export async function selectionOfLink(): Promise<Selection> {
+interface Linked {
+    selection: Selection;
+    problem: string; // why it is not the one of the link
+}
+
+export async function selectionOfLink(): Promise<Linked> {
     if (newest !== undefined) {
-        return newest;
+        return { selection: newest, problem: "" };
     }
-    const written = LINK.exec(location.hash)?.[1];
-    return written === undefined ? FIRST : selectionFrom(await unpacked(written));
+    const written = choiceOfAddress();
+    try {
+        return { selection: written === "" ? FIRST : selectionFrom(await unpacked(written)), problem: "" };
+    } catch {
+        return { selection: FIRST, problem: "The link is damaged; this is the first scenario in its place." };
+    }
 }
 
 export function keepInLink(selection: Selection): void {
     newest = selection;
     void packed(selection).then((text) => {
         if (newest === selection) {
-            history.replaceState(null, "", `#run=${text}`);
+            keepChoice(text);
         }
     });
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is run: scenario and imperfections; and the buttons.
+// What is simulated: scenario and imperfections; and the buttons.
 import { MachineChoice, type MachineChoiceProps } from "./machine_choice.tsx";
 import type { Runner } from "./use_run.ts";
 
@@ -20,10 +20,10 @@ function Progress({ runner }: { runner: Runner }) {
 export function Setup(props: Props) {
     const { selection, runner } = props;
     return (
-        <section class="setup" aria-label="What is run">
+        <section class="setup" aria-label="What is simulated">
             <MachineChoice {...props} />
             <div class="buttons">
-                <button type="button" class="main" onClick={() => void runner.start(selection)}>Run</button>
+                <button type="button" class="main" onClick={() => void runner.start(selection)}>Simulate</button>
                 <button type="button" disabled={runner.progress === undefined} onClick={runner.stop}>Stop</button>
                 <Progress runner={runner} />
             </div>

@@ -7,7 +7,7 @@ import { Console } from "./console.tsx";
 import { Diff, Stages } from "./tables.tsx";
 import { type Stepper, useStep } from "./use_step.ts";
 
-const SOURCES: Record<StepSource, string> = { scenario: "Scenario of Run", play: "What was played", recording: "Recording" };
+const SOURCES: Record<StepSource, string> = { scenario: "The scenario", play: "What was played", recording: "Recording" };
 const FAR = 100; // ticks
 
 function isSource(text: string): text is StepSource {
@@ -171,7 +171,7 @@ export function StepTab({ client, what }: TabProps) {
                     <>
                         <p class="note">{`${head?.name}: ${reach(stepper.source, view)}`}</p>
                         <Walk stepper={stepper} view={view} />
-                        <Ask label="Run until" button="Run" hint="state == FAULT"
+                        <Ask label="Continue until" button="Continue" hint="state == FAULT"
                             onEnter={(text) => void stepper.execute(text === "" ? "run" : `run until ${text}`)} />
                         <Ask label="Go to" button="Go" hint="4711 or 0.35s" onEnter={(text) => void stepper.execute(`goto ${text}`)} />
                         <Change stepper={stepper} />

@@ -28,7 +28,7 @@ const SAID_MAX = 200;
 const STOPPED = "stopped: interrupted"; // as the program says it
 
 async function opened(client: Client, source: StepSource): Promise<StepHead> {
-    const choice = source === "scenario" ? await preparedChoice(client, await selectionOfLink()) : null;
+    const choice = source === "scenario" ? await preparedChoice(client, (await selectionOfLink()).selection) : null;
     return client.ask("stepOpen", { source, choice });
 }
 
