@@ -7,7 +7,7 @@ import { join } from "node:path";
 import { test } from "node:test";
 import { button, downloaded, motorsim, openTab, reading, reads, state, switchOn, until, type, withPage } from "./bench.mjs";
 import { EMULATED_PACE, emulatedBoard, simulatedBoard } from "./board.mjs";
-import { BAUD, connect, connectToReady, openConnect, run, setKey, SPEED_RPM, withBoard } from "./connected.mjs";
+import { BAUD, connect, connectToReady, run, setKey, SPEED_RPM, withBoard } from "./connected.mjs";
 import { otherFirmware, printer } from "./strangers.mjs";
 
 const LOAD_NM = 2;
@@ -41,8 +41,7 @@ test("a page without Web Serial says so, and names the program that connects", a
 
 test("without the server's headers the page asks to be loaded once more, and connects", async () => withBoard(async (page) => {
     await button(page, "Load the page once more").click();
-    await openConnect(page);
-    await connect(page);
+    await connect(page); // the page has opened Connect again
 }, simulatedBoard, { isPlain: true }));
 
 test("a board is identified and followed; Start motor and a speed bring it there", async () => withBoard(async (page) => {

@@ -80,6 +80,12 @@ test("an edit's effect stands beside the run before it, in figures and curves", 
     assert.ok(alone > 100 && compared > 1.1 * alone, `${alone} pixels of curves, ${compared} with those of the run before`);
 }));
 
+test("a signal that is not known at the beginning is drawn from where it is, and the others with it", async () => withPage(async (page) => {
+    await settled(page);
+    await page.getByRole("group", { name: /^Panel 1: speed_command_rpm rpm, speed_rpm rpm, speed_estimated_rpm/ }).waitFor();
+    await until(() => coloured(page), (pixels) => pixels > 100);
+}));
+
 test("a signal is found by name and unit, and drawn", async () => withPage(async (page) => {
     await settled(page);
     await page.getByLabel("Search signals by name or unit").fill("torque n·m");

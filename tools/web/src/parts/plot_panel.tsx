@@ -128,9 +128,15 @@ function optionsOf(props: Props, boxes: PlotBoxes, onRange: (range: Range) => vo
     };
 }
 
+// A plot leaves out what is null. A NaN at the beginning would become an end of its scale, and nothing of the plot would be drawn.
+function known(values: Curve["values"]): Curve["values"] {
+    const all = Array.from(values);
+    return all.some(Number.isNaN) ? all.map((value) => (Number.isNaN(value) ? null : value)) : values;
+}
+
 // uPlot takes arrays of either kind.
-function dataOf({ times, curves }: Props): uPlot.AlignedData {
-    return [times, ...curves.map(({ values }) => values)] as uPlot.AlignedData;
+export function dataOf(times: Float64Array, columns: Curve["values"][]): uPlot.AlignedData {
+    return [times, ...columns.map(known)] as uPlot.AlignedData;
 }
 
 function zoomed({ from, to }: Range, factor: number, centre: number): Range {
@@ -204,7 +210,7 @@ export function PlotPanel(props: Props) {
 
     useEffect(() => {
         const options = optionsOf(props, boxes, (range) => latest.current.onRange(range));
-        const made = new uPlot(options, dataOf(props), boxes.plot.current as HTMLDivElement);
+        const made = new uPlot(options, dataOf(props.times, props.curves.map(({ values }) => values)), boxes.plot.current as HTMLDivElement);
         plot.current = made;
         made.setScale("x", { min: latest.current.range.from, max: latest.current.range.to });
         made.over.addEventListener("wheel", (event) => onWheel(event, made, latest.current), { passive: false });

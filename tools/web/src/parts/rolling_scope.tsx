@@ -3,7 +3,7 @@
 import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
 import { keptInBox, type PlotBoxes } from "./plot_box.ts";
-import { axesOf, type Band, commonOptions, type Curve, seriesOf } from "./plot_panel.tsx";
+import { axesOf, type Band, commonOptions, type Curve, dataOf, seriesOf } from "./plot_panel.tsx";
 import { gapsOfTimes } from "./time_gaps.ts";
 
 export interface ScopePicture {
@@ -44,7 +44,8 @@ export function RollingScope(props: Props) {
         const detach = props.attach((picture) => {
             bands = picture.bands;
             plot.batch(() => {
-                plot.setData(picture.data, false);
+                const [times, ...columns] = picture.data;
+                plot.setData(dataOf(times, columns), false);
                 plot.setScale("x", { min: picture.now - props.span, max: picture.now });
             });
         });

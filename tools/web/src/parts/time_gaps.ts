@@ -21,9 +21,11 @@ export function jumps(times: ArrayLike<number>): number[] {
     return found;
 }
 
-// As a plot wants them of a series.
-export function gapsOfTimes(plot: uPlot): [number, number][] {
+// As a plot wants them of a series, in order, with those of its unknown values.
+export function gapsOfTimes(plot: uPlot, _series: number, _from: number, _to: number, ofNulls: uPlot.Series.Gaps): uPlot.Series.Gaps {
     const times = plot.data[0];
     const px = (index: number): number => Math.round(plot.valToPos(times[index] ?? NaN, "x", true));
-    return jumps(times).map((index) => [px(index - 1), px(index)]);
+    const ofTimes = jumps(times).map((index): [number, number] => [px(index - 1), px(index)]);
+    let end = -Infinity; // of those before: a gap within another one must not end it
+    return [...ofNulls, ...ofTimes].sort(([one], [other]) => one - other).map(([from, to]) => [from, (end = Math.max(end, to))]);
 }

@@ -28,6 +28,8 @@ function draw(parts: Parts, block: PlayBlock, largestA: number, turning: boolean
     rotate(parts.frame, turning ? -of("angle_estimated_el_deg") : 0);
     rotate(parts.rotor, theta);
     rotate(parts.estimate, of("angle_estimated_el_deg"));
+    const isKnown = (block.values["angle_estimated_el_deg"] ?? null) !== null;
+    parts.estimate?.setAttribute("visibility", isKnown ? "visible" : "hidden");
     rotate(parts.current, theta + (Math.atan2(q, d) * 180) / Math.PI);
     parts.length?.setAttribute("x2", String(length));
 }
