@@ -11,7 +11,7 @@ import {
 } from "./bench.mjs";
 import { connectToReady, run, setKey, withBoard } from "./connected.mjs";
 
-const BYTES_MAX = 700_000; // with gzip -9, which each static server has
+const BYTES_MAX = 710_000; // with gzip -9, which each static server has
 const [PHONE, TABLET, LAPTOP, DESKTOP] = WINDOWS;
 // Places are the same in each theme: a width in one of them is enough. Colours are the same at each width, and contrast is dear.
 const LOOKS = [

@@ -163,7 +163,7 @@ test("set acts and names the change; a wrong value gets the program's line", asy
     await connectToReady(page);
     await button(page, "Parameters").click();
     await setKey(page, "observer.kappa", "0.05");
-    await answers(page, "set observer.kappa=0.05", /^ok: observer\.eta [\d.]+ to [\d.]+$/);
+    await answers(page, "set observer.kappa=0.05", /^ok: observer\.eta [\d.]+ to [\d.]+(, |$)/);
     await until(() => valueOf(page, "observer.kappa"), (value) => value === "0.05");
     await setKey(page, "observer.kappa", "5");
     await answers(page, "set observer.kappa=5", /observer\.kappa = 5: is too large; allowed: 0 to 0\.5$/);
