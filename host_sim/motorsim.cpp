@@ -17,6 +17,7 @@
 #include "live_command.h"
 #include "measure.h"
 #include "measured_file.h"
+#include "motor_command.h"
 #include "peer.h"
 #include "plate.h"
 #include "program.h"
@@ -69,6 +70,7 @@ constexpr const char *EXAMPLES = R"(Examples:
   motorsim replay field.log                  run a recording again, check each tick; --debug steps
   motorsim live /dev/ttyACM0                 every signal of a running board, and commands to it
   motorsim bench                             simulation speed on this machine
+  motorsim motor -o mine.toml                a motor file from a data sheet, with its units; asks for each value
   motorsim identify zoo:17:user -o mine.toml a simulated motor of which the drive knows the name plate
   motorsim identify --records console.log --motor plate.toml --board my_board.toml -o mine.toml
   motorsim certify mine.toml --board my_board.toml -o mine.html   how sure that drive is, within the error bars
@@ -865,6 +867,7 @@ private:
     CertifyArguments certify_;
     BenchArguments bench_;
     nf::live::LiveArguments live_;
+    nf::sheet::MotorArguments motor_;
     std::vector<std::pair<const CLI::App *, std::function<int()>>> actions_;
 };
 
@@ -882,6 +885,13 @@ Commands::Commands(CLI::App &app)
     describe_replay(add(app, "replay", "run a flight recorder's recording again",
                         [this] { return replay(replay_); }),
                     replay_);
+    nf::sheet::describe(add(app, "motor",
+                            "turn the values of a data sheet, with their units, into a motor file",
+                            [this] {
+                                nf::sheet::write_motor(motor_);
+                                return LIMITS_HOLD;
+                            }),
+                        motor_);
     describe_identify(add(app, "identify", "measure a motor of which only the name plate is known",
                           [this] { return identify(identify_); }),
                       identify_);

@@ -4,6 +4,7 @@
 #include "si.h"
 
 #include <cmath>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -66,6 +67,16 @@ std::string Conversion::formula() const
 const std::vector<Conversion> &conversions()
 {
     return CONVERSIONS;
+}
+
+const Conversion &conversion(const std::string &sheet)
+{
+    for (const Conversion &row : CONVERSIONS) {
+        if (row.sheet == sheet) {
+            return row;
+        }
+    }
+    throw std::out_of_range("no conversion of " + sheet);
 }
 
 } // namespace nf

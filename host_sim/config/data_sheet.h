@@ -22,4 +22,7 @@ struct Conversion {
 };
 const std::vector<Conversion> &conversions();
 
+// The conversion of that very `sheet`. Throws std::out_of_range where there is none.
+const Conversion &conversion(const std::string &sheet);
+
 } // namespace nf

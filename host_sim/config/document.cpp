@@ -299,6 +299,15 @@ std::string shown(const Node &node)
     return "a date or time";
 }
 
+std::string toml_string(const std::string &text)
+{
+    std::string safe;
+    for (const char c : text) {
+        safe += c == '"' || c == '\\' ? std::string("\\") + c : std::string(1, c);
+    }
+    return '"' + safe + '"';
+}
+
 const char *kind_name(const Node &node)
 {
     switch (node.kind) {

@@ -48,6 +48,9 @@ Node parse_override(const std::string &key, const std::string &value);
 // The value as in the file, shortened to fit a message.
 std::string shown(const Node &node);
 
+// A text as a TOML string, in quotes. It has no control character.
+std::string toml_string(const std::string &text);
+
 // "a string", "a table", …
 const char *kind_name(const Node &node);
 

@@ -47,16 +47,6 @@ std::string comment(const std::string &head)
     return text.empty() ? text : text + '\n';
 }
 
-// Of characters that a name may have, none of them a control character.
-std::string toml_string(const std::string &text)
-{
-    std::string safe;
-    for (const char c : text) {
-        safe += c == '"' || c == '\\' ? std::string("\\") + c : std::string(1, c);
-    }
-    return '"' + safe + '"';
-}
-
 Node node_of(const std::string &text)
 {
     Node node;

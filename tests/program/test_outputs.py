@@ -22,12 +22,15 @@ ROOM = 100  # bytes of a file, in place of a disk that is full; each result is l
 SHORT = ("s1", "--set", "scenario.duration_s=0.01", "--set", "scenario.evaluate_from_s=0",
          "--set", "scenario.command=[{time_s = 0, speed_rpm = 0}]")
 CERTIFY = ("motor_a", "--runs", "1", "--tuning", "any", "--overwrite")
+SHEET = ("--name", "m", "--poles", "8", "--resistance", "1 ohm phase", "--inductance", "1 mH phase", "--kv", "100 rpm/V six-step",
+         "--rated-speed", "1000", "--rated-torque", "1 N.m", "--max-current", "20 A peak", "--inertia", "1 kg.cm2", "--friction", "0")
 PARTS = ("--motor", "motor_a", "--board", "g431_bench")
 # Each option that names a file to write.
 WRITERS = {
     **{(MOTORSIM, "run", option): SHORT for option in ("--trace", "--json", "--record", "--extremes", "--vcd")},
     (MOTORSIM, "bench", "--json"): ("--runs", "1"),
     **{(MOTORSIM, "identify", option): ("s1", "--overwrite") for option in ("--output", "--log", "--json")},
+    (MOTORSIM, "motor", "--output"): (*SHEET, "--overwrite"),
     **{(MOTORSIM, "certify", option): CERTIFY for option in ("--output", "--json")},
     (NFCONFIG, "header", "--out"): PARTS,
     (NFCONFIG, "hal-header", "--out"): PARTS,
@@ -43,6 +46,7 @@ PRINTERS = (
     (MOTORSIM, "estimators"),
     (MOTORSIM, "bench", "--runs", "1"), (MOTORSIM, "bench", "--runs", "1", "--json", "-"), (MOTORSIM, "debug", "s1"),
     (MOTORSIM, "identify", "s1"), (MOTORSIM, "identify", "s1", "--json", "-"),
+    (MOTORSIM, "motor", *SHEET),
     (MOTORSIM, "certify", *CERTIFY), (MOTORSIM, "certify", *CERTIFY, "--json", "-"),
     (NFCONFIG, "header", *PARTS), (NFCONFIG, "hal-header", *PARTS), (NFCONFIG, "show", *PARTS), (NFCONFIG, "keys"),
     (NFCONFIG, "block", *PARTS, "--out", "-"),

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+#include "sheet.h"
+
+#include "remarks.h"
+#include "schema.h"
+#include "spelling.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include <fmt/format.h>
+
+namespace nf::sheet
+{
+namespace
+{
+
+using Group = std::vector<std::string>;
+
+constexpr const char *HEAD =
+    "# From a data sheet, by motorsim motor; behind each value what was typed.\n";
+
+void check_name(const std::string &typed)
+{
+    Node node;
+    node.kind = Node::Kind::text;
+    node.text = typed;
+    node.origin = {"--name", 0};
+    check_value(*find_field("motor.name"), node);
+}
+
+void check_rivals(const Given &given, const std::string &option)
+{
+    for (const Group &rivals : rival_options()) {
+        const bool is_one = std::count(rivals.begin(), rivals.end(), option) != 0;
+        const auto other = std::find_if(rivals.begin(), rivals.end(), [&](const std::string &one) {
+            return one != option && given.count(one) != 0;
+        });
+        if (is_one && other != rivals.end()) {
+            refuse(option, given.at(option).front().typed,
+                   fmt::format("{} \"{}\" gives the same; leave one of them out", *other,
+                               given.at(*other).front().typed));
+        }
+    }
+}
+
+std::string line_of(const Made &made)
+{
+    return fmt::format("{} = {} # {} {}{}{}\n", made.key, made.value(), made.option,
+                       made.from.typed, made.comment.empty() ? "" : "; ", made.comment);
+}
+
+} // namespace
+
+void Sheet::give(const std::string &option, const std::string &typed)
+{
+    if (option == "--name") {
+        check_name(typed);
+        name_ = typed;
+        return;
+    }
+    Given more = given_;
+    more[option] = read_option(sheet_option(option), typed);
+    check_rivals(more, option);
+    for (const Made &made : make_all(more)) {
+        check_range(made);
+    }
+    given_ = std::move(more);
+}
+
+std::vector<Group> Sheet::missing() const
+{
+    std::vector<Group> open;
+    for (const Group &group : needed_options()) {
+        const bool is_there = std::any_of(group.begin(), group.end(), [&](const std::string &one) {
+            return one == "--name" ? !name_.empty() : given_.count(one) != 0;
+        });
+        if (!is_there) {
+            open.push_back(group);
+        }
+    }
+    return open;
+}
+
+std::vector<std::string> Sheet::remarks() const
+{
+    return remarks_on(given_);
+}
+
+std::string Sheet::motor_file() const
+{
+    const std::vector<Made> made = make_all(given_);
+    std::string text = HEAD;
+    for (const std::string &remark : remarks()) {
+        text += fmt::format("# note: {}\n", remark);
+    }
+    text += fmt::format("\n[motor]\nname = {}\n", toml_string(name_));
+    for (const Field &field : schema()) {
+        for (const Made &one : made) {
+            const bool is_of_field =
+                std::strcmp(field.section, "motor") == 0 && std::strcmp(field.key, one.key) == 0;
+            text += is_of_field ? line_of(one) : "";
+        }
+    }
+    return text;
+}
+
+} // namespace nf::sheet

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: MIT
+#include "spelling.h"
+
+#include <cctype>
+#include <regex>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace nf::sheet
+{
+namespace
+{
+
+using Replacement = std::pair<const char *, const char *>;
+
+// Byte for byte: regular expressions of the library know no characters beyond ASCII.
+constexpr Replacement SIGNS[] = {
+    {"·", "."}, {"⋅", "."},   {"•", "."},   {"×", "."},        {"*", "."},      {"²", "2"},
+    {"³", "3"}, {"⁻¹", "-1"}, {"Ω", "ohm"}, {"\u2126", "ohm"}, {"µ", "u"},      {"\u03BC", "u"},
+    {"^", ""},  {"–", "-"},   {"‑", "-"},   {"−", "-"},        {"\u00A0", " "}, {"\u202F", " "},
+};
+
+struct Pattern {
+    std::regex found;
+    const char *instead;
+};
+
+bool is_letter(char c)
+{
+    return std::isalpha(static_cast<unsigned char>(c)) != 0;
+}
+
+char lower(char c)
+{
+    return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+}
+
+bool is_in_word(char c)
+{
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+           (static_cast<unsigned char>(c) & 0x80U) != 0;
+}
+
+void replace_all(std::string &text, const std::string &from, const std::string &to)
+{
+    for (std::size_t at = text.find(from); at != std::string::npos;
+         at = text.find(from, at + to.size())) {
+        text.replace(at, from.size(), to);
+    }
+}
+
+const std::vector<Pattern> &patterns()
+{
+    const auto flags = std::regex::ECMAScript | std::regex::icase;
+    static const std::vector<Pattern> ALL = {
+        {std::regex(R"(\b(1|r|rev|u)/min\b)", flags), "rpm"},
+        {std::regex(R"(\bmin ?-1)", flags), "rpm"},
+        {std::regex(R"(/ ?\(? ?1000 ?rpm(?: ?\))?)", flags), "/krpm"},
+        {std::regex(R"(\b6[ -]?step\b)", flags), "six step"},
+        {std::regex(R"(\(rad/s\))", flags), "rad/s"},
+        // a mark that the unit goes on after
+        {std::regex(R"(([VA])[ _]?\(?(rms|pk|peak|eff|dc)\)?(/[^ ]+))", flags), "$1$3 $2"},
+        {std::regex(R"(([VA])_?\(?(rms|pk|peak|eff|dc)\b\)?)", flags), "$1 $2"},
+    };
+    return ALL;
+}
+
+std::size_t skip_blanks(const std::string &text, std::size_t at)
+{
+    while (at < text.size() && text[at] == ' ') {
+        at++;
+    }
+    return at;
+}
+
+// After a '.' of a symbol.
+std::size_t end_of_dot(const std::string &text, std::size_t at)
+{
+    at = skip_blanks(text, at);
+    if (at < text.size() && (text[at] == '.' || text[at] == '-')) {
+        at++;
+    }
+    return skip_blanks(text, at);
+}
+
+// After a '/' of a symbol.
+std::size_t end_of_stroke(const std::string &text, std::size_t at)
+{
+    at = skip_blanks(text, at);
+    for (const char *per : {"/", "per "}) {
+        const std::string stroke = per;
+        if (text.compare(at, stroke.size(), stroke) == 0) {
+            return skip_blanks(text, at + stroke.size());
+        }
+    }
+    return std::string::npos;
+}
+
+std::size_t end_of_sign(char sign, bool exactly, const std::string &text, std::size_t at)
+{
+    if (sign == '.') {
+        return end_of_dot(text, at);
+    }
+    if (sign == '/') {
+        return end_of_stroke(text, at);
+    }
+    const bool same =
+        at < text.size() && (exactly ? text[at] == sign : lower(text[at]) == lower(sign));
+    return same ? at + 1 : std::string::npos;
+}
+
+} // namespace
+
+void refuse(const std::string &option, const std::string &typed, const std::string &problem)
+{
+    throw std::runtime_error(fmt::format("{} \"{}\": {}", option, tidied(typed), problem));
+}
+
+std::string tidied(const std::string &text)
+{
+    std::string tidy;
+    for (const char c : text) {
+        const bool blank = c == ' ' || c == '\t';
+        if (!blank) {
+            tidy += static_cast<unsigned char>(c) < 0x20 || c == 0x7F ? '?' : c;
+        } else if (!tidy.empty() && tidy.back() != ' ') {
+            tidy += ' ';
+        }
+    }
+    while (!tidy.empty() && tidy.back() == ' ') {
+        tidy.pop_back();
+    }
+    return tidy;
+}
+
+std::string one_spelling(const std::string &text)
+{
+    std::string spelt = text;
+    for (const auto &[from, to] : SIGNS) {
+        replace_all(spelt, from, to);
+    }
+    spelt = tidied(spelt);
+    for (const Pattern &pattern : patterns()) {
+        spelt = std::regex_replace(spelt, pattern.found, pattern.instead);
+    }
+    return spelt;
+}
+
+std::size_t end_of_unit(const std::string &symbol, const std::string &text, std::size_t from)
+{
+    std::size_t at = skip_blanks(text, from);
+    for (std::size_t k = 0; k < symbol.size(); k++) {
+        const bool is_prefix =
+            k == 0 && symbol[0] == 'm' && symbol.size() > 1 && is_letter(symbol[1]);
+        at = end_of_sign(symbol[k], is_prefix, text, at);
+        if (at == std::string::npos) {
+            return at;
+        }
+    }
+    const bool ends =
+        at >= text.size() || std::string(" ,;()@").find(text[at]) != std::string::npos;
+    return ends ? at : std::string::npos;
+}
+
+std::vector<std::string> words_of(const std::string &text)
+{
+    std::vector<std::string> words;
+    bool within = false;
+    for (const char c : text) {
+        if (!is_in_word(c)) {
+            within = false;
+            continue;
+        }
+        if (!within) {
+            words.emplace_back();
+        }
+        words.back() += lower(c);
+        within = true;
+    }
+    return words;
+}
+
+} // namespace nf::sheet
