@@ -6,6 +6,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -42,16 +43,13 @@ struct UnitFound {
 UnitFound find_unit(const Quantity &quantity, const std::string &text)
 {
     UnitFound longest;
-    const auto take = [&](const Unit &unit, const char *symbol) {
-        const std::size_t end = end_of_unit(symbol, text, 0);
-        if (end != std::string::npos && end > longest.end) {
-            longest = {&unit, end};
-        }
-    };
     for (const Unit &unit : quantity.units) {
-        take(unit, unit.symbol);
-        for (const char *symbol : unit.also) {
-            take(unit, symbol);
+        std::istringstream spellings(fmt::format("{}|{}", unit.symbol, unit.also));
+        for (std::string symbol; std::getline(spellings, symbol, '|');) {
+            const std::size_t end = symbol.empty() ? 0 : end_of_unit(symbol, text, 0);
+            if (end != std::string::npos && end > longest.end) {
+                longest = {&unit, end};
+            }
         }
     }
     return longest;
@@ -139,6 +137,7 @@ bool has_unit_of(const Quantity &quantity, const std::string &typed)
 std::string unit_names(const Quantity &quantity)
 {
     std::vector<std::string> names;
+    names.reserve(quantity.units.size());
     for (const Unit &unit : quantity.units) {
         names.emplace_back(unit.symbol);
     }

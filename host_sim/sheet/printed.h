@@ -11,9 +11,9 @@ namespace nf::sheet
 {
 
 struct Unit {
-    const char *symbol;                  // as it is shown: "mN.m/A"
-    double si;                           // one of it, in the SI unit of the quantity
-    std::vector<const char *> also = {}; // other spellings
+    const char *symbol;    // as it is shown: "mN.m/A"
+    double si;             // one of it, in the SI unit of the quantity
+    const char *also = ""; // other spellings: "ozf.in|in.oz"
 };
 
 struct Quantity {

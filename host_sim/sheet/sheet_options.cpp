@@ -27,41 +27,38 @@ constexpr double LB_IN = LB_KG * GRAVITY * IN_M;
 constexpr double LB_FT = LB_KG * GRAVITY * FT_M;
 constexpr double PER_KRPM = 1e-3 / RAD_S_PER_RPM; // of a rad/s
 
-const Quantity POLES = {"a number of poles", {{"", 1, {"poles", "pole"}}}, Needs::nothing, true};
-const Quantity POLE_PAIRS = {"a number of pole pairs",
-                             {{"", 1, {"pole pairs", "pole pair", "pairs"}}},
-                             Needs::nothing,
-                             true};
+const Quantity POLES = {"a number of poles", {{"", 1, "poles|pole"}}, Needs::nothing, true};
+const Quantity POLE_PAIRS = {
+    "a number of pole pairs", {{"", 1, "pole pairs|pole pair|pairs"}}, Needs::nothing, true};
 const Quantity RESISTANCE = {
-    "a resistance", {{"ohm", 1, {"ohms"}}, {"mohm", 1e-3, {"mohms", "milliohm"}}}, Needs::across};
+    "a resistance", {{"ohm", 1, "ohms"}, {"mohm", 1e-3, "mohms|milliohm"}}, Needs::across};
 const Quantity INDUCTANCE = {
     "an inductance", {{"H", 1}, {"mH", 1e-3}, {"uH", 1e-6}}, Needs::across};
 const Quantity TORQUE_CONSTANT = {"a torque constant",
                                   {{"N.m/A", 1},
                                    {"mN.m/A", 1e-3},
                                    {"N.cm/A", 1e-2},
-                                   {"oz.in/A", OZ_IN, {"ozf.in/A", "in.oz/A"}},
-                                   {"lb.in/A", LB_IN, {"lbf.in/A", "in.lb/A"}},
-                                   {"kg.cm/A", KGF_CM, {"kgf.cm/A"}}},
+                                   {"oz.in/A", OZ_IN, "ozf.in/A|in.oz/A"},
+                                   {"lb.in/A", LB_IN, "lbf.in/A|in.lb/A"},
+                                   {"kg.cm/A", KGF_CM, "kgf.cm/A"}},
                                   Needs::any_sort};
 const Quantity EMF_CONSTANT = {"an EMF constant",
                                {{"V/krpm", PER_KRPM},
                                 {"mV/rpm", PER_KRPM},
                                 {"V/rpm", 1 / RAD_S_PER_RPM},
-                                {"V.s/rad", 1, {"V/rad/s", "V.s"}},
-                                {"mV.s/rad", 1e-3, {"mV/rad/s"}}},
+                                {"V.s/rad", 1, "V/rad/s|V.s"},
+                                {"mV.s/rad", 1e-3, "mV/rad/s"}},
                                Needs::voltage};
-const Quantity KV = {"a Kv",
-                     {{"rpm/V", RAD_S_PER_RPM, {"kv"}}, {"rad/s/V", 1, {"rad/V/s", "rad/V.s"}}},
-                     Needs::voltage};
+const Quantity KV = {
+    "a Kv", {{"rpm/V", RAD_S_PER_RPM, "kv"}, {"rad/s/V", 1, "rad/V/s|rad/V.s"}}, Needs::voltage};
 const Quantity TORQUE = {"a torque",
                          {{"N.m", 1},
                           {"mN.m", 1e-3},
                           {"N.cm", 1e-2},
-                          {"kgf.cm", KGF_CM, {"kg.cm", "kp.cm"}},
-                          {"oz.in", OZ_IN, {"ozf.in", "in.oz"}},
-                          {"lb.in", LB_IN, {"lbf.in", "in.lb", "lbs.in"}},
-                          {"lb.ft", LB_FT, {"lbf.ft", "ft.lb", "lbs.ft"}}}};
+                          {"kgf.cm", KGF_CM, "kg.cm|kp.cm"},
+                          {"oz.in", OZ_IN, "ozf.in|in.oz"},
+                          {"lb.in", LB_IN, "lbf.in|in.lb|lbs.in"},
+                          {"lb.ft", LB_FT, "lbf.ft|ft.lb|lbs.ft"}}};
 const Quantity POWER = {"a power", {{"W", 1}, {"kW", 1e3}, {"hp", 550 * LB_FT}}};
 const Quantity SPEED = {"a speed", {{"rpm", RAD_S_PER_RPM}, {"rad/s", 1}}, Needs::nothing, true};
 const Quantity CURRENT = {"a current", {{"A", 1}, {"mA", 1e-3}}, Needs::sort};
@@ -75,12 +72,12 @@ const Quantity INERTIA = {"a moment of inertia",
                            {"g.cm2", 1e-7},
                            {"kg.mm2", 1e-6},
                            {"oz.in2", OZ_KG *IN_M *IN_M},
-                           {"oz.in.s2", OZ_IN, {"oz.in.sec2", "ozf.in.s2"}},
+                           {"oz.in.s2", OZ_IN, "oz.in.sec2|ozf.in.s2"},
                            {"lb.in2", LB_KG *IN_M *IN_M},
-                           {"lb.in.s2", LB_IN, {"lb.in.sec2", "lbf.in.s2"}}}};
+                           {"lb.in.s2", LB_IN, "lb.in.sec2|lbf.in.s2"}}};
 const Quantity FRICTION = {"a friction",
-                           {{"N.m.s", 1, {"N.m.s/rad", "N.m/rad/s"}},
-                            {"mN.m.s", 1e-3, {"mN.m.s/rad"}},
+                           {{"N.m.s", 1, "N.m.s/rad|N.m/rad/s"},
+                            {"mN.m.s", 1e-3, "mN.m.s/rad"},
                             {"N.m/krpm", PER_KRPM},
                             {"mN.m/krpm", PER_KRPM * 1e-3},
                             {"oz.in/krpm", OZ_IN *PER_KRPM}}};
