@@ -6,7 +6,7 @@
 #include "spelling.h"
 
 #include <algorithm>
-#include <cstring>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -44,10 +44,27 @@ void check_rivals(const Given &given, const std::string &option)
     }
 }
 
-std::string line_of(const Made &made)
+std::string setting_of(const Made &made)
 {
-    return fmt::format("{} = {} # {} {}{}{}\n", made.key, made.value(), made.option,
-                       made.from.typed, made.comment.empty() ? "" : "; ", made.comment);
+    return fmt::format("{} = {}", made.key, made.value());
+}
+
+std::string comment_of(const Made &made)
+{
+    return fmt::format("# {} {}{}{}", made.option, made.from.typed,
+                       made.comment.empty() ? "" : "; ", made.comment);
+}
+
+// As the schema, and so each other writer of motor files, orders them.
+std::vector<Made> in_order(const std::vector<Made> &made)
+{
+    std::vector<Made> sorted;
+    for (const Field &field : schema()) {
+        std::copy_if(made.begin(), made.end(), std::back_inserter(sorted), [&](const Made &one) {
+            return field.name() == std::string("motor.") + one.key;
+        });
+    }
+    return sorted;
 }
 
 } // namespace
@@ -89,18 +106,18 @@ std::vector<std::string> Sheet::remarks() const
 
 std::string Sheet::motor_file() const
 {
-    const std::vector<Made> made = make_all(given_);
+    const std::vector<Made> made = in_order(make_all(given_));
+    std::size_t width = 0;
+    for (const Made &one : made) {
+        width = std::max(width, setting_of(one).size());
+    }
     std::string text = HEAD;
     for (const std::string &remark : remarks()) {
         text += fmt::format("# note: {}\n", remark);
     }
     text += fmt::format("\n[motor]\nname = {}\n", toml_string(name_));
-    for (const Field &field : schema()) {
-        for (const Made &one : made) {
-            const bool is_of_field =
-                std::strcmp(field.section, "motor") == 0 && std::strcmp(field.key, one.key) == 0;
-            text += is_of_field ? line_of(one) : "";
-        }
+    for (const Made &one : made) {
+        text += fmt::format("{:<{}} {}\n", setting_of(one), width, comment_of(one));
     }
     return text;
 }

@@ -22,6 +22,9 @@ constexpr Replacement SIGNS[] = {
     {"^", ""},  {"–", "-"},   {"‑", "-"},   {"−", "-"},        {"\u00A0", " "}, {"\u202F", " "},
 };
 
+// The library's expressions recurse with each character.
+constexpr std::size_t LONGEST = 200;
+
 struct Pattern {
     std::regex found;
     const char *instead;
@@ -142,6 +145,10 @@ std::string one_spelling(const std::string &text)
         replace_all(spelt, from, to);
     }
     spelt = tidied(spelt);
+    if (spelt.size() > LONGEST) {
+        refuse("value", spelt.substr(0, LONGEST / 8) + "…",
+               fmt::format("is longer than {} characters", LONGEST));
+    }
     for (const Pattern &pattern : patterns()) {
         spelt = std::regex_replace(spelt, pattern.found, pattern.instead);
     }

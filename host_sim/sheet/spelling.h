@@ -15,7 +15,7 @@ namespace nf::sheet
 // Of a text with blanks and control characters: these as '?', those at the ends and repeated ones left out.
 std::string tidied(const std::string &text);
 
-// The text with one spelling of each sign and unit that has several:
+// The text with one spelling of each sign and unit that has several. Throws std::runtime_error for more than 200 characters.
 //   · ⋅ × * → '.'   ² ^2 → 2   Ω → ohm   µ → u   1/min, min⁻¹, U/min → rpm   /1000 rpm → /krpm   6-step → six step
 //   a mark within the unit goes to the end: "Vrms/krpm" → "V/krpm rms", "A_pk" → "A pk"
 std::string one_spelling(const std::string &text);

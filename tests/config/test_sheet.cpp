@@ -415,6 +415,15 @@ TEST(a_unit_that_is_wrong_or_missing_is_answered_with_the_right_ones)
     }
 }
 
+TEST(a_text_that_is_too_long_for_a_value_is_refused)
+{
+    for (const std::size_t count : {std::size_t{201}, std::size_t{1000000}}) {
+        const std::string said = refusal({{"--resistance", "1" + std::string(count, 'V')}});
+        TEST_ASSERT_TRUE_MESSAGE(said.find("is longer than 200 characters") != std::string::npos,
+                                 said.substr(0, 100).c_str());
+    }
+}
+
 TEST(a_value_out_of_range_is_answered_with_the_range_in_its_own_unit)
 {
     check_refused("--resistance", "0.01 mohm phase to phase",

@@ -33,6 +33,9 @@ class TheTest(unittest.TestCase):
         self.assertEqual(departure(["a"], ["a", "b"]), ("the end", ["b"]))
         self.assertIsNone(departure(["a", "..."], ["a"]))
 
+    def test_a_command_goes_on_after_a_backslash(self):
+        self.assertEqual(transcripts.commands("$ a \\\n    b\nshown\n$ c\n"), [("a \\\n    b", ["shown"]), ("c", [])])
+
     def test_digits_of_a_checksum_stand_for_any_and_those_of_a_number_do_not(self):
         self.assertIsNone(departure(["configuration 12ab34cd,"], ["configuration 00000000,"]))
         self.assertIsNotNone(departure(["raw 14387285"], ["raw 14387286"]))

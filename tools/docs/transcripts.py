@@ -5,10 +5,10 @@ transcripts.py PROGRAMS GDB           says which is not what is printed now; exi
 transcripts.py PROGRAMS GDB --write   writes the outputs anew
 
 PROGRAMS is the folder that has motorsim, nfconfig and gaindesign. A transcript is a block of a guide that is marked
-`console`. A line that begins with `$ ` is a command. Lines that begin with a prompt in brackets are typed into the program
-of the command before: the stepper, or gdb. All others are output; a line `...` stands for any number of lines, and the eight
-digits of a checksum for any others. The blocks of a guide run one after the other in one folder. A block that is marked `toml`
-and begins with `# NAME.toml` is written there as that file, before them.
+`console`. A line that begins with `$ ` is a command; after a backslash it goes on in the next line. Lines that begin with a
+prompt in brackets are typed into the program of the command before: the stepper, or gdb. All others are output; a line `...`
+stands for any number of lines, and the eight digits of a checksum for any others. The blocks of a guide run one after the other in
+one folder. A block that is marked `toml` and begins with `# NAME.toml` is written there as that file, before them.
 """
 import argparse
 import os
@@ -40,6 +40,8 @@ def commands(block):
     for line in block.splitlines():
         if line.startswith("$ "):
             found.append((line.removeprefix("$ "), []))
+        elif found[-1][0].endswith("\\"):
+            found[-1] = (f"{found[-1][0]}\n{line}", [])
         else:
             found[-1][1].append(line)
     return found
