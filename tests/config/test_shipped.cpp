@@ -37,19 +37,36 @@ extern "C" const about_t *about_generated_motor_b(void);
 namespace
 {
 
-// Each motor for 24 V has its board, and each one that weakens its field one that shorts it; the motors of both papers go with
-// every laboratory inverter for 310 V.
+// Each motor for 24 to 48 V has its boards, and each one that weakens its field one that shorts it; the motors of both papers
+// go with every laboratory inverter for 310 V.
 bool go_together(const std::string &motor, const std::string &board)
 {
-    const std::map<std::string, std::string> own_boards = {
-        {"odrive_d5065", "b_g431b_esc1"},         {"outrunner_24v", "b_g431b_esc1"},
-        {"teknic_m2310p", "frdm_mc_lvpmsm"},      {"compressor", "compressor_310v"},
-        {"motor_a_weakened", "bench_310v_short"}, {"motor_b_weakened", "bench_310v_short"}};
-    const auto own = own_boards.find(motor);
-    if (own != own_boards.end()) {
-        return own->second == board;
+    const std::multimap<std::string, std::string> own_boards = {
+        {"odrive_d5065", "b_g431b_esc1"},
+        {"odrive_d5065", "moteus_r4"},
+        {"outrunner_24v", "b_g431b_esc1"},
+        {"outrunner_24v", "moteus_r4"},
+        {"outrunner_48v", "vesc_6"},
+        {"teknic_m2310p", "frdm_mc_lvpmsm"},
+        {"compressor", "compressor_310v"},
+        {"motor_a_weakened", "bench_310v_short"},
+        {"motor_b_weakened", "bench_310v_short"}};
+    const auto [first, last] = own_boards.equal_range(motor);
+    if (first != last) {
+        return std::any_of(first, last, [&](const auto &own) { return own.second == board; });
     }
     return board == "bench_310v" || board == "bench_310v_short" || board == "g431_bench";
+}
+
+TEST(each_board_has_a_motor_that_goes_with_it)
+{
+    for (const std::string &board : nf::list_boards()) {
+        const std::vector<std::string> motors = nf::list_motors();
+        TEST_ASSERT_TRUE_MESSAGE(
+            std::any_of(motors.begin(), motors.end(),
+                        [&](const std::string &motor) { return go_together(motor, board); }),
+            board.c_str());
+    }
 }
 
 const std::vector<std::string> WEAKENED = {"compressor", "motor_a_weakened", "motor_b_weakened"};
