@@ -199,8 +199,10 @@ std::optional<Convention> convention_of(Needs needs, const std::vector<std::stri
     Hearing heard;
     heard.hear(phrases_of(needs), said);
     const Convention convention = heard.convention();
-    // Six steps are between two terminals: more of that says nothing, and of a phase it is wrong.
-    const bool is_torn = convention.sort == Sort::six_step && convention.across == Across::phase;
+    // Six steps are between two terminals: more of that says nothing, and of a phase it is wrong. A phase of a triangle is
+    // its winding, and none of the star.
+    const bool is_torn = convention.across == Across::phase &&
+                         (convention.sort == Sort::six_step || heard.weak == Across::winding);
     if (!heard.unknown.empty()) {
         problem = fmt::format("\"{}\" is no word for it; allowed: {}", heard.unknown,
                               allowed_words(needs));

@@ -210,6 +210,9 @@ void Maker::inertia()
     take("inertia_kg_m2", "--inertia", 1);
     if (has(given_, "--inertia") && has(given_, "--load-inertia")) {
         const Printed &load = printed(given_, "--load-inertia");
+        if (load.number < 0) {
+            refuse("--load-inertia", load.typed, "is below 0");
+        }
         made_.back().more = load.si();
         made_.back().comment = fmt::format("and --load-inertia {}", load.typed);
     }

@@ -61,6 +61,13 @@ std::string first_word(const std::string &rest)
     return text.substr(0, text.find(' '));
 }
 
+// Nothing stands after the number, and nothing has to.
+bool is_bare(const Quantity &quantity, const Split &found)
+{
+    const bool is_zero = quantity.needs == Needs::nothing && std::abs(found.number) <= 0;
+    return tidied(found.rest).empty() && (quantity.is_bare_allowed || is_zero);
+}
+
 Split number_of(const std::string &option, const Quantity &quantity, const std::string &typed)
 {
     const Split found = split(one_spelling(typed));
@@ -82,9 +89,7 @@ UnitFound unit_of(const std::string &option, const Quantity &quantity, const std
                   const Split &found)
 {
     const UnitFound unit = find_unit(quantity, found.rest);
-    const bool is_zero = quantity.needs == Needs::nothing && std::abs(found.number) <= 0;
-    const bool is_bare = tidied(found.rest).empty() && (quantity.is_bare_allowed || is_zero);
-    if (unit.unit != nullptr || is_bare) {
+    if (unit.unit != nullptr || is_bare(quantity, found)) {
         return unit.unit != nullptr ? unit : UnitFound{&quantity.units.front(), 0};
     }
     const std::string word = first_word(found.rest);
@@ -132,6 +137,12 @@ bool has_unit_of(const Quantity &quantity, const std::string &typed)
 {
     const Split found = split(one_spelling(typed));
     return found.is_number && find_unit(quantity, found.rest).unit != nullptr;
+}
+
+bool needs_no_unit(const Quantity &quantity, const std::string &typed)
+{
+    const Split found = split(one_spelling(typed));
+    return found.is_number && is_bare(quantity, found);
 }
 
 std::string unit_names(const Quantity &quantity)

@@ -42,6 +42,9 @@ Printed read_printed(const std::string &option, const Quantity &quantity, const 
 // Whether the text begins with a number in one of the quantity's units, whatever comes after it.
 bool has_unit_of(const Quantity &quantity, const std::string &typed);
 
+// Whether the text is a number of the quantity without a unit, and read_printed() takes it.
+bool needs_no_unit(const Quantity &quantity, const std::string &typed);
+
 // "ohm, mohm"
 std::string unit_names(const Quantity &quantity);
 

@@ -39,9 +39,10 @@ Alternatives asked(const Alternatives &group)
 
 bool fits(const std::string &name, const std::string &answer)
 {
-    const SheetOption &option = sheet_option(name);
-    return std::any_of(option.quantities.begin(), option.quantities.end(),
-                       [&](const Quantity &quantity) { return has_unit_of(quantity, answer); });
+    const std::vector<Quantity> &quantities = sheet_option(name).quantities;
+    const bool is_bare = quantities.size() == 1 && needs_no_unit(quantities.front(), answer);
+    return is_bare || std::any_of(quantities.begin(), quantities.end(),
+                                  [&](const Quantity &one) { return has_unit_of(one, answer); });
 }
 
 std::string all_units(const Alternatives &options)

@@ -95,7 +95,7 @@ const std::vector<SheetOption> OPTIONS = {
     {"--emf-constant", "Ke, voltage per speed", "4.64 V/krpm peak phase to phase", {EMF_CONSTANT}},
     {"--kv", "Kv, speed per voltage", "270 rpm/V peak phase to phase", {KV}},
     {"--rated-speed",
-     "where it is to be used, with room below the bus voltage",
+     "speed at which it is to be used, with room below the bus voltage",
      "4000 rpm",
      {SPEED}},
     {"--rated-torque", "torque for ever", "128 mN.m", {TORQUE}},

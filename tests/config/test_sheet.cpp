@@ -374,6 +374,7 @@ TEST(words_that_contradict_each_other_or_mean_nothing_are_refused)
 {
     for (const auto &[option, typed] : {std::pair("--max-current", "6 A peak rms"),
                                         std::pair("--resistance", "1 ohm phase line to line"),
+                                        std::pair("--resistance", "1 ohm per phase, delta"),
                                         std::pair("--kv", "270 rpm/V six-step per phase"),
                                         std::pair("--kv", "270 rpm/V six-step rms")}) {
         const std::string said = refusal({{option, typed}});
@@ -440,6 +441,13 @@ TEST(a_value_out_of_range_is_answered_with_the_range_in_its_own_unit)
         refusal({{"--poles", "14"}, {"--kv", "0 rpm/V peak phase"}}).c_str());
     const std::string named = refusal({{"--name", ""}});
     TEST_ASSERT_TRUE_MESSAGE(named.rfind("--name: ", 0) == 0, named.c_str());
+}
+
+TEST(a_load_has_no_negative_inertia)
+{
+    TEST_ASSERT_EQUAL_STRING(
+        "--load-inertia \"-1 g.cm2\": is below 0",
+        refusal({{"--inertia", "181 g.cm2"}, {"--load-inertia", "-1 g.cm2"}}).c_str());
 }
 
 TEST(the_ends_of_a_range_that_is_named_are_taken)

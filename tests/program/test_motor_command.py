@@ -182,6 +182,14 @@ class AtATerminal(unittest.TestCase):
                 self.assertEqual(status, DONE)
                 self.assertIn(f"# {option} {typed}", out)
 
+    def test_a_friction_that_nobody_knows_is_answered_with_0(self):
+        terminal = Terminal(*words({o: v for o, v in SHEET.items() if o != "--no-load"}))
+        self.assertIn("0 where nobody knows it", terminal.until_question())
+        terminal.type("0")
+        status, out, _ = terminal.end()
+        self.assertEqual(status, DONE)
+        self.assertRegex(out, "viscous_friction_nm_s = 0 +# --friction 0")
+
     def test_the_end_of_the_input_ends_it_and_names_what_is_missing(self):
         terminal = Terminal(*words({o: v for o, v in SHEET.items() if o != "--inertia"}))
         terminal.until_question()
