@@ -54,7 +54,7 @@ double made_of(const std::string &option, const std::string &typed, const std::s
             return made.value();
         }
     }
-    return NAN;
+    return std::nan("");
 }
 
 void check(const Typed &one)
