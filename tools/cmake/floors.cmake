@@ -27,6 +27,7 @@ function(nf_precompile target)
     endif()
 endfunction()
 
+# The headers of nf_design are precompiled with the same optimisation, so they fit after nf_optimise().
 function(nf_precompile_with_eigen target)
     if(TARGET nf_design)
         set_target_properties(${target} PROPERTIES DISABLE_PRECOMPILE_HEADERS ${CMAKE_DISABLE_PRECOMPILE_HEADERS})

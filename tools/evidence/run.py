@@ -173,12 +173,12 @@ def make(due, parts, state, tests, digests):
 
 def summary(parts, due, progress, state):
     """The page's first part: what was made, left out, and failed."""
-    failed = progress.failed if progress else {}
+    failed = progress.failed
     took = state.known["core_seconds"]
     rows = [[one.name, one.says, "failed: " + ", ".join(failed[one.name]) if one.name in failed
              else "not made" if state.is_due(one) else "passed" if one in due else "unchanged since it passed",
              f"{sum(took.get(one.name, {}).values()) / 60:.1f}"] for one in parts]
-    rows += [["what they need", name, "failed", ""] for name in (progress.needed if progress else [])]
+    rows += [["what they need", name, "failed", ""] for name in progress.needed]
     seconds = sorted((pair for tests in took.values() for pair in tests.items()), key=lambda pair: -pair[1])[:SHOWN]
     held = [one for one in parts if not state.is_due(one)]
     return {"part": "run", "title": "All parts", "says": f"Of {commit()}.",
@@ -228,7 +228,7 @@ def main():
 
 
 def finish(parts, due, state):
-    progress = None
+    progress = Progress([], state, {})
     if due:
         digests = {one.name: one.digest() for one in due}  # before the build: what is edited from here on is due again
         built = subprocess.run([ROOT / "tools/dev", "build", "host"], check=False).returncode
@@ -246,9 +246,8 @@ def finish(parts, due, state):
     whole = [summary(parts, due, progress, state), *with_figures]
     PAGE.parent.mkdir(parents=True, exist_ok=True)
     PAGE.write_text(page.page(whole), encoding="utf-8")
-    missing = [one.name for one in parts if state.is_due(one) and one.name not in (progress.failed if progress else {})]
-    failures = sorted(progress.failed) if progress else []
-    needed = progress.needed if progress else []
+    missing = [one.name for one in parts if state.is_due(one) and one.name not in progress.failed]
+    failures, needed = sorted(progress.failed), progress.needed
     print(f"evidence: {commit()}: {len(parts)} parts, {len(parts) - len(missing) - len(failures)} hold, "
           f"{len(failures)} failed{listing(failures)}, {len(missing)} not made{listing(missing)}"
           f"{'; what they need failed' if needed else ''}{listing(needed)}: {PAGE.relative_to(ROOT)}")
