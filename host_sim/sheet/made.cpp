@@ -13,6 +13,12 @@
 
 namespace nf::sheet
 {
+
+bool has(const Given &given, const std::string &option)
+{
+    return given.count(option) != 0;
+}
+
 namespace
 {
 
@@ -24,11 +30,6 @@ constexpr double SQRT_3 = 1.73205080756887729353;
 double factor_of(const char *sheet)
 {
     return conversion(sheet).factor;
-}
-
-bool has(const Given &given, const std::string &option)
-{
-    return given.count(option) != 0;
 }
 
 const Printed &printed(const Given &given, const std::string &option)

@@ -15,6 +15,8 @@ namespace nf::sheet
 using Given =
     std::map<std::string, std::vector<Printed>>; // by option; what is absent was not given
 
+bool has(const Given &given, const std::string &option);
+
 // value = factor · number^power + more, of the key's unit
 struct Made {
     const char *key;    // of [motor]

@@ -56,10 +56,6 @@ private:
     {
         lines_.push_back(line);
     }
-    bool has(const char *option) const
-    {
-        return given_.count(option) != 0;
-    }
     void compare_flux(const std::string &taken, const std::string &other);
     std::string agreeing(const std::string &option, double flux) const;
     void flux();
@@ -101,7 +97,7 @@ void Remarks::flux()
 {
     const std::string taken = flux_option(given_);
     for (const char *const other : {"--emf-constant", "--kv"}) {
-        if (has(other) && taken != other) {
+        if (has(given_, other) && taken != other) {
             compare_flux(taken, other);
         }
     }
@@ -109,7 +105,7 @@ void Remarks::flux()
 
 void Remarks::power()
 {
-    if (has("--rated-power") && has("--rated-torque")) {
+    if (has(given_, "--rated-power") && has(given_, "--rated-torque")) {
         const double from_torque =
             given_.at("--rated-torque").front().si() * given_.at("--rated-speed").front().si();
         const double share = given_.at("--rated-power").front().si() / from_torque;
@@ -121,15 +117,15 @@ void Remarks::power()
 
 void Remarks::speeds()
 {
-    if (!has("--max-speed")) {
+    if (!has(given_, "--max-speed")) {
         add("no --max-speed: the drive asks for the rated speed at most");
     } else if (value_of(made_, "max_speed_rpm") < value_of(made_, "rated_speed_rpm")) {
         add(fmt::format("{} is below {}: the drive does not reach rated speed",
                         quoted(given_, "--max-speed"), quoted(given_, "--rated-speed")));
     }
     const double without_load_rpm =
-        has("--no-load") ? given_.at("--no-load")[1].si() / RAD_S_PER_RPM : 0;
-    if (has("--no-load") && value_of(made_, "rated_speed_rpm") > without_load_rpm) {
+        has(given_, "--no-load") ? given_.at("--no-load")[1].si() / RAD_S_PER_RPM : 0;
+    if (has(given_, "--no-load") && value_of(made_, "rated_speed_rpm") > without_load_rpm) {
         add(fmt::format("{} is above the {:.5g} rpm without load of {}",
                         quoted(given_, "--rated-speed"), without_load_rpm,
                         quoted(given_, "--no-load")));
@@ -157,7 +153,7 @@ void Remarks::currents()
 
 void Remarks::inertia()
 {
-    if (!has("--load-inertia")) {
+    if (!has(given_, "--load-inertia")) {
         add("no --load-inertia: the inertia is the rotor's alone; start and speed loop are computed "
             "from that of all that turns");
     }
