@@ -22,8 +22,7 @@ Fit fit_of(const Eigen::VectorXd &value, const Eigen::VectorXd &residuals,
     const auto freedom = std::max<Eigen::Index>(1, residuals.size() - value.size());
     const double variance = residuals.squaredNorm() / static_cast<double>(freedom);
     const Eigen::MatrixXd normal = jacobian.transpose() * jacobian;
-    const Eigen::MatrixXd covariance =
-        variance * normal.completeOrthogonalDecomposition().pseudoInverse();
+    const Eigen::MatrixXd covariance = variance * normal.colPivHouseholderQr().inverse();
     Fit fit;
     fit.value = value;
     fit.std = covariance.diagonal().cwiseMax(0).cwiseSqrt();

@@ -8,11 +8,11 @@
 #include "header.h"
 #include "identity.h"
 #include "output_file.h"
+#include "pattern.h"
 #include "trimmed.h"
 
 #include <cstring>
 #include <filesystem>
-#include <regex>
 #include <utility>
 #include <vector>
 
@@ -44,9 +44,7 @@ bool is_of_image(const Config &before, const Config &after)
 // A value may have blanks in it; a blank before the next TABLE.KEY= ends it.
 std::vector<std::string> split_assignments(const std::string &text)
 {
-    static const std::regex between(R"(\s+(?=[a-z_]+\.[a-z0-9_]+\s*=))");
-    const std::sregex_token_iterator first(text.begin(), text.end(), between, -1);
-    return {first, {}};
+    return split_at_matches(text, R"(\s+(?=[a-z_]+\.[a-z0-9_]+\s*=))");
 }
 
 std::string keys_of(const std::vector<std::string> &assignments)

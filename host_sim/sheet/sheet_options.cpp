@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "sheet_options.h"
 
+#include "pattern.h"
 #include "si.h"
 #include "spelling.h"
 
 #include <algorithm>
 #include <cctype>
-#include <regex>
 
 #include <fmt/format.h>
 
@@ -138,8 +138,7 @@ std::size_t second_number(const std::string &text)
 // "234 mA at 6110 rpm", "234 mA @ 6110 rpm", "234 mA, 6110 rpm".
 std::string without_joint(const std::string &text)
 {
-    static const std::regex JOINT(" ?(, |@|\\bat\\b|\\band\\b) ?");
-    return std::regex_replace(text, JOINT, " ");
+    return replace_matches(text, R"( ?(, |@|\bat\b|\band\b) ?)", " ");
 }
 
 std::vector<Printed> read_two(const SheetOption &option, const std::string &typed)

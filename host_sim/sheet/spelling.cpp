@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "spelling.h"
 
+#include "pattern.h"
+
 #include <cctype>
-#include <regex>
 #include <stdexcept>
 #include <utility>
 
@@ -24,11 +25,6 @@ constexpr Replacement SIGNS[] = {
 
 // The library's expressions recurse with each character.
 constexpr std::size_t LONGEST = 200;
-
-struct Pattern {
-    std::regex found;
-    const char *instead;
-};
 
 bool is_letter(char c)
 {
@@ -54,21 +50,16 @@ void replace_all(std::string &text, const std::string &from, const std::string &
     }
 }
 
-const std::vector<Pattern> &patterns()
-{
-    const auto flags = std::regex::ECMAScript | std::regex::icase;
-    static const std::vector<Pattern> ALL = {
-        {std::regex(R"(\b(1|r|rev|u)/min\b)", flags), "rpm"},
-        {std::regex(R"(\bmin ?-1)", flags), "rpm"},
-        {std::regex(R"(/ ?\(? ?1000 ?rpm(?: ?\))?)", flags), "/krpm"},
-        {std::regex(R"(\b6[ -]?step\b)", flags), "six step"},
-        {std::regex(R"(\(rad/s\))", flags), "rad/s"},
-        // a mark that the unit goes on after
-        {std::regex(R"(([VA])[ _]?\(?(rms|pk|peak|eff|dc)\)?(/[^ ]+))", flags), "$1$3 $2"},
-        {std::regex(R"(([VA])_?\(?(rms|pk|peak|eff|dc)\b\)?)", flags), "$1 $2"},
-    };
-    return ALL;
-}
+constexpr Replacement PATTERNS[] = {
+    {R"(\b(1|r|rev|u)/min\b)", "rpm"},
+    {R"(\bmin ?-1)", "rpm"},
+    {R"(/ ?\(? ?1000 ?rpm(?: ?\))?)", "/krpm"},
+    {R"(\b6[ -]?step\b)", "six step"},
+    {R"(\(rad/s\))", "rad/s"},
+    // a mark that the unit goes on after
+    {R"(([VA])[ _]?\(?(rms|pk|peak|eff|dc)\)?(/[^ ]+))", "$1$3 $2"},
+    {R"(([VA])_?\(?(rms|pk|peak|eff|dc)\b\)?)", "$1 $2"},
+};
 
 std::size_t skip_blanks(const std::string &text, std::size_t at)
 {
@@ -149,8 +140,8 @@ std::string one_spelling(const std::string &text)
         refuse("value", spelt.substr(0, LONGEST / 8) + "…",
                fmt::format("is longer than {} characters", LONGEST));
     }
-    for (const Pattern &pattern : patterns()) {
-        spelt = std::regex_replace(spelt, pattern.found, pattern.instead);
+    for (const auto &[expression, instead] : PATTERNS) {
+        spelt = replace_matches(spelt, expression, instead);
     }
     return spelt;
 }

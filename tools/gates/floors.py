@@ -44,7 +44,7 @@ BELOW |= {
     "host_sim/config": [*CORE, "host_sim/zoo"],
     "host_sim/file": [],
     "host_sim/program": [*CORE, "host_sim/config", "host_sim/file"],
-    "host_sim/sheet": [*CORE, "host_sim/config", "host_sim/program"],
+    "host_sim/sheet": [*CORE, "host_sim/config", "host_sim/file", "host_sim/program"],
     "host_sim/reference": [*CORE, "host_sim/config"],
     "host_sim/run": [*CORE, "hal/host", "host_sim/plant", "host_sim/config"],
     "host_sim/identify": [*CORE, "host_sim/plant", "host_sim/config", "host_sim/file", "host_sim/run"],

@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: MIT */
+// Regular expressions (ECMAScript, upper and lower case alike), compiled once for all: <regex> is the dearest header of the
+// standard library.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace nf
+{
+
+// `text` with each match replaced; $1 is the first group. Throws std::regex_error, where the expression is none.
+std::string replace_matches(const std::string &text, const char *expression, const char *instead);
+
+// What is before, between and behind the matches; `text` alone, where there are none.
+std::vector<std::string> split_at_matches(const std::string &text, const char *expression);
+
+} // namespace nf
