@@ -19,4 +19,4 @@ def missing(*modules):
     python = VENV / "bin" / "python"
     if python.exists() and Path(sys.prefix) != VENV:
         os.execv(python, [str(python), *sys.argv])
-    return f"no module {', '.join(absent)}; expected the packages of tools/requirements.txt: run tools/dev setup"
+    return f"no module {', '.join(absent)}; expected the packages of tools/requirements_checks.txt: run tools/dev setup"

@@ -43,7 +43,8 @@ class Dev(unittest.TestCase):
         (self.root / "tools").mkdir()
         shutil.copy(ROOT / "tools/dev", self.root / "tools/dev")
         shutil.copy(ROOT / "CMakePresets.json", self.root)
-        self.write("tools/requirements.txt", "")
+        for name in ("tools/requirements.txt", "tools/requirements_checks.txt"):
+            self.write(name, "")
         for name in (*(f"tools/setup/{name}" for name in SCRIPTS), ".cache/venv/bin/python"):
             self.script(name, "#!/bin/sh\n")
         self.built()
