@@ -199,8 +199,8 @@ static inline bool drive_knows_rotor(const drive_t *drive)
 }
 
 /*
- * Speed in steps per tick, of this tick where drive_knows_rotor(): in RUN that of the rotor, ω̂, else that of the imposed vector. With a sensor it is always that
- * of the rotor.
+ * Speed in steps per tick, of this tick where drive_knows_rotor(): in RUN that of the rotor, ω̂, else that of the
+ * imposed vector. With a sensor it is always that of the rotor.
  */
 static inline step_t drive_speed(const drive_t *drive)
 {

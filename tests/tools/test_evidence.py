@@ -181,7 +181,7 @@ class Command(Evidence):
             self.assertEqual(run_tests.words_for_ctest(typed), (always + given, None))
 
     def test_a_word_that_belongs_to_no_option_of_ctest_is_refused(self):
-        for typed in (("test_pi",), ("-R", "a", "test_pi")):
+        for typed in (("test_pi",), ("-R", "a", "test_pi"), ("-V", "test_pi")):
             self.assertEqual(run_tests.words_for_ctest(typed)[1],
                              "tools/dev test: found 'test_pi'; allowed: options of ctest, for instance -R test_pi")
 

@@ -20,6 +20,9 @@ import ctested  # noqa: E402
 MOST = 20  # core-seconds
 FAILS = 1.5 * MOST
 SHOWN = 20
+# Options of ctest that no word belongs to.
+ALONE = {"-V", "-VV", "-Q", "-N", "-F", "-U", "--verbose", "--extra-verbose", "--quiet", "--show-only", "--progress",
+         "--rerun-failed", "--output-on-failure", "--stop-on-failure", "--schedule-random"}
 
 
 def report(ended):
@@ -45,7 +48,7 @@ def words_for_ctest(words):
     parser.add_argument("-LE", "--label-exclude", action="append", default=[])
     labels, rest = parser.parse_known_args(words)
     for before, word in zip(["", *rest], rest):
-        if not before.startswith("-") and not word.startswith("-"):
+        if (before in ALONE or not before.startswith("-")) and not word.startswith("-"):
             return [], f"tools/dev test: found '{word}'; allowed: options of ctest, for instance -R {word}"
     # Of several -LE ctest leaves out what matches all of them.
     left_out = "|".join(("^evidence$", *labels.label_exclude))
