@@ -37,13 +37,15 @@ function(nf_is_evidence)
     set_property(TEST ${ARGV} APPEND PROPERTY LABELS evidence)
 endfunction()
 
-# nf_also_with_many_runs(<test> COMMAND <command>...)
+# nf_also_with_many_runs(<test> [CORES <n>] [FIXTURE <name>] COMMAND <command>...)
 #
 # many.<test>: the same command, and as many runs as testing_runs() gives to the evidence.
 function(nf_also_with_many_runs test)
+    cmake_parse_arguments(PARSE_ARGV 1 arg "" "CORES;FIXTURE" "COMMAND")
     if(NF_GATES)
-        add_test(NAME many.${test} ${ARGN})
-        set_tests_properties(many.${test} PROPERTIES ENVIRONMENT NF_MANY_RUNS=1 TIMEOUT 3000)
+        add_test(NAME many.${test} COMMAND ${arg_COMMAND})
+        set_tests_properties(many.${test} PROPERTIES ENVIRONMENT NF_MANY_RUNS=1 TIMEOUT 3000
+            PROCESSORS "${arg_CORES}" FIXTURES_REQUIRED "${arg_FIXTURE}")
         nf_is_evidence(many.${test})
     endif()
 endfunction()
