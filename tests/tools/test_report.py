@@ -14,7 +14,8 @@ import synthetic
 from support import COARSE_S, FolderTest
 from report import claim
 from report.assemble import write_report
-from report.page import metric_text, page
+from report.metrics import limit_text, tables, text_of, without
+from report.page import page
 from report.render import render
 from report.runs import Run, read_runs
 
@@ -85,10 +86,21 @@ class Claim(unittest.TestCase):
             self.assertEqual(claim.accepted(metrics), kept, metrics)
 
     def test_metric_texts(self):
-        for value, text in ((None, "does not apply"), (True, "yes"), (0, "0"), ([], "none"),
-                            (-0.00123456, "−0.001235"), ({"a": 0}, "none"),
+        for value, text in ((True, "yes"), (0, "0"), ([], "none"), (-0.00123456, "−0.001235"), ({"a": 0}, "none"),
                             ({"a": 2, "b": 0}, "a: 2"), (["x", "y"], "x, y")):
-            self.assertEqual(metric_text(value), text)
+            self.assertEqual(text_of(value), text)
+
+    def test_a_limit_that_was_broken_has_the_name_and_the_unit_of_its_metric(self):
+        self.assertEqual(limit_text("id_settled_a = 3.477, limit: 0.02"), "d current, settled = 3.477 A, limit: 0.02")
+        self.assertEqual(limit_text("in a fault at the end"), "in a fault at the end")
+
+    def test_what_has_members_is_a_table_and_what_does_not_apply_is_only_named(self):
+        measured = run(settling_time_s=None, saturations={"voltage": 3}, motor={"pole_pairs": 2, "max_current_a": 6.3},
+                       parameters={"flux_linkage_wb": {"configured": 0.375, "estimated": 0.37}})
+        self.assertEqual(without(measured), ["settling time"])
+        self.assertEqual(tables(measured), [
+            ("motor", ["", "value"], [["pole pairs", "2"], ["max current, A", "6.3"]]),
+            ("parameters", ["", "configured", "estimated"], [["flux linkage, Wb", "0.375", "0.37"]])])
 
 
 class OfOneFolder(unittest.TestCase):
