@@ -19,7 +19,7 @@ from report.page import page
 from report.render import render
 from report.runs import Run, read_runs
 
-VOID = {"meta", "link", "br", "img", "hr", "input"}
+VOID = {"meta", "link", "br", "wbr", "img", "hr", "input"}
 
 
 class Page(HTMLParser):
