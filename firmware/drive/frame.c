@@ -69,6 +69,20 @@ static void limit_imposed_current(drive_t *drive, dq_t current)
         held_back(&firm->pi_q, current.q, cfg->across_max, model_ratio_q_q14(&drive->model));
 }
 
+/*
+ * The integrals round down, half an LSB a tick. Those of an imposed current are so slow that it would be some percent of the
+ * current, and degrees of the vector: every other tick gives an LSB back.
+ */
+static void give_rounding_back(drive_t *drive)
+{
+    const int32_t due = ((drive->tick & 1U) != 0U) ? 1 : 0;
+    pi_t *const d = &drive->current_loop.pi_d;
+    pi_t *const q = &drive->current_loop.pi_q;
+
+    d->integral_q26 = fx_sat27(d->integral_q26 + due);
+    q->integral_q26 = fx_sat27(q->integral_q26 + due);
+}
+
 void frame_control_current(drive_t *drive, const frame_t *frame)
 {
     drive_signals_t *const s = &drive->signals;
@@ -77,6 +91,7 @@ void frame_control_current(drive_t *drive, const frame_t *frame)
     if (frame->imposed) {
         plan_current(drive, frame->loop, frame->step);
         limit_imposed_current(drive, frame->current);
+        give_rounding_back(drive);
     }
     s->voltage =
         current_loop_step(&drive->current_loop, frame->loop, s->current_ref, frame->current, limit);

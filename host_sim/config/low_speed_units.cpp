@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "low_speed_units.h"
 
+#include "rules.h"
+
 #include <algorithm>
 
 namespace nf
@@ -38,6 +40,8 @@ constexpr double PULSE_QUARTERS = 4;
 constexpr double HOLD_DAMPING = 0.7;
 constexpr double HOLD_INTEGRAL = 0.2;
 constexpr double HOLD_RELIEF = 0.4;
+// The dead-time compensation is off by up to 0.14 of what a leg loses, and by more the smaller the current is.
+constexpr double HOLD_LOSS_SHARE = 0.2;
 
 // A pulse that looks for a turning rotor ends at this share of the largest current.
 constexpr double FLYING_START_SHARE = 0.05;
@@ -102,12 +106,22 @@ constexpr double ACROSS_SHARE = 0.45;
 // A vector of the current φ/(L_q − L_d) has no stiffness against a rotor on it: the reluctance turns it away as strongly as the
 // magnet holds it. Half of it leaves half of the stiffness, if the file's L_d and L_q are right.
 constexpr double SALIENT_SHARE = 0.5;
+constexpr double STIFF_COUNTS = 24; // as many as an identification asks for
+
+// The largest current along the flux that is imposed, at rest and in motion, and in RUN. The observer sees the angle by the same
+// active flux.
+double stiff_current(const MotorSettings &motor)
+{
+    const double saliency = motor.inductance_q_h - motor.inductance_d_h;
+    return saliency > 0 ? SALIENT_SHARE * motor.flux_linkage_wb / saliency : HUGE_VAL;
+}
 
 double hold_current(const MotorSettings &motor, const BoardSettings &board,
                     const TuningSettings &tuning)
 {
     return std::min({tuning.startup_current_pct / 100 * continuous_current(motor),
-                     board.overcurrent_a / SWING_HEADROOM, motor.max_current_a});
+                     board.overcurrent_a / SWING_HEADROOM, motor.max_current_a,
+                     stiff_current(motor)});
 }
 
 // What the imposed current takes of R·I, as a multiple of the EMF at the hand-over: R, known within some percent, and gains of
@@ -126,19 +140,24 @@ double handover_rad_s(const MotorSettings &motor, const TuningSettings &tuning)
 double moving_current(const MotorSettings &motor, const BoardSettings &board,
                       const TuningSettings &tuning)
 {
-    const double saliency = motor.inductance_q_h - motor.inductance_d_h;
-    const double most = saliency > 0 ? SALIENT_SHARE * motor.flux_linkage_wb / saliency : HUGE_VAL;
     const double seen =
         HIDDEN_EMF * handover_rad_s(motor, tuning) * motor.flux_linkage_wb / motor.resistance_ohm;
-    return std::clamp(std::min(most, seen), hold_current(motor, board, tuning),
+    return std::clamp(std::min(stiff_current(motor), seen), hold_current(motor, board, tuning),
                       motor.max_current_a);
 }
 
-// The rotor in the field of the current I: J/P·δ'' = −1.5·P·φ·I·sin δ.
+// The flux that a swing moves past the imposed current I: φ, less what the reluctance takes off it.
+double active_flux(double current_a, const Model &m)
+{
+    return m.flux - std::max(0.0, m.inductance_q - m.inductance_d) * current_a;
+}
+
+// The rotor in the field of the current I: J/P·δ'' = −1.5·P·ψ·I·δ with the active flux ψ.
 double swing_rad_s(const MotorSettings &motor, const BoardSettings &board,
                    const TuningSettings &tuning, const Model &m)
 {
-    return std::sqrt(m.torque_acceleration * hold_current(motor, board, tuning));
+    const double current = hold_current(motor, board, tuning);
+    return std::sqrt(m.torque_acceleration * current * active_flux(current, m) / m.flux);
 }
 
 uint32_t ticks(double seconds, const Bases &b)
@@ -228,27 +247,32 @@ double count_a(const BoardSettings &board)
     return board.current_full_scale_a / std::ldexp(1.0, board.adc_bits - 1);
 }
 
-// K_p of the imposed current's control, in ohm, which adds to R: both together damp the swing as wanted.
+// K_p of the imposed current's control, in ohm, which adds to R: both together damp the swing as wanted. Below the swing's ω_n·L_q
+// the current lags behind the EMF and damps less; below a share of V_dt/I the errors of the dead-time compensation set the current.
 double hold_gain_ohm(const MotorSettings &motor, const BoardSettings &board,
-                     const TuningSettings &tuning, const Model &m)
+                     const TuningSettings &tuning, const ModelScales &scales, const Model &m)
 {
-    const double damping = swing_rad_s(motor, board, tuning, m) * m.flux /
-                           (2 * HOLD_DAMPING * hold_current(motor, board, tuning));
-    return std::max(damping - m.resistance, -HOLD_RELIEF * m.resistance);
+    const double current = hold_current(motor, board, tuning);
+    const double swing = swing_rad_s(motor, board, tuning, m);
+    const double loss_v = leg_loss_v(board, scales.dead_time_s, scales.device_drop_v);
+    const double wanted = std::max({swing * active_flux(current, m) / (2 * HOLD_DAMPING * current),
+                                    swing * m.inductance_q, HOLD_LOSS_SHARE * loss_v / current});
+    return std::max(wanted - m.resistance, -HOLD_RELIEF * m.resistance);
 }
 
 // What may flow across the vector while the rotor rests. A rotor that slips drives its EMF over R and K_p: where R·I is many times
 // that EMF, it is a small part of the current. A current of less than 60 counts does not tell a slip from noise.
 double resting_swing(double current_a, const MotorSettings &motor, const BoardSettings &board,
-                     const TuningSettings &tuning, const Model &m)
+                     const TuningSettings &tuning, const ModelScales &scales, const Model &m)
 {
     const double emf_v = REST_SPEED * handover_rad_s(motor, tuning) * m.flux;
-    const double slips_a = emf_v / (m.resistance + hold_gain_ohm(motor, board, tuning, m));
+    const double slips_a = emf_v / (m.resistance + hold_gain_ohm(motor, board, tuning, scales, m));
     return std::min(REST_SHARE * current_a, std::max(slips_a, REST_LSB * count_a(board)));
 }
 
 align_cfg_t make_align(const MotorSettings &motor, const BoardSettings &board,
-                       const TuningSettings &tuning, const Model &m, const Bases &b)
+                       const TuningSettings &tuning, const ModelScales &scales, const Model &m,
+                       const Bases &b)
 {
     const double current = align_current(motor, board, tuning);
     const double swing = swing_rad_s(motor, board, tuning, m);
@@ -257,7 +281,8 @@ align_cfg_t make_align(const MotorSettings &motor, const BoardSettings &board,
     store(c.current_high, current / b.current_a * Q15, tuning.align_current_pct > 0 ? HOLD_MIN : 0,
           Q14, written, CURRENT_REASON);
     c.current_low = current_q15(current * LOW_SHARE, b);
-    keep(c.swing_max, resting_swing(current, motor, board, tuning, m) / b.current_a * Q15, 1, Q14);
+    keep(c.swing_max, resting_swing(current, motor, board, tuning, scales, m) / b.current_a * Q15,
+         1, Q14);
     c.slope = hold_slope(motor, board, tuning, m, b);
     c.sweep_ticks = ticks(sweep_time_s(swing, b), b);
     keep(c.sweep_speed, STEPS_PER_TURN / 2 / c.sweep_ticks, 1, b.speed_limit);
@@ -347,6 +372,16 @@ gain_share_cfg_t make_gain_share(double full_speed, double least)
 
 } // namespace
 
+// A current of fewer counts shows neither R nor a rotor that slips.
+static void check_stiff_current(const MotorSettings &motor, const BoardSettings &board)
+{
+    require(
+        stiff_current(motor) / count_a(board), STIFF_COUNTS, HUGE_VAL,
+        {"board.current_full_scale_a", board.current_full_scale_a, -1},
+        "half of motor.flux_linkage_wb/(motor.inductance_q_h - motor.inductance_d_h) is the largest current "
+        "that holds the rotor at the start; it has to be 24 counts of the converter");
+}
+
 ModelHeadroom model_headroom(const TuningSettings &tuning)
 {
     const double r = tuning.adapt_resistance_pct / 100;
@@ -357,19 +392,21 @@ ModelHeadroom model_headroom(const TuningSettings &tuning)
 }
 
 startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &board,
-                           const TuningSettings &tuning, const Model &m, const Bases &b)
+                           const TuningSettings &tuning, const ModelScales &scales, const Model &m,
+                           const Bases &b)
 {
     startup_cfg_t c{};
     if (!(tuning.startup_current_pct > 0)) {
         return c;
     }
+    check_stiff_current(motor, board);
     const double current = hold_current(motor, board, tuning) / b.current_a * Q15;
     const double handover_rpm = motor.rated_speed_rpm * tuning.handover_speed_pct / 100;
     require(handover_rpm, 0, motor.max_speed_rpm, {"motor.rated_speed_rpm", motor.rated_speed_rpm},
             "the share startup.handover_speed_pct of it is within motor.max_speed_rpm");
     const double handover = b.step_from_rpm(handover_rpm);
     c.flying_start = make_flying_start(motor, board, m, b);
-    c.align = make_align(motor, board, tuning, m, b);
+    c.align = make_align(motor, board, tuning, scales, m, b);
     store(c.current_hold, current, HOLD_MIN, Q14,
           {"startup.current_pct", tuning.startup_current_pct}, CURRENT_REASON);
     const double moving_a = moving_current(motor, board, tuning);
@@ -426,7 +463,8 @@ current_reference_cfg_t make_current_reference(const MotorSettings &motor,
         own.startup_current_pct = 100;
     }
     current_reference_cfg_t c{};
-    keep(c.floor, floor * continuous_current(motor) / b.current_a * Q15, 0, Q14);
+    const double least = std::min(floor * continuous_current(motor), stiff_current(motor));
+    keep(c.floor, least / b.current_a * Q15, 0, Q14);
     const bool gives_over = tuning.method == ControlMethod::voltage_phase;
     c.floor_shift = gives_over ? 0 : 1;
     c.slope = hold_slope(motor, board, own, m, b);
@@ -448,12 +486,12 @@ run_cfg_t make_run(const TuningSettings &tuning)
 
 current_loop_cfg_t make_hold_loop(const current_loop_cfg_t &run_loop, const MotorSettings &motor,
                                   const BoardSettings &board, const TuningSettings &tuning,
-                                  const Model &m, const Bases &b)
+                                  const ModelScales &scales, const Model &m, const Bases &b)
 {
     current_loop_cfg_t c = run_loop;
     if (tuning.startup_current_pct > 0) {
         const double swing = swing_rad_s(motor, board, tuning, m);
-        const double kp = hold_gain_ohm(motor, board, tuning, m);
+        const double kp = hold_gain_ohm(motor, board, tuning, scales, m);
         const double ki = (m.resistance + kp) * HOLD_INTEGRAL * swing * b.control_period_s;
         const double base = b.voltage_v / b.current_a;
         c.pi_d = make_pi(std::min(std::abs(kp) / base, PI_GAIN_MAX),

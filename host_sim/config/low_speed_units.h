@@ -19,7 +19,8 @@ struct ModelHeadroom {
 ModelHeadroom model_headroom(const TuningSettings &tuning);
 
 startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &board,
-                           const TuningSettings &tuning, const Model &m, const Bases &b);
+                           const TuningSettings &tuning, const ModelScales &scales, const Model &m,
+                           const Bases &b);
 
 // i_d* in RUN, with or without a start-up.
 current_reference_cfg_t make_current_reference(const MotorSettings &motor,
@@ -33,7 +34,7 @@ run_cfg_t make_run(const TuningSettings &tuning);
 // Current control of an imposed current, given that of RUN.
 current_loop_cfg_t make_hold_loop(const current_loop_cfg_t &run_loop, const MotorSettings &motor,
                                   const BoardSettings &board, const TuningSettings &tuning,
-                                  const Model &m, const Bases &b);
+                                  const ModelScales &scales, const Model &m, const Bases &b);
 
 // What supervision allows an imposed current; its other numbers stay.
 void set_imposed_limits(supervision_cfg_t &c, const MotorSettings &motor,

@@ -912,8 +912,8 @@ drive_cfg_t convert(const MotorSettings &motor, const BoardSettings &board,
     c.speed_loop = make_speed_loop(motor, tuning, m, b);
     c.position_loop = make_position_loop(motor, tuning, b);
     c.modulator = make_modulator(board, tuning, scales, m, b);
-    c.hold_loop = make_hold_loop(c.current_loop, motor, board, tuning, m, b);
-    c.startup = make_startup(motor, board, tuning, m, b);
+    c.hold_loop = make_hold_loop(c.current_loop, motor, board, tuning, scales, m, b);
+    c.startup = make_startup(motor, board, tuning, scales, m, b);
     check_imposed_power(c.startup, board, m, b);
     c.current_reference = make_current_reference(motor, board, tuning, scales, m, b);
     c.run = make_run(tuning);

@@ -384,16 +384,18 @@ TEST(steps_and_rpm_are_turned_into_each_other)
                               b.rpm_from_step(1800 * STEPS_PER_RPM));
 }
 
-// In the field of 3.53778 A the rotor swings with √(204.545·3.53778) = 26.9005 rad/s.
-constexpr double SWING = 26.9005;
+// The reluctance takes 0.01 H · 3.53778 A off φ. In the field of 3.53778 A the rotor swings with √(204.545·3.53778·0.905659) =
+// 25.6001 rad/s.
+constexpr double ACTIVE_FLUX = 0.375 - 0.01 * 3.53778;
+constexpr double SWING = 25.6001;
 
 TEST(start)
 {
     const startup_cfg_t c = motor_b().startup;
     expect(1.5 * CONTINUOUS_Q15, c.align.current_high);
     expect(0.62 * 1.5 * CONTINUOUS_Q15, c.align.current_low);
-    expect(10, c.align.slope);         // 0.8/ω_n are 298 ticks
-    expect(2974, c.align.sweep_ticks); // 80/ω_n
+    expect(10, c.align.slope);         // 0.8/ω_n are 313 ticks
+    expect(3125, c.align.sweep_ticks); // 80/ω_n
     // L·2.01653 A at 93 V takes 2.93 ticks; in 3 it takes 90.74 V, and R·3·T/(2·L) = 0.0045 more.
     const inductance_cfg_t &l = c.align.inductance;
     expect(3, l.step_ticks);
@@ -412,8 +414,7 @@ TEST(start)
     expect(50, motor_b({"motor.inertia_kg_m2=1"}).startup.settle_periods);
 }
 
-// φ/(L_q − L_d) = 0.375/0.0375 = 10 A, half of it lies between the hold and the largest current; of
-// 0.375/0.1 A not. The EMF at 120 rpm is 9.42478 V; three times that over R is 5 A.
+// φ/(L_q − L_d) = 0.375/0.0375 = 10 A, half of it lies between the hold and the largest current; The EMF at 120 rpm is 9.42478 V; three times that over R is 5 A.
 TEST(a_motor_of_much_saliency_or_resistance_is_dragged_with_less_current)
 {
     for (const char *set : {"motor.inductance_q_h=0.051", "motor.resistance_ohm=5.654867"}) {
@@ -421,19 +422,29 @@ TEST(a_motor_of_much_saliency_or_resistance_is_dragged_with_less_current)
         expect(5.0 / 40 * 32768, less.current_move);
         TEST_ASSERT_DOUBLE_WITHIN(1, 0.07 * 204.54545 * 5.0 * STEPS_PER_RAD_S2 + 0.5, less.ramp);
     }
-    const startup_cfg_t c =
-        motor_b({"motor.inductance_d_h=0.05", "motor.inductance_q_h=0.15"}).startup;
-    expect(c.current_hold, c.current_move);
 }
 
-// An eighth of the EMF at 120 rpm over ω_n·φ/(1.4·3.53778 A) = 2.03674 ohm; at most a fifth of the current, and at least 12 counts of
+// 0.375/0.19 A: at half of it the rotor has the largest stiffness, whatever the motor bears.
+TEST(no_current_along_the_flux_takes_more_than_half_of_the_stiffness)
+{
+    constexpr double STIFF_A = 0.5 * 0.375 / 0.19;
+    const drive_cfg_t c = motor_b({"motor.inductance_d_h=0.065", "motor.inductance_q_h=0.255",
+                                   "startup.align_current_pct=150", "current_loop.floor_pct=50",
+                                   "board.dead_time_s=1e-6"});
+    for (const int32_t current : {c.startup.align.current_high, c.startup.current_hold,
+                                  c.startup.current_move, c.current_reference.floor}) {
+        expect(STIFF_A / 40 * 32768, current);
+    }
+}
+
+// An eighth of the EMF at 120 rpm over ω_n·ψ/(1.4·3.53778 A) = 1.75541 ohm; at most a fifth of the current, and at least 12 counts of
 // 20 A/2048. A winding of 5.654867 ohm keeps 0.6 of them.
 TEST(a_rotor_rests_with_less_than_a_slip_drives_across)
 {
     const auto swing = [](const std::vector<std::string> &set) {
         return motor_b(set).startup.align.swing_max;
     };
-    expect(9.42478 / 8 / 2.03674 / 40 * 32768, swing({}));
+    expect(9.42478 / 8 / 1.75541 / 40 * 32768, swing({}));
     expect(0.2 * 1.5 * CONTINUOUS_Q15, swing({"startup.handover_speed_pct=30"}));
     expect(12.0 * 20 / 2048 / 40 * 32768,
            swing({"startup.handover_speed_pct=1", "startup.loaded_speed_pct=0"}));
@@ -576,7 +587,7 @@ TEST(run)
 {
     // A 32nd of the slope, at least one; a voltage drive takes over from no i_d* at all, so it goes as it came.
     expect(1, motor_b().current_reference.slope_down);
-    expect(97 / 32, motor_b({"drive.angle_source=sensor", "motor.inertia_kg_m2=0.00011"})
+    expect(91 / 32, motor_b({"drive.angle_source=sensor", "motor.inertia_kg_m2=0.00011"})
                         .current_reference.slope_down);
     expect(10, motor_b({"drive.method=voltage_phase", "drive.angle_source=sensor"})
                    .current_reference.slope_down);
@@ -585,8 +596,8 @@ TEST(run)
     expect(0, motor_b({"drive.angle_source=sensor", "observer.acceleration_feed_forward=1"})
                   .run.acceleration_q14);
     expect(10, motor_b({"drive.angle_source=sensor"}).current_reference.slope);
-    // A hundredth of the inertia: 0.8/ω_n are 30 ticks of 96.6.
-    expect(97, motor_b({"drive.angle_source=sensor", "motor.inertia_kg_m2=0.00011"})
+    // A hundredth of the inertia: 0.8/ω_n are 32 ticks of 90.6.
+    expect(91, motor_b({"drive.angle_source=sensor", "motor.inertia_kg_m2=0.00011"})
                    .current_reference.slope);
 }
 
@@ -594,9 +605,25 @@ TEST(run)
 TEST(hold_loop)
 {
     const pi_cfg_t c = motor_b().hold_loop.pi_d;
-    const double ohms = SWING * 0.375 / (2 * 0.7 * 3.53778);
+    const double ohms = SWING * ACTIVE_FLUX / (2 * 0.7 * 3.53778);
     expect_gain((ohms - 0.405) / 11.25, c);
     expect_integral(ohms * 0.2 * SWING * 1e-4 / 11.25, c);
+}
+
+// A winding whose L_q·I is more than 0.7·φ lags: 0.1 H of both axes, ω_n = √723.637.
+TEST(a_swing_is_damped_by_no_less_than_its_reactance)
+{
+    const pi_cfg_t c =
+        motor_b({"motor.inductance_d_h=0.1", "motor.inductance_q_h=0.1"}).hold_loop.pi_d;
+    expect_gain((26.9005 * 0.1 - 0.405) / 11.25, c);
+}
+
+// A heavy rotor asks for little damping. 4/3·(310 V · 5 µs · 10 kHz) of 3.53778 A, and a fifth of it.
+TEST(an_imposed_current_is_controlled_firmly_enough_for_the_dead_time)
+{
+    const pi_cfg_t c =
+        motor_b({"motor.inertia_kg_m2=1.1", "board.dead_time_s=5e-6"}).hold_loop.pi_d;
+    expect_gain((0.2 * 4 / 3 * 15.5 / 3.53778 - 0.405) / 11.25, c);
 }
 
 // With ten times the resistance K_p takes off what is more than the damping asks for, but 0.4 of it at most.
@@ -712,13 +739,13 @@ TEST(the_supply_gives_what_a_start_imposes)
            motor_b({"board.bus_current_max_a=0.0778"}).derating.bus_current_max);
 }
 
-// Four swings are 77654 ticks of measuring, 24 of them 465925: of a rotor of 0.3 kg·m² in 1 % of the current. One of 10 kg·m²
+// Four swings are 77654 ticks of measuring, 24 of them 466145: of a rotor of 0.3 kg·m² in 1 % of the current. One of 10 kg·m²
 // takes more than the counters hold.
 TEST(a_slow_rotor_takes_what_the_counters_hold)
 {
     const drive_cfg_t slow = motor_b({"startup.current_pct=1", "motor.inertia_kg_m2=0.3"});
     TEST_ASSERT_EQUAL_UINT32(16, slow.startup.align.measure_log2);
-    TEST_ASSERT_EQUAL_UINT32(465925, slow.startup.align.pull_ticks);
+    TEST_ASSERT_EQUAL_UINT32(466145, slow.startup.align.pull_ticks);
     const drive_cfg_t slower = motor_b({"startup.current_pct=1", "motor.inertia_kg_m2=10"});
     TEST_ASSERT_EQUAL_UINT32(1048576, slower.startup.align.pull_ticks);
     TEST_ASSERT_EQUAL_UINT32(60000, slower.supervision.swing_periods);
@@ -763,6 +790,10 @@ TEST(what_a_field_cannot_hold_is_refused_with_what_it_can)
         {{"motor.rated_speed_rpm=3000", "motor.max_speed_rpm=250"},
          "at most 2500 rpm: the share startup.handover_speed_pct"},
         {{"startup.loaded_speed_pct=8"}, "at most 7 %: 0.7 of startup.handover_speed_pct"},
+        // Half of 0.375/0.19 A is 20.21 counts of 100 A/2048.
+        {{"board.current_full_scale_a=100", "current_loop.bandwidth_hz=100",
+          "motor.inductance_d_h=0.065", "motor.inductance_q_h=0.255"},
+         "at most 84.21 A: half of motor.flux_linkage_wb/"},
         {{"speed_loop.inertia_feed_forward=0.5", "adaptation.inertia_pct=100"}, ""},
         // phi/L_d, 25 % more over 40 % less, is below 511 times 40 A: with 20 uH phi is up to 0.196224 Wb.
         {{"motor.flux_linkage_wb=0.375", "motor.inductance_d_h=2e-5"}, "at most 0.1962 Wb: "},
