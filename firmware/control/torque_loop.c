@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "torque_loop.h"
 
+#define SWING_SHARE (8) /* of the lowest speed: what the estimate may swing there */
+
 void torque_loop_start(torque_loop_t *loop, int32_t flux_q13, int32_t current)
 {
     loop->reference_q28 = current_reference_torque(current, flux_q13);
@@ -47,13 +49,40 @@ step_t torque_loop_aim(const torque_loop_cfg_t *cfg, int32_t target_q28)
     return aim;
 }
 
-/* The rotor is slower than the lowest speed, or the end of the window there has the torque. */
-static bool is_low(const torque_loop_t *loop, step_t along, step_t lowest, bool backwards)
+/* The end of the window at the lowest speed has the torque. */
+static bool is_caught(const torque_loop_t *loop, bool backwards)
 {
     const speed_end_t there = backwards ? SPEED_END_UPPER : SPEED_END_LOWER;
-    const bool caught = loop->end == (uint8_t)there;
 
-    return (lowest != 0) && (caught || (along < lowest));
+    return loop->end == (uint8_t)there;
+}
+
+/*
+ * Free until now. A torque with the motion leaves the rotor to the end of the window at the lowest speed. The estimate swings about
+ * that speed by some percent, so the reference stays there, and only a rotor that is slower by more is led back up the slope. Other
+ * torques lead down the slope from the lowest speed on.
+ */
+static step_t next_free_reference(const torque_loop_t *loop, const torque_loop_cfg_t *cfg,
+                                  const torque_loop_in_t *in)
+{
+    const step_t aim = torque_loop_aim(cfg, in->target_q28);
+    const bool backwards = in->reference < 0;
+    const bool onwards = (aim != 0) && ((aim < 0) == backwards);
+    const step_t along = backwards ? -in->speed : in->speed;
+    const bool low = (in->lowest != 0) && (is_caught(loop, backwards) || (along < in->lowest));
+    const step_t least = in->lowest - (in->lowest / SWING_SHARE);
+    step_t next = in->speed;
+
+    if (low && onwards && (along >= least)) {
+        next = backwards ? -in->lowest : in->lowest;
+    } else if (low) {
+        const step_t start = fx_clamp(along, 0, in->lowest);
+
+        next = fx_towards(backwards ? -start : start, aim, in->ramp);
+    } else {
+        /* it turns as the torque makes it */
+    }
+    return fx_clamp(next, -cfg->speed_backward, cfg->speed_forward);
 }
 
 /* The speed reference: on the slope of an imposed vector at low speed, else that of the rotor. */
@@ -61,20 +90,9 @@ static step_t next_reference(const torque_loop_t *loop, const torque_loop_cfg_t 
                              const torque_loop_in_t *in)
 {
     const step_t aim = torque_loop_aim(cfg, in->target_q28);
-    const bool backwards = in->reference < 0;
-    const step_t along = backwards ? -in->speed : in->speed;
-    step_t next;
 
-    if (loop->bound) {
-        next = fx_towards(in->reference, aim, in->ramp);
-    } else if (is_low(loop, along, in->lowest, backwards)) {
-        const step_t start = fx_clamp(along, 0, in->lowest);
-
-        next = fx_towards(backwards ? -start : start, aim, in->ramp);
-    } else {
-        next = fx_clamp(in->speed, -cfg->speed_backward, cfg->speed_forward);
-    }
-    return next;
+    return loop->bound ? fx_towards(in->reference, aim, in->ramp)
+                       : next_free_reference(loop, cfg, in);
 }
 
 /* Where nothing has caught the rotor before it was too slow, the speed loop's current is another one: it is bridged. */

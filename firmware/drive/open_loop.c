@@ -156,6 +156,7 @@ static drive_event_t repeat_start(drive_t *drive, int32_t value, int32_t limit, 
     drive_event_t event = DRIVE_EVENT_FAULT;
 
     drive->attempts++;
+    drive->held_periods = 0U;
     if (drive->attempts < drive->cfg->startup.attempts) {
         event = open_loop_start(drive);
     } else {
@@ -290,7 +291,6 @@ static drive_event_t hand_over(drive_t *drive)
     frame_turn(drive, 0U - load_angle(drive));
     speed_loop_start(&drive->speed_loop, drive->speed_loop.reference,
                      drive->signals.current_ref.q - of_ramp);
-    drive->attempts = 0U;
     return DRIVE_EVENT_TRACKED;
 }
 

@@ -10,6 +10,7 @@
 #define TORQUE_ROUNDING_LOG2 (10U) /* the gain of the torque filter at rest is 1 within 2^-10 */
 #define Q14_TO_Q16 (4)
 #define Q16_TO_Q32 (65536)
+#define HELD_LOST_TIMES (100U) /* so many times longer than a rotor is lost for it has to be held */
 #define NEAR_SHARE (4) /* within 1/4 of the hand-over speed of its reference a rotor follows it */
 
 void run_reset(drive_t *drive)
@@ -420,10 +421,22 @@ INLINES_ALL static drive_event_t control_torque(drive_t *drive)
     return event;
 }
 
+/* Starts that failed are forgotten when RUN has lasted. A rotor that is lost again and again, each time soon, ends in a fault. */
+RARE static void forget_attempts(drive_t *drive)
+{
+    drive->held_periods++;
+    if (drive->held_periods >= (HELD_LOST_TIMES * drive->cfg->startup.lost_periods)) {
+        drive->attempts = 0U;
+    }
+}
+
 drive_event_t run_control_speed(drive_t *drive, const drive_command_t *command)
 {
     drive_event_t event = DRIVE_EVENT_NONE;
 
+    if (drive->attempts > 0U) {
+        forget_attempts(drive);
+    }
     if (drive->voltage_drive.active) {
         voltage_drive_motion(drive, command);
     } else {

@@ -143,7 +143,9 @@ typedef struct {
     /* slow periods with a residual too large for a held rotor, less those without */
     uint32_t lost_periods;
     uint32_t handover_periods; /* slow periods in HANDOVER */
-    uint32_t attempts;         /* starts that failed since READY */
+    uint32_t attempts;         /* starts that failed since READY, or since RUN has lasted */
+    uint32_t
+        held_periods; /* slow periods of RUN since a start has failed; counted while there are attempts */
     flying_start_t flying_start;
     align_t align;
     probe_t probe;

@@ -91,6 +91,16 @@ public:
         }
         return sum / static_cast<double>(ticks) / config.motor.rated_torque_nm;
     }
+    double mean_speed(double time_s)
+    {
+        const long ticks = std::lround(time_s / sim.bases().control_period_s);
+        double sum = 0;
+        for (long k = 0; k < ticks; k++) {
+            tick();
+            sum += speed();
+        }
+        return sum / static_cast<double>(ticks);
+    }
     bool torque_is_free() const
     {
         const drive_t &drive = sim.drive();

@@ -45,7 +45,8 @@ double off_pct(const Words &sets, double speed, double torque, const Words &more
     bench.until(DRIVE_STATE_RUN, 20);
     bench.ask_speed(speed);
     bench.seconds(2);
-    TEST_ASSERT_DOUBLE_WITHIN(0.02, speed, bench.speed());
+    TEST_ASSERT_DOUBLE_WITHIN(0.02, speed,
+                              bench.mean_speed(0.3)); // some ripples of the bus swing it
     bench.load(torque);
     bench.ask_torque(torque);
     bench.seconds(0.2);
@@ -183,6 +184,73 @@ TEST(test_a_load_above_the_torque_ends_at_the_lowest_speed)
     bench.load(0.2);
     bench.seconds(0.5);
     TEST_ASSERT_TRUE(bench.speed() > 0.3);
+}
+
+// A friction that is more than the torque: the speed loop holds the lowest speed of RUN, whatever the noise, and nothing starts anew.
+void rest_at_the_lowest_speed(const Machine &machine, const Words &set, double torque,
+                              double friction)
+{
+    const nf::Config plain = nf::load_parts(machine.motor, machine.board, machine.tuning, {}, set);
+    Words more = set;
+    more.push_back(
+        fmt::format("plant.coulomb_friction_nm={}", friction * plain.motor.rated_torque_nm));
+    Bench bench(machine, {"adc"}, more);
+    const double lowest = bench.sim.bases().rpm_from_step(bench.sim.cfg().startup.hold_speed) /
+                          plain.motor.rated_speed_rpm;
+    const std::string what =
+        fmt::format("{}, {:+} of the torque, {} of friction", machine.motor, torque, friction);
+    bench.ask_torque(torque);
+    bench.until(DRIVE_STATE_RUN, 5);
+    bench.seconds(0.5);
+    double slowest = 1;
+    double fastest = 0;
+    const double period_s = bench.sim.cfg().slow_ticks * bench.sim.bases().control_period_s;
+    for (long k = std::lround(2 / period_s); k > 0; k--) {
+        bench.slow_period();
+        TEST_ASSERT_EQUAL_INT_MESSAGE(DRIVE_STATE_RUN, bench.sim.drive().state, what.c_str());
+        slowest = std::min(slowest, std::abs(bench.speed()));
+        fastest = std::max(fastest, std::abs(bench.speed()));
+    }
+    fmt::print("{}: {:.4f} to {:.4f}, lowest speed {:.4f}\n", what, slowest, fastest, lowest);
+    TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.05 * lowest, lowest, slowest, what.c_str());
+    TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.05 * lowest, lowest, fastest, what.c_str());
+}
+
+// Of a skateboard: little inertia, and friction that is most of its rated torque.
+const Words OUTRUNNER = {"motor.pole_pairs=7",
+                         "motor.resistance_ohm=0.021",
+                         "motor.inductance_d_h=24e-6",
+                         "motor.inductance_q_h=31e-6",
+                         "motor.flux_linkage_wb=0.00414",
+                         "motor.rated_torque_nm=2.2",
+                         "motor.rated_speed_rpm=5000",
+                         "motor.max_speed_rpm=6000",
+                         "motor.max_current_a=90",
+                         "motor.continuous_current_a=50",
+                         "motor.inertia_kg_m2=4e-4",
+                         "motor.viscous_friction_nm_s=1e-4",
+                         "board.pwm_frequency_hz=25000",
+                         "board.current_full_scale_a=165",
+                         "board.overcurrent_a=140",
+                         "board.trip_a=160",
+                         "board.offset_max_a=8",
+                         "board.bus_full_scale_v=72",
+                         "board.bus_nominal_v=48",
+                         "board.bus_min_v=30",
+                         "board.bus_max_v=60",
+                         "board.duty_margin_pct=6",
+                         "board.dead_time_s=0.36e-6",
+                         "board.device_drop_v=0.02"};
+
+TEST(test_a_torque_below_the_friction_rests_at_the_lowest_speed)
+{
+    rest_at_the_lowest_speed({"motor_a", "bench_310v", "any"}, OUTRUNNER, 0.045, 0.9);
+    rest_at_the_lowest_speed({"motor_a", "bench_310v", "any"}, OUTRUNNER, -0.8, 0.9);
+    for (const Machine &machine : {Machine{"motor_a", "bench_310v", "any"},
+                                   Machine{"odrive_d5065", "b_g431b_esc1", "any"}}) {
+        rest_at_the_lowest_speed(machine, {}, 0.05, 0.3);
+        rest_at_the_lowest_speed(machine, {}, -0.2, 0.8);
+    }
 }
 
 // ---- changes of the mode

@@ -296,15 +296,35 @@ TEST(test_a_hand_over_begins_to_count_and_counts_each_period)
     TEST_ASSERT_EQUAL_UINT32(1U, drive.attempts);
 }
 
-TEST(test_a_hand_over_that_succeeds_forgets_the_attempts)
+/* It may be lost again at once: failed starts count until RUN has lasted, 100 times as long as a rotor is lost for. */
+TEST(test_failed_starts_are_forgotten_when_run_has_lasted_and_not_before)
 {
+    const uint32_t lasting = 100U * cfg.startup.lost_periods;
+
     enter(DRIVE_STATE_HANDOVER);
     drive.identified = true;
     drive.attempts = cfg.startup.attempts - 1U;
     drive.residual = cfg.startup.residual_max - 1;
     drag_with(cfg.startup.handover_speed);
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, drive.state);
+    for (uint32_t k = 0U; k < lasting; k++) {
+        TEST_ASSERT_EQUAL_UINT32(cfg.startup.attempts - 1U, drive.attempts);
+        slot(SLOT_SPEED);
+        TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, drive.state);
+    }
     TEST_ASSERT_EQUAL_UINT32(0U, drive.attempts);
+}
+
+TEST(test_a_start_that_fails_counts_the_time_of_run_anew)
+{
+    enter(DRIVE_STATE_HANDOVER);
+    drive.identified = true;
+    drive.held_periods = STALE;
+    drive.handover_periods = cfg.startup.handover_periods;
+    drive.residual = cfg.startup.residual_max;
+    drag(cfg.startup.handover_speed);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_FLYING_START, drive.state);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.held_periods);
 }
 
 /* One period in HANDOVER, whose vector of 3000 lies 30° ahead of the rotor. Returns what the vector's ramp feeds forward. */

@@ -300,6 +300,37 @@ TEST(test_a_torque_with_the_motion_stays_at_the_lowest_speed)
     TEST_ASSERT_EQUAL_INT32(100, loop.current);
 }
 
+/* The estimate swings there, caught by the end of the window or just above it: that binds nothing, and raises no i_d*. */
+TEST(test_a_torque_with_the_motion_stays_free_while_the_estimate_swings_about_the_lowest_speed)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        const speed_end_t caught = (sign > 0) ? SPEED_END_LOWER : SPEED_END_UPPER;
+
+        for (step_t swing = -LOWEST / 8; swing <= 0; swing += LOWEST / 100) {
+            for (uint32_t k = 0U; k < 2U; k++) {
+                torque_loop_start(&loop, FLUX, 0);
+                loop.end = (uint8_t)((k == 0U) ? caught : SPEED_END_NONE);
+                in.speed = sign * (LOWEST + swing);
+                in.reference = sign * LOWEST;
+                in.target_q28 = sign * 500 * FLUX;
+                TEST_ASSERT_EQUAL_INT32(sign * LOWEST, torque_loop_plan(&loop, &cfg, &in));
+                TEST_ASSERT_FALSE(loop.bound);
+            }
+        }
+    }
+}
+
+/* The end of the window has it, and the rotor is slower all the same, by more than a swing. */
+TEST(test_a_rotor_that_the_end_of_the_window_does_not_hold_is_led_up_the_slope)
+{
+    loop.end = (uint8_t)SPEED_END_LOWER;
+    in.speed = LOWEST - (LOWEST / 8) - 1;
+    in.reference = LOWEST;
+    in.target_q28 = 500 * FLUX;
+    TEST_ASSERT_EQUAL_INT32(in.speed + RAMP, torque_loop_plan(&loop, &cfg, &in));
+    TEST_ASSERT_TRUE(loop.bound);
+}
+
 /* Nothing has caught the rotor in time: the speed loop goes on from the torque that acts, on a slope. */
 TEST(test_a_rotor_that_is_suddenly_too_slow_is_bridged)
 {
@@ -342,8 +373,12 @@ TEST(test_a_window_below_the_lowest_speed_binds)
     in.speed = LOWEST;
     in.reference = LOWEST;
     in.target_q28 = 500 * FLUX;
-    TEST_ASSERT_EQUAL_INT32(LOWEST / 2, torque_loop_plan(&loop, &cfg, &in));
-    TEST_ASSERT_TRUE(loop.bound);
+    for (uint32_t k = 0U; k < 2U; k++) {
+        torque_loop_start(&loop, FLUX, 0);
+        loop.end = (uint8_t)((k == 0U) ? SPEED_END_NONE : SPEED_END_LOWER);
+        TEST_ASSERT_EQUAL_INT32(LOWEST / 2, torque_loop_plan(&loop, &cfg, &in));
+        TEST_ASSERT_TRUE(loop.bound);
+    }
 }
 
 /* A reference of 0 counts as forwards, one of −1 as backwards. */
