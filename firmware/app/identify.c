@@ -11,9 +11,7 @@
 
 #define MS_PS (1000000000U)
 #define WINDOW_NUMBERS (0x7FFU)
-#define COUNTS_LEAST (24) /* of the current's converter: a quarter of it is still above its noise */
 #define CURRENT_ONE (32768)     /* I_b in Q15 */
-#define FULL_SCALE (16384)      /* of a current sensor, Q15 of I_b */
 #define NOISE_SHARE (16)        /* of the continuous current, mean change from sample to sample */
 #define LONGEST_MOVE_MS (5000U) /* of the first attempt, whose longest ramp takes 3 s */
 #define LONGEST_MS (120000U)    /* of all experiments with their lines, which take 10 to 30 s */
@@ -364,19 +362,12 @@ void identify_init(identify_t *identify, app_t *app, const about_t *about)
     *identify = (identify_t){.app = app, .about = about};
 }
 
-/* Continuous current of which the sensors show enough, Q15 of I_b. */
-static int32_t current_least(const about_t *about)
-{
-    return (COUNTS_LEAST * FULL_SCALE) / fx_max((int32_t)about->current_zero_count, 1);
-}
-
 /* The words that probe_reset() leaves. A run that the drive has not taken yet is taken back. */
 static void begin_identifying(identify_t *identify)
 {
     const uint32_t ticks = MS_PS / identify->about->rotation.tick_ps;
     const uint32_t pulse_ticks = (uint32_t)PROBE_PULSE_TICKS - (uint32_t)PROBE_CURRENT;
     const uint32_t emf = (uint32_t)PROBE_EMF - (uint32_t)PROBE_CURRENT;
-    const int32_t least = current_least(identify->about);
 
     identify_init(identify, identify->app, identify->about);
     identify->before = command_mailbox_take(&identify->app->mailbox);
@@ -388,12 +379,9 @@ static void begin_identifying(identify_t *identify)
     identify->in_force[emf] = 1;
     identify->aim.words[emf] = 1;
     identify_aim_phase(identify, IDENTIFY_BEGINS);
-    if (identify_aim_continuous(identify) < least) {
-        identify->needed = least;
-        identify_aim_refusal(
-            identify,
-            "the continuous current of the name plate is too small for this board's sensors, it takes at least ");
-    }
+    (void)identify_aim_is_enough(
+        identify,
+        "the continuous current of the name plate is too small for this board's sensors, it takes at least ");
 }
 
 bool identify_is_busy(const identify_t *identify)
@@ -462,7 +450,7 @@ static int32_t runaway_current(const identify_t *identify)
         largest = fault;
         break;
     case IDENTIFY_CATCH:
-        largest = (identify->turn.slower > 0U) ? fault : middle;
+        largest = ((identify->turn.slower > 0U) || identify->rest.tries) ? fault : middle;
         break;
     case IDENTIFY_SPIN:
         largest = identify_turn_seeks_speed(identify) ? middle : fault;

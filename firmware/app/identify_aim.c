@@ -6,7 +6,9 @@
 #define QUICK_SHARE (10U)     /* or about as quick */
 #define SOFT_SHARE (256U)     /* and across a current at rest another 256 times */
 #define SOFT_GAIN_SHARE (16U) /* K_p across a current at rest: R and this damp the rotor */
-#define INTEGRAL_BITS (11U)   /* by which the integral is finer, pi.h */
+#define COUNTS_LEAST (24) /* of the current's converter: a quarter of it is still above its noise */
+#define FULL_SCALE (16384)  /* of a current sensor, Q15 of I_b */
+#define INTEGRAL_BITS (11U) /* by which the integral is finer, pi.h */
 
 void identify_aim_current(identify_t *identify, int32_t current)
 {
@@ -72,4 +74,17 @@ void identify_aim_refusal_of(identify_t *identify, const char *why, const char *
 void identify_aim_refusal(identify_t *identify, const char *why)
 {
     identify_aim_refusal_of(identify, why, "");
+}
+
+bool identify_aim_is_enough(identify_t *identify, const char *why)
+{
+    const int32_t zero = fx_max((int32_t)identify->about->current_zero_count, 1);
+    const int32_t least = (COUNTS_LEAST * FULL_SCALE) / zero;
+    const bool enough = identify_aim_continuous(identify) >= least;
+
+    if (!enough) {
+        identify->needed = least;
+        identify_aim_refusal(identify, why);
+    }
+    return enough;
 }

@@ -8,10 +8,13 @@
 /* A rectified mains of 100 Hz has so many of its periods in it: its ripple does not count in a mean. */
 #define IDENTIFY_AIM_WINDOW_MS (40)
 
-/* Continuous current of the name plate, Q15 of I_b. */
+/* Continuous current of the name plate, from the pulses on within what the saliency allows, Q15 of I_b. */
 static inline int32_t identify_aim_continuous(const identify_t *identify)
 {
-    return identify->app->drive.cfg->derating.current_continuous;
+    const int32_t continuous = identify->app->drive.cfg->derating.current_continuous;
+    const int32_t stiff = identify->rest.stiff_current;
+
+    return ((stiff > 0) && (stiff < continuous)) ? stiff : continuous;
 }
 
 static inline const probe_sums_t *identify_aim_sums(const identify_t *identify)
@@ -56,6 +59,12 @@ typedef enum {
 void identify_aim_gains(identify_t *identify, identify_gains_t gains);
 
 void identify_aim_phase(identify_t *identify, identify_phase_t phase);
+
+/*
+ * Whether the sensors show enough of the continuous current. If not, the end: the reason as text that outlives it, behind which the
+ * current is said that it takes.
+ */
+bool identify_aim_is_enough(identify_t *identify, const char *why);
 
 /* Ends it, with the reason as text that outlives it. */
 void identify_aim_refusal(identify_t *identify, const char *why);

@@ -2,6 +2,7 @@
 #include "identify_rest.h"
 
 #include "identify_aim.h"
+#include "trig.h"
 
 #include <stddef.h>
 
@@ -17,6 +18,9 @@
 #define PULSE_TICKS_MOST (64)
 /* An open phase leaves its own axis no current and the two others 3/4; saliency leaves one 0.4 of another at least. */
 #define OPEN_SHARE (8)
+#define TWO_PI_Q16 (411775)
+#define TOO_SALIENT \
+    "L_q is so much larger than L_d that only a current holds the rotor that is too small for this board's sensors, it takes at least "
 
 static void aim_axis(identify_t *identify)
 {
@@ -75,6 +79,45 @@ static void find_inductance(identify_rest_t *rest)
     rest->across_q16 = rest->inductance_q16;
     rest->across_volts = 0;
     rest->across_current = 0;
+}
+
+/*
+ * How far the currents of pulses on the three axes, m + b·cos(2·(angle − rotor)), are apart: returns b. m + b is the answer along
+ * the flux, by 1/L_d, and m − b across. What the legs lose is the same on each axis: a common share of m and b.
+ */
+static int32_t unlike_peaks(const identify_rest_t *rest)
+{
+    const int32_t ab = rest->peaks[0].d - rest->peaks[1].d;
+    const int32_t bc = rest->peaks[1].d - rest->peaks[2].d;
+    const int32_t ca = rest->peaks[2].d - rest->peaks[0].d;
+    const int64_t squares = ((int64_t)ab * ab) + ((int64_t)bc * bc) + ((int64_t)ca * ca);
+
+    return (int32_t)trig_sqrt((uint32_t)((2 * squares) / 9));
+}
+
+/*
+ * Half of φ/(L_q − L_d): from the whole on a rotor has no stiffness on a current. L is that of the axis with the largest answer p,
+ * so L_d = L·p/(m + b), L_q = L·p/(m − b). φ is that of the configuration: of a name plate, what is usual for its speed and the bus.
+ * emf_q13 is Ω_b·φ/U_b and Ω_b is 2^(15 + shift) steps a tick, of 2^32 a turn: φ in volt-ticks is emf·2^(4 − shift)/2π.
+ */
+static int32_t find_stiff_current(const identify_t *identify)
+{
+    const identify_rest_t *const rest = &identify->rest;
+    const drive_cfg_t *const cfg = identify->app->drive.cfg;
+    const int64_t mean = (int64_t)rest->mean;
+    const int64_t apart = (int64_t)rest->unlike;
+    const int64_t product = (mean * mean) - (apart * apart);
+    const int64_t volts =
+        ((int64_t)cfg->current_loop.emf_q13 << (34U - cfg->speed_shift)) / TWO_PI_Q16;
+    const int64_t answer = (2 * apart * (int64_t)largest_peak(rest)) + 1;
+    int32_t stiff = 1;
+
+    if (product > 0) {
+        const int64_t difference_q16 = ((int64_t)rest->inductance_q16 * answer) / product;
+
+        stiff = identify_aim_bounded((volts << 16U) / (difference_q16 + 1), 1, FX_Q15_MAX);
+    }
+    return stiff;
 }
 
 /* So large a current says which phases are connected, long before the drive misses one. */
@@ -155,7 +198,12 @@ static bool judge_pulses(identify_t *identify)
         identify_aim_refusal(identify, why);
     } else if (enough) {
         find_inductance(rest);
-        identify_aim_phase(identify, IDENTIFY_CATCH);
+        rest->unlike = unlike_peaks(rest);
+        rest->mean = (rest->peaks[0].d + rest->peaks[1].d + rest->peaks[2].d) / 3;
+        rest->stiff_current = find_stiff_current(identify);
+        if (identify_aim_is_enough(identify, TOO_SALIENT)) {
+            identify_aim_phase(identify, IDENTIFY_CATCH);
+        }
     } else {
         enlarge_pulse(identify);
         if (rest->quarter > PULSE_TICKS_MOST) {
@@ -194,6 +242,11 @@ bool identify_rest_plan_pulse(identify_t *identify)
 #define CATCH_TURN_MS (400) /* half a turn */
 #define CATCH_LOOK_MS (100)
 #define CALM_SHARE (16)
+#define TRY_MS (500)
+#define TRY_PATTERNS (16)
+#define TRY_DOUBT (3)
+#define TRIES_MOST (4U)
+#define TRY_UNLIKE_SHARE (8)
 #define STEADY_LOOKS (5U)
 #define NOISE_PEAK \
     (5) /* largest of some thousand samples, over the mean change from one to the next */
@@ -266,27 +319,111 @@ static void aim_catch(identify_t *identify)
     }
 }
 
-bool identify_rest_plan_catch(identify_t *identify)
+/*
+ * φ of a name plate may be wrong by a factor. So a salient rotor is tried with half as much again: where it has no stiffness it
+ * turns off the vector. Not where thrice the current of the experiments would hold it, nor where L_q/L_d is below 9/7.
+ */
+static bool is_to_be_tried(const identify_t *identify)
 {
-    const bool looked = identify->step > CATCH_MOVES;
+    const identify_rest_t *const rest = &identify->rest;
 
-    if (looked && swings_no_more(identify)) {
+    return ((rest->stiff_current / TRY_DOUBT) < identify_rest_largest(identify)) &&
+           ((TRY_UNLIKE_SHARE * rest->unlike) > rest->mean) && (identify->turn.slower == 0U);
+}
+
+static void aim_try(identify_t *identify)
+{
+    const identify_rest_t *const rest = &identify->rest;
+    const int32_t most = (identify->app->drive.cfg->derating.current_max * 7) / 8;
+    const int32_t current = fx_min(rest->stiff_current + (rest->stiff_current / 2), most);
+    const int64_t volts = ((int64_t)rest->inductance_q16 * (int64_t)(current / 8)) / ONE_Q16;
+    const int32_t limit = fx_max(fx_asr(identify->app->drive.signals.bus, 2U), 1);
+    const int32_t quarter = identify_aim_bounded(1 + (volts / limit), 1, PULSE_TICKS_MOST);
+
+    identify_aim_current(identify, current);
+    *identify_aim_word(identify, PROBE_PULSE_D) = identify_aim_bounded(volts / quarter, 0, limit);
+    *identify_aim_word(identify, PROBE_PULSE_TICKS) = quarter;
+    identify_aim_window(identify, "catch", TRY_MS * identify->ms_ticks,
+                        TRY_PATTERNS * QUARTERS * quarter);
+}
+
+/* A pulse along the vector changes i_q by b·sin 2δ and i_d by m + b·cos 2δ: it is off by more than 15 degrees. */
+static bool lies_beside(identify_t *identify)
+{
+    const identify_rest_t *const rest = &identify->rest;
+    const dq_t change = identify_aim_sums(identify)->change;
+    const int64_t across = (int64_t)fx_abs(change.q) * (int64_t)(rest->mean + rest->unlike);
+
+    return (2 * across) > ((int64_t)fx_max(change.d, 0) * (int64_t)rest->unlike);
+}
+
+/*
+ * It is caught again with 3/4 of the current, or the experiments begin. What lies beside any current has another cause, such as
+ * unlike windings: the experiments find it, with the current that the pulses have told.
+ */
+static bool judge_try(identify_t *identify)
+{
+    identify_rest_t *const rest = &identify->rest;
+    const bool beside = lies_beside(identify);
+    bool again = false;
+
+    rest->tries = false;
+    if (beside && (rest->tried < TRIES_MOST)) {
+        rest->tried++;
+        rest->stiff_current = (rest->stiff_current * 3) / 4;
+        identify->step = 0U;
+        again = identify_aim_is_enough(identify, TOO_SALIENT);
+    } else {
+        if (beside) {
+            rest->stiff_current = find_stiff_current(identify);
+        }
+        identify_aim_phase(identify, IDENTIFY_STILL);
+    }
+    return again;
+}
+
+static bool leave_catch(identify_t *identify)
+{
+    const bool tries = is_to_be_tried(identify);
+
+    if (tries) {
+        identify->rest.tries = true;
+        aim_try(identify);
+    } else {
         /* the second time it is for those who turn it */
         identify_aim_phase(identify,
                            (identify->turn.slower == 0U) ? IDENTIFY_STILL : IDENTIFY_SPIN);
+    }
+    return tries;
+}
+
+bool identify_rest_plan_catch(identify_t *identify)
+{
+    const bool looked = identify->step > CATCH_MOVES;
+    bool aims = true;
+
+    if (identify->rest.tries && !judge_try(identify)) {
+        aims = false;
+    } else if (looked && (identify->step > 0U) && swings_no_more(identify)) {
+        aims = leave_catch(identify);
     } else if (identify->step > (CATCH_MOVES + CATCH_LOOKS)) {
         refuse_restless(identify);
+        aims = false;
     } else {
         aim_catch(identify);
         identify->step++;
     }
-    return identify->phase == IDENTIFY_CATCH;
+    return aims;
 }
 
 /* ---- STILL ---- */
 
 #define LEVELS (14U)
 #define LEVEL_FOR_R (5U) /* with the first one it gives R: half of its current */
+#define UNSTEADY_SHARE \
+    (8) /* 1/8 of R·i is more than a winding warms up by, and a share of what tells phases apart */
+#define TOO_HEAVY \
+    "the rotor swings too slowly for this current: take inertia off, or allow more continuous current"
 #define LEVEL_SETTLE_MS (20)
 #define AXIS_SETTLE_MS (100) /* and then a look at least */
 #define BURSTS (8U)
@@ -299,7 +436,10 @@ int32_t identify_rest_largest(const identify_t *identify)
 {
     const int32_t most = (identify->app->drive.cfg->derating.current_max * 9) / 10;
 
-    return fx_min(most, 2 * identify_aim_continuous(identify));
+    const int32_t stiff = identify->rest.stiff_current;
+    const int32_t held = (stiff > 0) ? fx_min(most, stiff) : most;
+
+    return fx_min(held, 2 * identify_aim_continuous(identify));
 }
 
 /* Down, and up again in between: so a winding that gets warm shows. */
@@ -420,10 +560,33 @@ static void note_level(identify_t *identify)
     }
 }
 
+/* A rotor that swings more slowly than the looks see induces another voltage when a level comes again. */
+static void note_twice(identify_t *identify)
+{
+    static const uint8_t pairs[IDENTIFY_TWICE][2] = {{2, 14}, {5, 13}, {8, 12}};
+    identify_rest_t *const rest = &identify->rest;
+    const int32_t voltage = identify_aim_sums(identify)->voltage.d / identify->aim.ticks;
+    const int32_t current = identify_aim_sums(identify)->current.d / identify->aim.ticks;
+    const int32_t resistive = (rest->resistance_q13[rest->axis] * current) / 8192;
+
+    for (uint32_t k = 0U; k < IDENTIFY_TWICE; k++) {
+        if (identify->step == (uint32_t)pairs[k][0]) {
+            rest->first_voltage[k] = voltage;
+        } else if (identify->step == (uint32_t)pairs[k][1]) {
+            const int32_t apart = fx_abs(voltage - rest->first_voltage[k]);
+
+            rest->unsteady = rest->unsteady || (apart > (resistive / UNSTEADY_SHARE));
+        } else {
+            /* another level */
+        }
+    }
+}
+
 static void note_still(identify_t *identify)
 {
     if ((identify->step > 0U) && (identify->step <= LEVELS)) {
         note_level(identify);
+        note_twice(identify);
     } else if (identify->step > LEVELS) {
         note_burst(identify);
     } else {
@@ -459,18 +622,20 @@ static bool are_alike(identify_t *identify)
     }
     middle = (r[0] + r[1] + r[2]) - (r[low] + r[high]);
     most = (middle / UNLIKE_SHARE) + 1;
-    if ((middle - r[low]) > most) {
+    if (fx_max(middle - r[low], r[high] - middle) <= most) {
+        /* three windings of a kind */
+    } else if (identify->rest.unsteady) {
+        identify_aim_refusal(identify, TOO_HEAVY);
+    } else if ((middle - r[low]) > most) {
         identify_aim_refusal_of(
             identify,
             "less than 3/4 of the resistance of the other phases, is the winding shorted: phase ",
             names[low]);
-    } else if ((r[high] - middle) > most) {
+    } else {
         identify_aim_refusal_of(
             identify,
             "more than 5/4 of the resistance of the other phases, is a contact bad: phase ",
             names[high]);
-    } else {
-        /* three windings of a kind */
     }
     return identify->phase != IDENTIFY_ENDS;
 }

@@ -23,6 +23,7 @@ typedef enum {
 
 #define IDENTIFY_WORDS ((uint32_t)PROBE_WORDS - (uint32_t)PROBE_CURRENT)
 #define IDENTIFY_AXES (3U)
+#define IDENTIFY_TWICE (3U)
 
 /* One experiment. */
 typedef struct {
@@ -51,8 +52,14 @@ typedef struct {
     bool fine;                 /* they are 5/4 of those before */
     int32_t before;            /* largest current of those before */
     dq_t peaks[IDENTIFY_AXES]; /* current of the last pulses, in the frame of each axis */
-    int32_t inductance_q16;    /* volt-ticks for a change of the current, Q15 of U_b and I_b, Q16 */
-    int32_t along_q16;         /* the same along a current, of the last pulses */
+    /* a larger one that is imposed may not hold a salient rotor, Q15 of I_b; 0: the pulses have not ended */
+    int32_t stiff_current;
+    int32_t unlike; /* b of the pulses' answers m + b·cos(2·(angle − rotor)), */
+    int32_t mean;   /* and m, Q15 of I_b */
+    bool tries;     /* half as much again is imposed, with pulses that show where the rotor is */
+    uint32_t tried; /* times that it lay beside the current */
+    int32_t inductance_q16; /* volt-ticks for a change of the current, Q15 of U_b and I_b, Q16 */
+    int32_t along_q16;      /* the same along a current, of the last pulses */
     /* The same across: the last two pulses of unlike current give it by their differences. */
     int32_t across_q16;
     int32_t across_volts;   /* volt-ticks of the last pulses across */
@@ -62,6 +69,8 @@ typedef struct {
     uint32_t steady;        /* and how many since then have about the same */
     int32_t high_voltage;   /* means at the largest current of this axis */
     int32_t high_current;
+    int32_t first_voltage[IDENTIFY_TWICE]; /* means at the levels that come twice, the first time */
+    bool unsteady;                         /* one of them took another voltage the second time */
     int32_t resistance_q13[IDENTIFY_AXES]; /* U_b/I_b */
     int32_t loss;                          /* of the voltage at no current, Q15 of U_b */
 } identify_rest_t;
