@@ -90,9 +90,10 @@ static int32_t unlike_peaks(const identify_rest_t *rest)
     const int32_t ab = rest->peaks[0].d - rest->peaks[1].d;
     const int32_t bc = rest->peaks[1].d - rest->peaks[2].d;
     const int32_t ca = rest->peaks[2].d - rest->peaks[0].d;
-    const int64_t squares = ((int64_t)ab * ab) + ((int64_t)bc * bc) + ((int64_t)ca * ca);
+    const int64_t squares = ((int64_t)ab * (int64_t)ab) + ((int64_t)bc * (int64_t)bc) + ((int64_t)ca * (int64_t)ca);
+    const int64_t mean = (2 * squares) / 9;
 
-    return (int32_t)trig_sqrt((uint32_t)((2 * squares) / 9));
+    return (int32_t)trig_sqrt((uint32_t)mean);
 }
 
 /*
@@ -107,15 +108,16 @@ static int32_t find_stiff_current(const identify_t *identify)
     const int64_t mean = (int64_t)rest->mean;
     const int64_t apart = (int64_t)rest->unlike;
     const int64_t product = (mean * mean) - (apart * apart);
-    const int64_t volts =
-        ((int64_t)cfg->current_loop.emf_q13 << (34U - cfg->speed_shift)) / TWO_PI_Q16;
+    const uint64_t emf = (uint64_t)(uint32_t)cfg->current_loop.emf_q13;
+    const uint64_t steps = emf << (34U - cfg->speed_shift);
+    const int64_t volts = (int64_t)steps / TWO_PI_Q16;
     const int64_t answer = (2 * apart * (int64_t)largest_peak(rest)) + 1;
     int32_t stiff = 1;
 
     if (product > 0) {
         const int64_t difference_q16 = ((int64_t)rest->inductance_q16 * answer) / product;
 
-        stiff = identify_aim_bounded((volts << 16U) / (difference_q16 + 1), 1, FX_Q15_MAX);
+        stiff = identify_aim_bounded((volts * ONE_Q16) / (difference_q16 + 1), 1, FX_Q15_MAX);
     }
     return stiff;
 }
@@ -336,7 +338,8 @@ static void aim_try(identify_t *identify)
     const identify_rest_t *const rest = &identify->rest;
     const int32_t most = (identify->app->drive.cfg->derating.current_max * 7) / 8;
     const int32_t current = fx_min(rest->stiff_current + (rest->stiff_current / 2), most);
-    const int64_t volts = ((int64_t)rest->inductance_q16 * (int64_t)(current / 8)) / ONE_Q16;
+    const int32_t eighth = current / 8;
+    const int64_t volts = ((int64_t)rest->inductance_q16 * (int64_t)eighth) / ONE_Q16;
     const int32_t limit = fx_max(fx_asr(identify->app->drive.signals.bus, 2U), 1);
     const int32_t quarter = identify_aim_bounded(1 + (volts / limit), 1, PULSE_TICKS_MOST);
 

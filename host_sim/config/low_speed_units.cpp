@@ -146,10 +146,11 @@ double moving_current(const MotorSettings &motor, const BoardSettings &board,
                       motor.max_current_a);
 }
 
-// The flux that a swing moves past the imposed current I: φ, less what the reluctance takes off it.
-double active_flux(double current_a, const Model &m)
+// ψ/φ: what is left of the flux that a swing moves past an imposed current, as the reluctance takes (L_q − L_d)·I off it. A half at
+// least, by stiff_current().
+double active_share(double current_a, const MotorSettings &motor)
 {
-    return m.flux - std::max(0.0, m.inductance_q - m.inductance_d) * current_a;
+    return 1 - SALIENT_SHARE * current_a / stiff_current(motor);
 }
 
 // The rotor in the field of the current I: J/P·δ'' = −1.5·P·ψ·I·δ with the active flux ψ.
@@ -157,7 +158,7 @@ double swing_rad_s(const MotorSettings &motor, const BoardSettings &board,
                    const TuningSettings &tuning, const Model &m)
 {
     const double current = hold_current(motor, board, tuning);
-    return std::sqrt(m.torque_acceleration * current * active_flux(current, m) / m.flux);
+    return std::sqrt(m.torque_acceleration * current * active_share(current, motor));
 }
 
 uint32_t ticks(double seconds, const Bases &b)
@@ -255,7 +256,7 @@ double hold_gain_ohm(const MotorSettings &motor, const BoardSettings &board,
     const double current = hold_current(motor, board, tuning);
     const double swing = swing_rad_s(motor, board, tuning, m);
     const double loss_v = leg_loss_v(board, scales.dead_time_s, scales.device_drop_v);
-    const double wanted = std::max({swing * active_flux(current, m) / (2 * HOLD_DAMPING * current),
+    const double wanted = std::max({swing * active_share(current, motor) * m.flux / (2 * HOLD_DAMPING * current),
                                     swing * m.inductance_q, HOLD_LOSS_SHARE * loss_v / current});
     return std::max(wanted - m.resistance, -HOLD_RELIEF * m.resistance);
 }
