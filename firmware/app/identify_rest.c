@@ -90,7 +90,8 @@ static int32_t unlike_peaks(const identify_rest_t *rest)
     const int32_t ab = rest->peaks[0].d - rest->peaks[1].d;
     const int32_t bc = rest->peaks[1].d - rest->peaks[2].d;
     const int32_t ca = rest->peaks[2].d - rest->peaks[0].d;
-    const int64_t squares = ((int64_t)ab * (int64_t)ab) + ((int64_t)bc * (int64_t)bc) + ((int64_t)ca * (int64_t)ca);
+    const int64_t squares =
+        ((int64_t)ab * (int64_t)ab) + ((int64_t)bc * (int64_t)bc) + ((int64_t)ca * (int64_t)ca);
     const int64_t mean = (2 * squares) / 9;
 
     return (int32_t)trig_sqrt((uint32_t)mean);

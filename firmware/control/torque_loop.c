@@ -67,7 +67,7 @@ static step_t next_free_reference(const torque_loop_t *loop, const torque_loop_c
 {
     const step_t aim = torque_loop_aim(cfg, in->target_q28);
     const bool backwards = in->reference < 0;
-    const bool onwards = (aim != 0) && ((aim < 0) == backwards);
+    const bool onwards = backwards ? (aim < 0) : (aim > 0);
     const step_t along = backwards ? -in->speed : in->speed;
     const bool low = (in->lowest != 0) && (is_caught(loop, backwards) || (along < in->lowest));
     const step_t least = in->lowest - (in->lowest / SWING_SHARE);

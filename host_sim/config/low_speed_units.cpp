@@ -256,8 +256,9 @@ double hold_gain_ohm(const MotorSettings &motor, const BoardSettings &board,
     const double current = hold_current(motor, board, tuning);
     const double swing = swing_rad_s(motor, board, tuning, m);
     const double loss_v = leg_loss_v(board, scales.dead_time_s, scales.device_drop_v);
-    const double wanted = std::max({swing * active_share(current, motor) * m.flux / (2 * HOLD_DAMPING * current),
-                                    swing * m.inductance_q, HOLD_LOSS_SHARE * loss_v / current});
+    const double wanted =
+        std::max({swing * active_share(current, motor) * m.flux / (2 * HOLD_DAMPING * current),
+                  swing * m.inductance_q, HOLD_LOSS_SHARE * loss_v / current});
     return std::max(wanted - m.resistance, -HOLD_RELIEF * m.resistance);
 }
 

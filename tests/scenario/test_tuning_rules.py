@@ -17,7 +17,7 @@ RULES = (
     ("speed bandwidth by the dead time", "zoo:servo:3@2:user", ("speed_loop.bandwidth_hz=29",)),
     ("speed bandwidth by the dead time at low speed", "zoo:compressor:364@1:user",
      ("speed_loop.low_speed_bandwidth_hz=0",)),
-    ("speed bandwidth by the reactance", "zoo:hub:42@3:user", ("speed_loop.bandwidth_hz=22",)),
+    ("speed bandwidth by the reactance", "zoo:hub:63@11:user", ("speed_loop.bandwidth_hz=20",)),
     ("but a loop that answers to the load", "zoo:industrial:17@7", ("speed_loop.bandwidth_hz=7.9",)),
     ("observer by the speed loop", "zoo:industrial:29@11", ("observer.kappa=0.025", "observer.kappa_p=0.45")),
     ("gradient of the angle", "zoo:servo:105@21:user", ("observer.frame_share=0",)),

@@ -201,8 +201,10 @@ TEST(test_the_next_pulse_ends_at_a_quarter_of_the_bus)
 TEST(test_an_open_phase_is_named)
 {
     static const char *const names[] = {"phase a is open", "phase b is open", "phase c is open"};
-    static const dq_t small[] = {{174, -174}, {-174, 174}, {0, 1400 / 8}, {1400 / 8, 0}};
+    static const dq_t small[] = {{174, -174}, {-174, 174}, {100, 1400 / 8}, {1400 / 8, 0}};
 
+    cfg.speed_shift = 20U;
+    cfg.current_loop.emf_q13 = 8192; /* a flux that holds a rotor whose L_q is ten times L_d */
     for (uint32_t k = 0U; k < (4U * IDENTIFY_AXES); k++) {
         dq_t peaks[] = {{1400, 800}, {1400, -800}, {1400, 800}};
 
