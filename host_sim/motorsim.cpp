@@ -228,21 +228,6 @@ std::function<void(double)> progress_line()
     };
 }
 
-// Of what takes a minute; where stderr is no terminal a line for each tenth.
-std::function<void(double)> progress_of_runs()
-{
-    if (isatty(STDERR_FILENO) != 0) {
-        return progress_line();
-    }
-    return [shown = 0](double done) mutable {
-        const int tenths = static_cast<int>(done * 10.0);
-        if (tenths != shown) {
-            fmt::print(stderr, "{} % of the runs\n", 10 * tenths);
-            shown = tenths;
-        }
-    };
-}
-
 // What is written of each tick.
 class Outputs : public nf::TickSink
 {
@@ -644,7 +629,7 @@ void run_campaign(nf::certify::Campaign &campaign, const CertifyArguments &argum
 {
     const nf::debug::InterruptWatch watch;
     nf::certify::run(campaign, arguments.runs, arguments.seed,
-                     {progress_of_runs(), nf::debug::was_interrupted});
+                     {progress_line(), nf::debug::was_interrupted});
     if (campaign.points.empty()) {
         throw FileError("stopped before the first run");
     }

@@ -72,10 +72,6 @@ class Results(Certify):
         self.assertIn("3 of 3 machines are locked with the tuning any", done.stdout)
         self.assertRegex(done.stdout, r"resistance R +1\.91\d +2\.33\d +ohm +typical")
 
-    def test_without_a_terminal_each_tenth_of_the_runs_is_a_line(self):
-        self.assertEqual(self.certify("motor_a", "--runs", "5", "--seed", "1").stderr.splitlines(),
-                         [f"{percent} % of the runs" for percent in (20, 40, 60, 80, 100)])
-
     def test_json_has_everything(self):
         found, _ = self.found("motor_a", *FEW)
         self.assertEqual(list(found), KEYS)
