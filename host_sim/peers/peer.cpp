@@ -12,6 +12,7 @@
 #include "suggest.h"
 
 #include <algorithm>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -79,15 +80,15 @@ std::vector<std::string> names()
          fmt::format("{}", fmt::join(known, ", ")));
 }
 
-const Node &member_of(const Node &table, const std::string &path, const char *name,
-                      const std::string &allowed)
+const Node &member_of(const Node &table, std::string_view path, const char *name,
+                      std::string_view allowed)
 {
     for (const auto &[key, value] : table.members) {
         if (key == name) {
             return value;
         }
     }
-    fail(table.origin, path, "", "is missing", allowed);
+    fail(table.origin, std::string(path), "", "is missing", std::string(allowed));
 }
 
 const Peer &peer_of(const Node &document)

@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -32,9 +33,9 @@ double factor_of(const char *sheet)
     return conversion(sheet).factor;
 }
 
-const Printed &printed(const Given &given, const std::string &option)
+const Printed &printed(const Given &given, std::string_view option)
 {
-    return given.at(option).front();
+    return given.at(std::string(option)).front();
 }
 
 double across_factor(Across across, bool is_resistance)

@@ -38,10 +38,10 @@ const Axis *axis_of(const std::vector<Axis> &box, const std::string &key)
     return found == box.end() ? nullptr : &*found;
 }
 
-const Axis &needed_axis(const std::vector<Axis> &box, const std::string &key)
+const Axis &needed_axis(const std::vector<Axis> &box, const char *key)
 {
     const Axis *axis = axis_of(box, key);
-    TEST_ASSERT_NOT_NULL_MESSAGE(axis, key.c_str());
+    TEST_ASSERT_NOT_NULL_MESSAGE(axis, key);
     return *axis;
 }
 

@@ -8,6 +8,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace
@@ -22,14 +23,14 @@ struct Expected {
     const char *unit;
 };
 
-const nf::CfgRow &row_of(const std::string &path)
+const nf::CfgRow &row_of(std::string_view path)
 {
     for (const nf::CfgRow &row : nf::cfg_rows()) {
         if (row.path == path) {
             return row;
         }
     }
-    throw std::invalid_argument(path);
+    throw std::invalid_argument(std::string(path));
 }
 
 void expect(const nf::Config &config, const std::vector<Expected> &all)

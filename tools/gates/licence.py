@@ -24,7 +24,7 @@ DATA = {".bin", ".json", ".md", ".nfr", ".png", ".svg", ".toml", ".txt", ".xml",
 
 def line_of(path, text):
     """The line that this file has to have, None if its kind has none."""
-    is_script = path.name == "CMakeLists.txt" or text.startswith("#!")
+    is_script = path.name in ("CMakeLists.txt", "Containerfile") or text.startswith("#!")
     return OF_SCRIPT if is_script else OF_KIND.get(path.suffix)
 
 
