@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// Regular expressions (ECMAScript, upper and lower case alike), compiled once for all: <regex> is the dearest header of the
-// standard library.
+// Regular expressions (ECMAScript, upper and lower case alike). Only this library includes <regex>: each source that does takes
+// two to three seconds more to compile.
 #pragma once
 
 #include <string>

@@ -91,17 +91,20 @@ def name_of(key):
     return METRICS.get(key, (key.replace("_", " "),))[0]
 
 
-def figure(key, value):
+def with_its_unit(key, text):
     unit = METRICS.get(key, ("", ""))[1]
-    return name_of(key), with_unit(text_of(value), unit) if unit else text_of(value)
+    return with_unit(text, unit) if unit else text
+
+
+def figure(key, value):
+    return name_of(key), with_its_unit(key, text_of(value))
 
 
 def limit_text(limit):
     """A limit that was broken, as the run names it, with the metric's name and unit."""
     key, equals, rest = limit.partition(" = ")
     value, comma, bound = rest.partition(", ")
-    unit = METRICS.get(key, ("", ""))[1]
-    return f"{name_of(key)}{equals}{with_unit(value, unit) if unit else value}{comma}{bound}"
+    return f"{name_of(key)}{equals}{with_its_unit(key, value)}{comma}{bound}"
 
 
 def text_of(value):

@@ -13,6 +13,8 @@ TITLES = {
     "s_weakening": "2600 rpm both ways with a weakened field, load of 3 N·m at 2600 rpm",
     "s_weakening_compressor": "6500 rpm both ways with a weakened field, salient compressor motor, load of 0.8 N·m at 6500 rpm",
 }
+
+
 def page(entries, more=()):
     """The page of (run, pictures) pairs, and of (identifier, title, section) of what follows them."""
     runs = [run for run, _ in entries]
