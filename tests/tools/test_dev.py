@@ -2,6 +2,7 @@
 """tools/dev with stand-ins for what it calls. Each command: it gets to its end, and what it calls is in the project. demo:
 what it builds, and what it says of runs that do not hold. quick: what it builds and runs, and that a failure ends it."""
 
+import fcntl
 import os
 import re
 import shutil
@@ -111,6 +112,26 @@ class Commands(Dev):
         self.assertEqual(done.returncode, 2)
         self.assertRegex(done.stderr, r"^tools/dev build: found 'nopreset'; allowed: host, .*stm32g431.*\n$")
         self.assertEqual(done.stdout, "")
+
+    def test_words_that_a_program_refuses_or_that_only_ask_for_its_help_build_nothing(self):
+        for said, status in (("found 'x'; allowed: y", 2), ("what may be said", 0)):
+            self.script(".cache/venv/bin/python", f"#!/bin/sh\necho \"{said}\"\nexit {status}\n")
+            for command in ("test", "evidence", "figures", "cost"):
+                with self.subTest(command=command, status=status):
+                    done = self.dev([command, "word"])
+                    self.assertEqual((done.returncode, done.stdout + done.stderr), (status, f"{said}\n"))
+
+    def test_two_at_once_set_up_one_after_the_other(self):
+        words = [self.root / "tools/dev", "setup"]
+        with (self.root / ".cache/lock").open("w", encoding="utf-8") as other:
+            fcntl.flock(other, fcntl.LOCK_EX)
+            with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as second:
+                self.assertIn("waits until another tools/dev", second.stdout.readline())
+                self.assertIsNone(second.poll())
+                fcntl.flock(other, fcntl.LOCK_UN)
+                self.assertIn("setup: Debian packages", second.stdout.readline())
+                second.stdout.read()
+        self.assertEqual(second.returncode, 0)
 
     def test_each_gets_to_its_end_with_what_is_in_the_project(self):
         self.assertGreater(len(self.commands()), 10)
