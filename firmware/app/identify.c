@@ -6,6 +6,7 @@
 #include "identify_aim.h"
 #include "identify_rest.h"
 #include "identify_turn.h"
+#include "probing.h"
 
 #include <stddef.h>
 
@@ -14,6 +15,8 @@
 #define CURRENT_ONE (32768)     /* I_b in Q15 */
 #define NOISE_SHARE (16)        /* of the continuous current, mean change from sample to sample */
 #define LONGEST_MOVE_MS (5000U) /* of the first attempt, whose longest ramp takes 3 s */
+#define BRAKING_HELP \
+    ": a supply that takes power back or a brake resistor helps, or a lower max_speed_rpm"
 #define LONGEST_MS (120000U)    /* of all experiments with their lines, which take 10 to 30 s */
 
 /* ---- the words of an experiment ---- */
@@ -320,6 +323,16 @@ static uint32_t longest_move(const identify_t *identify)
     return ticks << identify->turn.slower;
 }
 
+/* The vector waits for a rotor that is lost, or for a bus that its braking has raised and that does not come down. */
+static void give_up_moving(identify_t *identify)
+{
+    if ((identify->phase == IDENTIFY_RAMP) && !probing_may_brake(&identify->app->drive)) {
+        identify_aim_refusal(identify, "the bus stays too high for braking" BRAKING_HELP);
+    } else {
+        identify_turn_catch_again(identify);
+    }
+}
+
 static void go_on(identify_t *identify, text_t *text)
 {
     switch (identify->wait) {
@@ -337,7 +350,7 @@ static void go_on(identify_t *identify, text_t *text)
         if ((ticks_passed(identify) > 2U) && has_arrived(identify)) {
             wait_for(identify, IDENTIFY_SETTLING);
         } else if (ticks_passed(identify) > longest_move(identify)) {
-            identify_turn_catch_again(identify); /* the vector waits for a rotor that is lost */
+            give_up_moving(identify);
             plan_next(identify);
         } else {
             /* it moves */
@@ -516,14 +529,24 @@ static bool lasts_too_long(const identify_t *identify)
     return (identify->app->drive.tick - identify->began) > longest;
 }
 
+/* A rotor that is braked, or caught while it turns, gives power back. */
+static void refuse_fault(identify_t *identify, fault_id_t fault)
+{
+    const bool braking = (identify->phase == IDENTIFY_RAMP) || (identify->turn.slower > 0U);
+
+    identify_aim_refusal_of(identify, "the drive has a fault: ",
+                            ((fault == FAULT_OVERVOLTAGE) && braking)
+                                ? ("OVERVOLTAGE, by braking" BRAKING_HELP)
+                                : fault_text(fault)->name);
+}
+
 /* What ends it from outside. The first phase is said in PROBE. */
 static void look_for_end(identify_t *identify)
 {
     const drive_t *const drive = &identify->app->drive;
 
     if (drive->state == DRIVE_STATE_FAULT) {
-        identify_aim_refusal_of(identify,
-                                "the drive has a fault: ", fault_text(drive->fault.id)->name);
+        refuse_fault(identify, drive->fault.id);
     } else if ((identify->said != IDENTIFY_IDLE) && (drive->state != DRIVE_STATE_PROBE)) {
         identify_aim_refusal(identify, "another command has ended it");
     } else if (runs_away(identify)) {

@@ -430,7 +430,7 @@ bool identify_rest_plan_catch(identify_t *identify)
     "the rotor swings too slowly for this current: take inertia off, or allow more continuous current"
 #define LEVEL_SETTLE_MS (20)
 #define AXIS_SETTLE_MS (100) /* and then a look at least */
-#define BURSTS (8U)
+#define BURSTS (10U)
 #define BURST_ROUNDS (2U)
 #define BURST_TICKS (256)
 #define UNLIKE_SHARE \
@@ -462,7 +462,22 @@ typedef struct {
     uint8_t bias; /* in 1/16 of the continuous current */
     uint8_t along;
     uint8_t across;
+    bool slow; /* it is the one before with half of the voltage, for twice as many ticks */
 } burst_t;
+
+/*
+ * A slow burst has the current of the one before: iron is as saturated in both. So sensors that follow late show along the
+ * current, and the way that the rotor goes meanwhile shows across it.
+ */
+static const burst_t *burst_of(uint32_t step)
+{
+    static const burst_t bursts[BURSTS] = {
+        {8, 3, 0, false},  {16, 6, 0, false}, {16, 6, 0, true},  {5, 4, 0, false},
+        {3, 2, 0, false},  {2, 0, 6, false},  {2, 0, 11, false}, {2, 0, 11, true},
+        {2, 0, 16, false}, {8, 0, 14, false}};
+
+    return &bursts[(step - LEVELS) % BURSTS];
+}
 
 /*
  * Volt-ticks for pulses of so much current. Across, what the legs lose changes its sign with the current and is a large part
@@ -476,16 +491,30 @@ static int64_t volts_for(const identify_rest_t *rest, bool along, int64_t curren
                  : (rest->across_volts + ((more * rest->across_q16) / ONE_Q16));
 }
 
+static void aim_patterns(identify_t *identify, int32_t quarter)
+{
+    const int32_t patterns = fx_max(BURST_TICKS / (QUARTERS * quarter), 1);
+
+    *identify_aim_word(identify, PROBE_PULSE_TICKS) = quarter;
+    identify_aim_window(identify, "burst", LEVEL_SETTLE_MS * identify->ms_ticks,
+                        patterns * QUARTERS * quarter);
+}
+
+static void aim_slow_burst(identify_t *identify)
+{
+    *identify_aim_word(identify, PROBE_PULSE_D) /= 2;
+    *identify_aim_word(identify, PROBE_PULSE_Q) /= 2;
+    aim_patterns(identify, 2 * *identify_aim_word(identify, PROBE_PULSE_TICKS));
+}
+
 /*
  * Pulses of so much current, as short as the voltage allows: 3/8 of the bus. The sum of both is at most 7/8 of the largest
  * current: while the current control holds its voltage along the pulses, a ripple of the bus changes the mean current.
  */
-static void aim_burst(identify_t *identify)
+static void aim_fast_burst(identify_t *identify)
 {
-    static const burst_t bursts[BURSTS] = {{8, 3, 0}, {16, 6, 0}, {5, 4, 0},  {3, 2, 0},
-                                           {2, 0, 6}, {2, 0, 11}, {2, 0, 16}, {8, 0, 14}};
     const identify_rest_t *const rest = &identify->rest;
-    const burst_t *const burst = &bursts[(identify->step - LEVELS) % BURSTS];
+    const burst_t *const burst = burst_of(identify->step);
     const bool along = burst->along > 0U;
     const int64_t current = ((int64_t)identify_aim_continuous(identify) *
                              ((int64_t)burst->along + (int64_t)burst->across)) /
@@ -493,18 +522,24 @@ static void aim_burst(identify_t *identify)
     const int64_t volts = volts_for(rest, along, current);
     const int32_t most = fx_max(fx_asr(identify->app->drive.signals.bus * 3, 3U), 1);
     const int64_t needed = 1 + (volts / most);
-    const int32_t quarter = identify_aim_bounded(needed, 1, PULSE_TICKS_MOST);
+    const int32_t quarter = identify_aim_bounded(needed, 1, PULSE_TICKS_MOST / 2);
     const int64_t each = volts / quarter;
-    const int32_t patterns = fx_max(BURST_TICKS / (QUARTERS * quarter), 1);
     const int32_t most_bias = ((identify_rest_largest(identify) * 7) / 8) - (int32_t)current;
     const int32_t bias = (identify_aim_continuous(identify) * (int32_t)burst->bias) / 16;
 
     identify_aim_current(identify, along ? fx_max(fx_min(bias, most_bias), 0) : bias);
     *identify_aim_word(identify, along ? PROBE_PULSE_D : PROBE_PULSE_Q) =
         identify_aim_bounded(each, 0, most);
-    *identify_aim_word(identify, PROBE_PULSE_TICKS) = quarter;
-    identify_aim_window(identify, "burst", LEVEL_SETTLE_MS * identify->ms_ticks,
-                        patterns * QUARTERS * quarter);
+    aim_patterns(identify, quarter);
+}
+
+static void aim_burst(identify_t *identify)
+{
+    if (burst_of(identify->step)->slow) {
+        aim_slow_burst(identify);
+    } else {
+        aim_fast_burst(identify);
+    }
 }
 
 /* L across, of two pulses of unlike current. The smaller one may hardly overcome what the legs lose. */
@@ -521,7 +556,7 @@ static void note_across(identify_rest_t *rest, int32_t volts, int32_t current)
     rest->across_current = current;
 }
 
-/* L of the pulses that have ended: it falls with the current. */
+/* L of the pulses that have ended: it falls with the current. What is planned next is not slow, and takes no L of those. */
 static void note_burst(identify_t *identify)
 {
     const probe_sums_t *const sums = identify_aim_sums(identify);
@@ -591,7 +626,7 @@ static void note_still(identify_t *identify)
     if ((identify->step > 0U) && (identify->step <= LEVELS)) {
         note_level(identify);
         note_twice(identify);
-    } else if (identify->step > LEVELS) {
+    } else if ((identify->step > LEVELS) && !burst_of(identify->step - 1U)->slow) {
         note_burst(identify);
     } else {
         /* the vector has come to this axis */

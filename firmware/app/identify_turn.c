@@ -109,13 +109,14 @@ static int32_t mean_torque(const identify_t *identify)
 
 /*
  * The EMF of a ramp drives a current across that the current control answers in proportion: the sum of it is the same in
- * every ramp. It is to stay below 1/8 of the current.
+ * every ramp. It is to stay below 1/8 of the current. And a ramp is to be over in its window.
  */
 static int32_t shortest_ramp(const identify_t *identify)
 {
     const int32_t each = fx_max(identify_aim_asked_current(identify) / 8, 1);
+    const int32_t least = fx_max(identify->turn.ramp_least, RAMP_TICKS_LEAST);
 
-    return fx_max(fx_abs(identify_aim_sums(identify)->current.q) / each, RAMP_TICKS_LEAST);
+    return fx_max(fx_abs(identify_aim_sums(identify)->current.q) / each, least);
 }
 
 /* The next ramps, from the speed `low` to the highest. One that would take longer than `longest` goes less far down. */
@@ -454,13 +455,26 @@ static bool is_steep(const identify_t *identify, int32_t torque)
     return (torque >= ((TORQUE_ENOUGH * 2) / 3)) || shortest;
 }
 
+/* A ramp down waits for a bus that bears no more braking (probe.h): the next ones take twice as long. */
+static void note_wait(identify_t *identify)
+{
+    identify_turn_t *const turn = &identify->turn;
+
+    if (identify->app->drive.probe.own_speed != turn->low) {
+        turn->ramp_least = 2 * turn->ramp_ticks;
+        turn->steep = false;
+    }
+}
+
 /* What friction and R do is the same up and down. */
 static void judge_pair(identify_t *identify)
 {
     identify_turn_t *const turn = &identify->turn;
     const int32_t torque = (turn->torque_up - turn->torque_down) / 2;
 
-    if (turn->steep) {
+    if (turn->ramp_least > turn->ramp_ticks) {
+        steepen(identify, torque);
+    } else if (turn->steep) {
         turn->pairs_left--;
     } else if (is_steep(identify, torque)) {
         const int32_t hold = 2 * IDENTIFY_AIM_WINDOW_MS * identify->ms_ticks;
@@ -477,6 +491,7 @@ static void note_ramp(identify_t *identify, uint32_t part)
 {
     if (part == 1U) {
         identify->turn.torque_down = mean_torque(identify);
+        note_wait(identify);
     } else if (part == 3U) {
         identify->turn.torque_up = mean_torque(identify);
         judge_pair(identify);

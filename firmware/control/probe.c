@@ -177,13 +177,16 @@ static step_t damped(const probe_t *probe, int32_t lag)
     return fx_clamp(fx_mul_32x16(probe->damping, fx_sat16(lag)), -most, most);
 }
 
-/* A ramp waits for a rotor that it strains: one that lags while it goes up, or leads while it goes down. */
-static step_t ramped(const probe_t *probe, int32_t lag)
+/*
+ * A ramp waits for a rotor that it strains: one that lags while it goes up, or leads while it goes down. A ramp down also waits
+ * for a bus that bears no more of what the rotor gives back.
+ */
+static step_t ramped(const probe_t *probe, int32_t lag, bool bus_bears)
 {
     const bool rises = fx_abs(probe->speed) > fx_abs(probe->own_speed);
     const bool strains = (rises ? lag : -lag) > LAG_MOST;
 
-    return strains ? probe->own_speed : fx_towards(probe->own_speed, probe->speed, probe->ramp);
+    return (strains || (!rises && !bus_bears)) ? probe->own_speed : fx_towards(probe->own_speed, probe->speed, probe->ramp);
 }
 
 static uint32_t mean_bits(const probe_t *probe)
@@ -208,11 +211,11 @@ static void average_lag(probe_t *probe, int32_t lag)
     probe->mean_lag_q29 = fx_clamp(mean, -MEAN_MOST, MEAN_MOST);
 }
 
-step_t probe_turn(probe_t *probe, angle_t angle, dq_t emf)
+step_t probe_turn(probe_t *probe, angle_t angle, dq_t emf, bool bus_bears)
 {
     step_t step;
 
-    probe->own_speed = ramped(probe, probe->lag_q15);
+    probe->own_speed = ramped(probe, probe->lag_q15, bus_bears);
     if ((probe->own_speed == 0) && (probe->speed == 0)) {
         probe->lag_q15 = 0;
         probe->mean_lag_q29 = 0;

@@ -107,9 +107,10 @@ void probe_reset(probe_t *probe);
 void probe_set(probe_t *probe, uint32_t what, int32_t value);
 
 /*
- * The speed with which the vector turns in this tick. angle: of the vector; emf: as above, of the last tick. Moves own_speed.
+ * The speed with which the vector turns in this tick. angle: of the vector; emf: as above, of the last tick; bus_bears: the bus
+ * bears what a rotor gives back that slows down. Moves own_speed.
  */
-step_t probe_turn(probe_t *probe, angle_t angle, dq_t emf);
+step_t probe_turn(probe_t *probe, angle_t angle, dq_t emf, bool bus_bears);
 
 /* A sample of one tick. */
 typedef struct {

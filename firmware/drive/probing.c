@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "probing.h"
 
+#include "derating.h"
 #include "frame.h"
 
 drive_event_t probing_start(drive_t *drive)
@@ -72,6 +73,11 @@ static void demand(drive_t *drive)
     }
 }
 
+bool probing_may_brake(const drive_t *drive)
+{
+    return derating_share(&drive->cfg->derating.bus_high, drive->signals.bus) == FX_Q15_MAX;
+}
+
 void probing_step(drive_t *drive, const drive_command_t *command, compare_t *out)
 {
     drive_signals_t *const s = &drive->signals;
@@ -84,7 +90,8 @@ void probing_step(drive_t *drive, const drive_command_t *command, compare_t *out
     e = emf_of(drive);
     probe_set(probe, command->mode, command->target);
     note_sample(drive, e);
-    drive->vector.step = probe_turn(probe, rotor_position_angle(&drive->vector.position), e);
+    drive->vector.step = 
+        probe_turn(probe, rotor_position_angle(&drive->vector.position), e, probing_may_brake(drive));
     s->current_ref = (dq_t){.d = probe->current, .q = 0};
     demand(drive);
     frame_modulate_plain(drive, out);

@@ -3,6 +3,7 @@
 
 #include "bars.h"
 #include "numbers.h"
+#include "pulse_model.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,6 +23,9 @@ constexpr double KNEE_SEEN = 1e-3; // of the continuous current: a smaller one i
 constexpr double NOISE_UNSURE_LSB = 0.05;
 constexpr double NOISE_UNSURE = 0.03;
 constexpr double ROUNDING_NOISE_LSB = 0.28867513459481288225; // 1/√12, of a staircase
+// Of a low pass of the sensors: of what its correction changes, and of what shows of one that is too weak to be told.
+constexpr double CORRECTION_UNSURE = 0.5;
+constexpr double UNEXPLAINED_OF_FLUX = 2;
 constexpr double BUS_USED = 0.9; // of the voltage circle, at the rated speed
 
 void check_scale(const char *what, double file, double record)
@@ -189,19 +193,56 @@ void remark_trend(const Flux &flux, int pole_pairs, std::vector<std::string> &re
     }
 }
 
+// As sensors without a low pass would have shown the currents. Legs and inductances are found anew of them; what that changes
+// is a bound of what is found, as the correction is good to a part of itself.
+Records undo_lag(const Records &sent, Legs &legs, Inductances &rough, double current_a)
+{
+    if (rough.lag.s.value <= 0) {
+        add_unsure_current(legs, rough.lag.unexplained);
+        return sent;
+    }
+    const Records undone = without_lag(sent, legs, rough.d_h.value, rough.lag.s.value);
+    const double before_ohm = legs.resistance_ohm.value;
+    legs = fit_legs(undone);
+    add_unsure_current(legs, std::abs(legs.resistance_ohm.value / before_ohm - 1));
+    rough = fit_inductances(undone, legs, current_a);
+    return undone;
+}
+
+// seen: of the records as they were sent.
+void add_lag_bound(Flux &flux, const SensorLag &lag, const Flux &seen)
+{
+    flux.wb.bound += lag.s.value > 0 ? CORRECTION_UNSURE * std::abs(flux.wb.value - seen.wb.value)
+                                     : UNEXPLAINED_OF_FLUX * lag.unexplained * flux.wb.value;
+}
+
+void remark_lag(const SensorLag &lag, std::vector<std::string> &remarks)
+{
+    constexpr double micro = 1e6;
+    constexpr double kilo = 1e-3;
+    if (lag.s.value > 0) {
+        remarks.push_back(fmt::format(
+            "the current sensors follow late, as behind a low pass of {:.2g} kHz ({:.2g} ± {:.1g} "
+            "µs): pulses show it, and R, L and the flux linkage are corrected for it",
+            kilo / (2 * PI * lag.s.value), micro * lag.s.value, micro * bar_of(lag.s)));
+    }
+}
+
 } // namespace
 
-Result evaluate(const Records &records, const Config &plate, double temperature_c)
+Result evaluate(const Records &sent, const Config &plate, double temperature_c)
 {
-    check_scales(records.scales, plate);
+    check_scales(sent.scales, plate);
     const double current_a = continuous_current(plate.motor);
-    Legs legs = fit_legs(records);
-    const Inductances rough = fit_inductances(records, legs, current_a);
+    Legs legs = fit_legs(sent);
+    Inductances rough = fit_inductances(sent, legs, current_a);
+    const Records records = undo_lag(sent, legs, rough, current_a);
     add_ripple_bounds(legs, rough.d_h.value);
     const double count_a = records.scales.current_a / std::exp2(plate.board.adc_bits);
     const double left = left_of_rounding(noise_a(records) / count_a);
     add_rounding_bounds(legs, left * count_a / 2);
-    const Flux flux = fit_flux(records, legs, rough);
+    Flux flux = fit_flux(records, legs, rough);
+    add_lag_bound(flux, rough.lag, fit_flux(sent, legs, rough));
     const Shaft shaft = fit_shaft(records, flux);
     const Inductances inductances =
         fit_inductances(records, legs, current_a, rotor_h_s2(flux, shaft, plate.motor.pole_pairs));
@@ -224,6 +265,7 @@ Result evaluate(const Records &records, const Config &plate, double temperature_
                            left * ROUNDING_NOISE_LSB;
     result.inductances = inductances;
     result.flux = flux;
+    remark_lag(inductances.lag, result.remarks);
     remark_flux(flux, result.remarks);
     remark_trend(flux, plate.motor.pole_pairs, result.remarks);
     return result;

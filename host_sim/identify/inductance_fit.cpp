@@ -37,6 +37,13 @@ constexpr double CURVE_BOUND = 2e-3;
 // Of 1/L at the continuous current: what the fourth power makes of it, and what as much current along does.
 constexpr double QUARTIC_MOST = 0.03;
 constexpr double SHARED_MOST = 0.1;
+// Of slow over fast pulses: they agree without a low pass of the sensors. Of the loss and the decay in a period likewise.
+constexpr double LAG_SCALE = 2e-3;
+constexpr double LAG_LOSS_UNSURE = 0.025;
+constexpr double LAG_DECAY_UNSURE = 0.05;
+constexpr double LAG_SIGMAS = 3;
+constexpr double LAG_MOST = 8; // periods
+constexpr int LAG_SEARCHES = 16;
 constexpr double PULSES[] = {6.0 / 16, 11.0 / 16, 1}; // across, of their largest: aim_burst()
 
 struct Burst {
@@ -45,6 +52,7 @@ struct Burst {
     double peak_a = 0;
     double inductance_h = 0;
     double lost_share = 0; // of the pulses' voltage
+    int axis = 0;
     double quarter_s = 0;
     double period_s = 0;
 };
@@ -71,12 +79,18 @@ double with_still_rotor(double inductance_h, double quarter_s, double rotor_h_s2
     return inductance_h + rotor_h_s2 * quarter_s * quarter_s / 3;
 }
 
-Burst burst_of(const Record &r, const Legs &legs, double rotor_h_s2)
+// What a burst shows beside L.
+struct Beside {
+    double sensor_lag_s = 0;
+    double rotor_h_s2 = 0;
+};
+
+Burst burst_of(const Record &r, const Legs &legs, const Beside &beside)
 {
     const double change = measured_change(r, legs);
     double inductance = r.pulse_v * legs.period_s * r.ticks / change;
     for (int k = 0; k < SEARCHES; k++) {
-        const double ratio = modelled_change(r, legs, inductance) / change;
+        const double ratio = modelled_change(r, legs, inductance, beside.sensor_lag_s) / change;
         if (!(ratio > 0)) {
             break;
         }
@@ -87,12 +101,14 @@ Burst burst_of(const Record &r, const Legs &legs, double rotor_h_s2)
     }
     Burst burst;
     burst.across = r.across;
+    burst.axis = r.axis;
     burst.bias_a = along_a(r);
     burst.peak_a = change / r.ticks * r.quarter_ticks;
     burst.lost_share = legs.loss_v.value / r.pulse_v;
     burst.quarter_s = r.quarter_ticks * legs.period_s;
     burst.period_s = legs.period_s;
-    burst.inductance_h = with_still_rotor(inductance, burst.quarter_s, r.across ? rotor_h_s2 : 0);
+    burst.inductance_h = 
+        with_still_rotor(inductance, burst.quarter_s, r.across ? beside.rotor_h_s2 : 0);
     return burst;
 }
 
@@ -195,12 +211,12 @@ struct Bursts {
     std::vector<Burst> across;
 };
 
-Bursts bursts_of(const Records &records, const Legs &legs, double rotor_h_s2)
+Bursts bursts_of(const Records &records, const Legs &legs, const Beside &beside)
 {
     Bursts bursts;
     for (const Record &record : records.of("burst")) {
         if (record.pulse_v > 0 && measured_change(record, legs) > 0) {
-            const Burst burst = burst_of(record, legs, rotor_h_s2);
+            const Burst burst = burst_of(record, legs, beside);
             (burst.across ? bursts.across : bursts.along).push_back(burst);
         }
     }
@@ -237,12 +253,10 @@ Value between(Value value)
     return value;
 }
 
-} // namespace
-
-Inductances fit_inductances(const Records &records, const Legs &legs, double current_a,
-                            double rotor_h_s2)
+// Of both axes, with what else shows in a burst.
+Inductances fit_with(const Bursts &bursts, const Legs &legs, double current_a)
 {
-    const auto [along, across] = bursts_of(records, legs, rotor_h_s2);
+    const auto &[along, across] = bursts;
     Inductances found;
     found.current_a = std::min(current_a, largest(across, &Burst::peak_a));
     const double d_h = along.front().inductance_h;
@@ -265,6 +279,142 @@ Inductances fit_inductances(const Records &records, const Legs &legs, double cur
         const double at_a = share * found.current_a;
         found.q_over_current.push_back({at_a, between(q_at(at_a))});
     }
+    return found;
+}
+
+// Two bursts along the same current: one takes half of the voltage for twice as many ticks.
+struct BurstPair {
+    Record fast;
+    Record slow;
+};
+
+std::vector<BurstPair> pairs_along(const Records &records)
+{
+    const std::vector<Record> bursts = records.of("burst");
+    std::vector<BurstPair> pairs;
+    for (std::size_t k = 0; k + 1 < bursts.size(); k++) {
+        const Record &fast = bursts[k];
+        const Record &slow = bursts[k + 1];
+        const bool same = fast.current_a == slow.current_a && fast.axis == slow.axis;
+        const bool along = !fast.across && !slow.across && fast.pulse_v > 0 && slow.pulse_v > 0;
+        const bool changes = fast.change_a.real() > 0 && slow.change_a.real() > 0;
+        if (along && same && changes && slow.quarter_ticks == 2 * fast.quarter_ticks) {
+            pairs.push_back({fast, slow});
+        }
+    }
+    return pairs;
+}
+
+// How much more L the slow ones have of the pairs, as a logarithm: nothing, with the right time constant of the sensors.
+struct SlowOverFast {
+    double mean = 0;
+    double std = 0;    // of it
+    double unsure = 0; // of what repeats itself
+};
+
+SlowOverFast slow_over_fast(const std::vector<BurstPair> &pairs, const Legs &legs, double lag_s)
+{
+    const Beside beside{lag_s, 0};
+    const auto count = static_cast<double>(pairs.size());
+    double sum = 0;
+    double squares = 0;
+    SlowOverFast found;
+    for (const BurstPair &pair : pairs) {
+        const Burst fast = burst_of(pair.fast, legs, beside);
+        const Burst slow = burst_of(pair.slow, legs, beside);
+        const double more = std::log(slow.inductance_h / fast.inductance_h);
+        sum += more;
+        squares += more * more;
+        found.unsure = LAG_SCALE + LAG_LOSS_UNSURE * fast.lost_share +
+                       LAG_DECAY_UNSURE * legs.decay(fast.inductance_h);
+    }
+    found.mean = sum / count;
+    found.std = std::sqrt(std::max(squares / count - found.mean * found.mean, 0.0) / (count - 1));
+    return found;
+}
+
+// A low pass lets pulses seem smaller, those most that change most often.
+SensorLag fit_lag(const Records &records, const Legs &legs)
+{
+    const std::vector<BurstPair> pairs = pairs_along(records);
+    SensorLag lag;
+    if (pairs.size() < 2) {
+        return lag;
+    }
+    const SlowOverFast without = slow_over_fast(pairs, legs, 0);
+    const double unsure = LAG_SIGMAS * without.std + without.unsure;
+    if (-without.mean < unsure) {
+        const double chance = LAG_SIGMAS * without.std + LAG_SCALE / 2;
+        lag.unexplained = -without.mean > chance ? -without.mean : 0;
+        return lag;
+    }
+    const auto time_for = [&](double mean) {
+        double low = 0;
+        double high = LAG_MOST * legs.period_s;
+        for (int k = 0; k < LAG_SEARCHES; k++) {
+            const double middle = (low + high) / 2;
+            (slow_over_fast(pairs, legs, middle).mean < mean ? low : high) = middle;
+        }
+        return (low + high) / 2;
+    };
+    lag.s.value = time_for(0);
+    lag.s.bound = time_for(unsure) - lag.s.value;
+    return lag;
+}
+
+// How far the rotor turns beyond what is known of it: what 1/L across has of the square of the quarter.
+Value fit_swing(const std::vector<Burst> &across, double scale_a, double at_a)
+{
+    const double at = std::pow(at_a / scale_a, 2);
+    const double longest_s = largest(across, &Burst::quarter_s);
+    const double q_h = across.front().inductance_h;
+    const Fit fit = fit_inverse(across, {0, 0, QUARTIC_MOST, SHARED_MOST, 0}, [&](const Burst &b) {
+        const double square = std::pow(b.peak_a / scale_a, 2);
+        return std::vector<double>{1, square - at, square * square - at * at, b.bias_a / scale_a,
+                                   std::pow(b.quarter_s / longest_s, 2)};
+    });
+    const double to_h_s2 = 3 * q_h / (longest_s * longest_s);
+    return {fit.value[4] * to_h_s2, fit.std[4] * to_h_s2, 0};
+}
+
+// What differs between two evaluations of the same bursts is a bound of both.
+void add_difference(Inductances &found, const Inductances &other)
+{
+    found.d_h.bound += std::abs(found.d_h.value - other.d_h.value);
+    found.q_h.bound += std::abs(found.q_h.value - other.q_h.value);
+    for (std::size_t k = 0; k < found.d_over_current.size(); k++) {
+        Value &h = found.d_over_current[k].h;
+        h.bound += std::abs(h.value - other.d_over_current[k].h.value);
+    }
+    for (std::size_t k = 0; k < found.q_over_current.size(); k++) {
+        Value &h = found.q_over_current[k].h;
+        h.bound += std::abs(h.value - other.q_over_current[k].h.value);
+    }
+}
+
+} // namespace
+
+Inductances fit_inductances(const Records &records, const Legs &legs, double current_a,
+                            double rotor_h_s2)
+{
+    const SensorLag lag = fit_lag(records, legs);
+    Beside beside{lag.s.value, rotor_h_s2};
+    Bursts bursts = bursts_of(records, legs, beside);
+    const double most_a = std::min(current_a, largest(bursts.across, &Burst::peak_a));
+    const Value swing = fit_swing(bursts.across, most_a, most_a);
+    Inductances found = fit_with(bursts, legs, current_a);
+    if (getenv("NFDBG")) {
+        const auto p = pairs_along(records);
+        const auto w = slow_over_fast(p, legs, 0);
+        const double t=largest(bursts.across,&Burst::quarter_s);
+        fprintf(stderr,"NFDBG lag %.4g us +- %.3g D %.3f%% std %.3f unsure %.3f decay %.3f; swing %.3f%% std %.3f expected %.3f%% decay %.3f lost %.3f\n",1e6*lag.s.value,1e6*lag.s.bound,100*w.mean,100*w.std,100*w.unsure,legs.decay(found.d_h.value),100*swing.value*t*t/3/found.q_h.value,100*swing.std*t*t/3/found.q_h.value,100*rotor_h_s2*t*t/3/found.q_h.value,legs.decay(found.q_h.value),mean_lost(bursts.across));
+    }
+    if (lag.s.value > 0) {
+        beside.sensor_lag_s += lag.s.bound;
+        add_difference(found, fit_with(bursts_of(records, legs, beside), legs, current_a));
+    }
+    found.d_h.bound += lag.unexplained / 2 * found.d_h.value;
+    found.lag = lag;
     return found;
 }
 

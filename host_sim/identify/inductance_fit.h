@@ -15,6 +15,13 @@ struct AtCurrent {
     Value h;
 };
 
+// Of the current sensors' low pass.
+struct SensorLag {
+    Value s; // time constant; 0: none shows
+    // Share of L along by which slow pulses have less than fast ones, too little to show a low pass
+    double unexplained = 0;
+};
+
 struct Inductances {
     Value d_h; // without current
     Value q_h; // flux over current at current_a, without i_d
@@ -23,6 +30,7 @@ struct Inductances {
     std::vector<AtCurrent> d_over_current;
     std::vector<AtCurrent> q_over_current;
     double current_a = 0; // of the pulses across, for which L_q is stated
+    SensorLag lag;
 };
 
 // Each burst gives the L with which a model of the winding, its resistance and its legs answers as was measured. 1/L_d is

@@ -256,4 +256,12 @@ void add_rounding_bounds(Legs &legs, double shift_a)
     legs.mismatch.bound += shift_a / legs.largest_a;
 }
 
+void add_unsure_current(Legs &legs, double share)
+{
+    const double shift_a = share * legs.largest_a;
+    legs.resistance_ohm.bound += legs.resistance_ohm.value * share;
+    legs.loss_v.bound += legs.resistance_ohm.value * shift_a / 2;
+    legs.knee_a.bound += shift_a / 2;
+}
+
 } // namespace nf::identify

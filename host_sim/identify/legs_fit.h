@@ -67,4 +67,8 @@ void add_ripple_bounds(Legs &legs, double inductance_h);
 // voltage is missing at each level.
 void add_rounding_bounds(Legs &legs, double shift_a);
 
+// Adds to the bounds what currents do that are measured with so large an error, a share of the largest one: R takes all of it,
+// or the loss half.
+void add_unsure_current(Legs &legs, double share);
+
 } // namespace nf::identify

@@ -68,14 +68,20 @@ double scatter_of(const std::vector<double> &values)
     return count > 1 ? std::sqrt(squares / (count - 1) / count) : 0;
 }
 
-// What the rotor and ωL make of a window: the voltage less R·i and the legs. A demand stays in space for a period while
-// the frame turns: the mean of what turns is smaller by a sinc, and so is the demand that holds against it.
+// What the rotor, ωL and the legs make of a window: the voltage less R·i. A demand stays in space for a period while the
+// frame turns: the mean of what turns is smaller by a sinc, and so is the demand that holds against it.
+std::complex<double> without_resistance_v(const Record &r, const Legs &legs)
+{
+    const double held = sinc(r.speed_el_rad_s * legs.period_s / 2);
+    return r.voltage_v / held - legs.warm_ohm() * r.i_a;
+}
+
+// Less the legs too.
 std::complex<double> induced_v(const Record &r, const Legs &legs)
 {
     const double size = std::abs(r.i_a);
-    const double held = sinc(r.speed_el_rad_s * legs.period_s / 2);
     const double lost = size > 0 ? legs.lost_turning_v(size) / size : 0;
-    return r.voltage_v / held - (legs.warm_ohm() + lost) * r.i_a;
+    return without_resistance_v(r, legs) - lost * r.i_a;
 }
 
 // φ of a window that turns: L_q·i belongs to the voltage whatever the load angle, (L_d − L_q)·i_d to the flux.
@@ -97,7 +103,7 @@ std::vector<double> fluxes_beside(const Records &records, const Legs &legs, cons
     for (const Record &r : records.all) {
         const bool steady = r.kind == "spin" || r.kind == "hold";
         const bool same = std::abs(r.speed_el_rad_s / other.speed_el_rad_s - 1) < SAME_SPEED;
-        const double share = std::abs(r.i_a) / std::abs(other.i_a);
+        const double share = r.current_a / other.current_a;
         if (steady && same && std::max(share, 1 / share) > UNLIKE_CURRENTS) {
             found.push_back(flux_of(r, legs, l));
         }
@@ -130,11 +136,11 @@ Value turning_flux(const Records &records, const Legs &legs, const Inductances &
 // is larger than current and knee, all that fit_legs() says where it is smaller. The mean of both counts, and the bar has both ends.
 Value coasting_flux(const Record &r, const Legs &legs)
 {
-    const double size = std::abs(r.i_a);
     const double w = std::abs(r.speed_el_rad_s);
-    const double most = std::abs(induced_v(r, legs)) / w;
-    const double lost = size > 0 ? legs.lost_turning_v(size) / w : 0;
-    return {most + lost / 2, 0, EVENLY * lost / 2 + FLUX_SCALE * most};
+    const double nothing_lost = std::abs(without_resistance_v(r, legs)) / w;
+    const double all_lost = std::abs(induced_v(r, legs)) / w;
+    return {(nothing_lost + all_lost) / 2, 0,
+            EVENLY * std::abs(nothing_lost - all_lost) / 2 + FLUX_SCALE * all_lost};
 }
 
 double coasting_wb(const Record &r)

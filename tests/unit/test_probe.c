@@ -645,7 +645,7 @@ TEST(test_a_vector_at_rest_goes_the_short_way_to_its_angle_at_its_rate)
     for (uint32_t k = 0U; k < COUNT(ways); k++) {
         set(PROBE_ANGLE, (int32_t)ways[k].to);
         set(PROBE_RATE, ways[k].rate);
-        TEST_ASSERT_EQUAL_INT32(ways[k].step, probe_turn(&probe, ways[k].from, BEHIND));
+        TEST_ASSERT_EQUAL_INT32(ways[k].step, probe_turn(&probe, ways[k].from, BEHIND, true));
         TEST_ASSERT_EQUAL_INT32(0, probe.lag_q15);
         TEST_ASSERT_EQUAL_INT32(0, probe.own_speed);
     }
@@ -655,7 +655,7 @@ TEST(test_a_vector_at_rest_goes_the_short_way_to_its_angle_at_its_rate)
 
 static step_t turn(dq_t emf)
 {
-    return probe_turn(&probe, 0x12345678U, emf);
+    return probe_turn(&probe, 0x12345678U, emf, true);
 }
 
 /* With no lag it turns with its own speed. */
