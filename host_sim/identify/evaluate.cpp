@@ -3,6 +3,7 @@
 
 #include "bars.h"
 #include "numbers.h"
+#include "phases.h"
 #include "pulse_model.h"
 
 #include <algorithm>
@@ -26,6 +27,7 @@ constexpr double ROUNDING_NOISE_LSB = 0.28867513459481288225; // 1/√12, of a s
 // Of a low pass of the sensors: of what its correction changes, and of what shows of one that is too weak to be told.
 constexpr double CORRECTION_UNSURE = 0.5;
 constexpr double UNEXPLAINED_OF_FLUX = 2;
+constexpr double ELASTIC_UNSURE = 0.1; // of a load on an elastic shaft
 constexpr double BUS_USED = 0.9; // of the voltage circle, at the rated speed
 
 void check_scale(const char *what, double file, double record)
@@ -121,8 +123,6 @@ void fill_bars(MeasuredSettings &m, const Legs &legs, const Inductances &l, cons
         m.knee_a = legs.knee_a.value;
         m.knee_bar_a = bar_of(legs.knee_a);
     }
-    m.gain_mismatch_pct = IN_PER_CENT * legs.mismatch.value;
-    m.gain_mismatch_bar_pct = IN_PER_CENT * bar_of(legs.mismatch);
 }
 
 // How much of a converter's rounding is left in a mean. Noise smooths the staircase: its first harmonic falls with the rms of
@@ -216,6 +216,58 @@ void add_lag_bound(Flux &flux, const SensorLag &lag, const Flux &seen)
                                      : UNEXPLAINED_OF_FLUX * lag.unexplained * flux.wb.value;
 }
 
+std::string more_or_less(double share, const char *what)
+{
+    return fmt::format("{:.2g} % {} {}", IN_PER_CENT * std::abs(share), share > 0 ? "more" : "less",
+                       what);
+}
+
+void remark_phases(const Phases &phases, std::vector<std::string> &remarks)
+{
+    if (phases.are_unlike) {
+        const std::string turns =
+            phases.inductance_share != 0
+                ? " and " + more_or_less(phases.inductance_share, "inductance")
+                : "";
+        remarks.push_back(fmt::format(
+            "the phases differ: phase {} has {}{} than the other two; R and L are the means of the "
+            "three",
+            "abc"[phases.phase], more_or_less(phases.resistance_share, "resistance"), turns));
+    }
+}
+
+// That which turns under the pulses across; 0: as much as in the ramps.
+double rotor_alone_kg_m2(const Flux &flux, const Inductances &inductances, int pole_pairs)
+{
+    const double turned = 1.5 * pole_pairs * pole_pairs * flux.wb.value * flux.wb.value;
+    return inductances.alone_h_s2 > 0 ? turned / inductances.alone_h_s2 : 0;
+}
+
+// A load on an elastic shaft: ramps that have not found it yet have the rotor alone.
+void add_elastic_bound(Shaft &shaft, double alone_kg_m2)
+{
+    if (alone_kg_m2 > 0) {
+        const double load = std::max(shaft.inertia_kg_m2.value - alone_kg_m2, 0.0);
+        shaft.inertia_kg_m2.bound += ELASTIC_UNSURE * load;
+    }
+}
+
+void remark_elastic(const Shaft &shaft, double alone_kg_m2, std::vector<std::string> &remarks)
+{
+    const double bar_kg_m2 = bar_of(shaft.inertia_kg_m2);
+    if (alone_kg_m2 > 0) {
+        remarks.push_back(fmt::format(
+            "the load is on an elastic shaft and swings: quick pulses turn {:.2g} kg·m², ramps {:.2g} ± "
+            "{:.2g} kg·m²",
+            alone_kg_m2, shaft.inertia_kg_m2.value, bar_kg_m2));
+    } else if (shaft.apart_kg_m2 > 0) {
+        remarks.push_back(fmt::format(
+            "the load swings: ramps of another steepness have a J that is {:.2g} kg·m² apart; is the load "
+            "on an elastic shaft, or does it change?",
+            shaft.apart_kg_m2));
+    }
+}
+
 void remark_lag(const SensorLag &lag, std::vector<std::string> &remarks)
 {
     constexpr double micro = 1e6;
@@ -243,9 +295,11 @@ Result evaluate(const Records &sent, const Config &plate, double temperature_c)
     add_rounding_bounds(legs, left * count_a / 2);
     Flux flux = fit_flux(records, legs, rough);
     add_lag_bound(flux, rough.lag, fit_flux(sent, legs, rough));
-    const Shaft shaft = fit_shaft(records, flux);
+    Shaft shaft = fit_shaft(records, flux);
     const Inductances inductances =
         fit_inductances(records, legs, current_a, rotor_h_s2(flux, shaft, plate.motor.pole_pairs));
+    const double alone_kg_m2 = rotor_alone_kg_m2(flux, inductances, plate.motor.pole_pairs);
+    add_elastic_bound(shaft, alone_kg_m2);
     Result result;
     if (!records.remark.empty()) {
         result.remarks.push_back(records.remark);
@@ -257,6 +311,9 @@ Result evaluate(const Records &sent, const Config &plate, double temperature_c)
     result.motor.rated_speed_rpm = rated_speed_rpm(result.motor, plate, current_a);
     fill_bars(result.measured, legs, inductances, flux, shaft, current_a);
     fill_conditions(result.measured, records, plate, legs, inductances, flux);
+    const Phases phases = fit_phases(legs, inductances);
+    result.measured.gain_mismatch_pct = IN_PER_CENT * phases.mismatch.value;
+    result.measured.gain_mismatch_bar_pct = IN_PER_CENT * bar_of(phases.mismatch);
     result.measured.temperature_c = temperature_c;
     result.lost_time_s = legs.lost_v(current_a) * legs.period_s / legs.bus_v;
     result.lost_time_bar_s = result.measured.dead_time_bar_s;
@@ -266,6 +323,8 @@ Result evaluate(const Records &sent, const Config &plate, double temperature_c)
     result.inductances = inductances;
     result.flux = flux;
     remark_lag(inductances.lag, result.remarks);
+    remark_phases(phases, result.remarks);
+    remark_elastic(shaft, alone_kg_m2, result.remarks);
     remark_flux(flux, result.remarks);
     remark_trend(flux, plate.motor.pole_pairs, result.remarks);
     return result;

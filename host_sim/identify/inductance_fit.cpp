@@ -42,8 +42,14 @@ constexpr double LAG_SCALE = 2e-3;
 constexpr double LAG_LOSS_UNSURE = 0.025;
 constexpr double LAG_DECAY_UNSURE = 0.05;
 constexpr double LAG_SIGMAS = 3;
-constexpr double LAG_MOST = 8; // periods
-constexpr int LAG_SEARCHES = 16;
+constexpr double LAG_FIRST = 1.0 / 32; // of a period
+constexpr double LAG_MOST = 8;
+constexpr int LAG_SEARCHES = 12;
+// Of 1/L across: what slow pulses may have more of it without a rotor that they turn.
+constexpr double SWING_SIGMAS = 3;
+constexpr double SWING_SCALE = 3e-3;
+constexpr double SWING_LOSS_UNSURE = 0.06;
+constexpr double SWING_DECAY_UNSURE = 0.02;
 constexpr double PULSES[] = {6.0 / 16, 11.0 / 16, 1}; // across, of their largest: aim_burst()
 
 struct Burst {
@@ -333,6 +339,22 @@ SlowOverFast slow_over_fast(const std::vector<BurstPair> &pairs, const Legs &leg
     return found;
 }
 
+// The shortest time constant with which slow pulses have so much more L; LAG_MOST at most.
+double lag_for(double more, const std::vector<BurstPair> &pairs, const Legs &legs)
+{
+    double low = 0;
+    double high = LAG_FIRST * legs.period_s;
+    while (high < LAG_MOST * legs.period_s && slow_over_fast(pairs, legs, high).mean < more) {
+        low = high;
+        high *= 2;
+    }
+    for (int k = 0; k < LAG_SEARCHES; k++) {
+        const double middle = (low + high) / 2;
+        (slow_over_fast(pairs, legs, middle).mean < more ? low : high) = middle;
+    }
+    return (low + high) / 2;
+}
+
 // A low pass lets pulses seem smaller, those most that change most often.
 SensorLag fit_lag(const Records &records, const Legs &legs)
 {
@@ -348,33 +370,63 @@ SensorLag fit_lag(const Records &records, const Legs &legs)
         lag.unexplained = -without.mean > chance ? -without.mean : 0;
         return lag;
     }
-    const auto time_for = [&](double mean) {
-        double low = 0;
-        double high = LAG_MOST * legs.period_s;
-        for (int k = 0; k < LAG_SEARCHES; k++) {
-            const double middle = (low + high) / 2;
-            (slow_over_fast(pairs, legs, middle).mean < mean ? low : high) = middle;
-        }
-        return (low + high) / 2;
-    };
-    lag.s.value = time_for(0);
-    lag.s.bound = time_for(unsure) - lag.s.value;
+    lag.s.value = lag_for(0, pairs, legs);
+    lag.s.bound = lag_for(unsure, pairs, legs) - lag.s.value;
     return lag;
 }
 
-// How far the rotor turns beyond what is known of it: what 1/L across has of the square of the quarter.
-Value fit_swing(const std::vector<Burst> &across, double scale_a, double at_a)
+// How much further a rotor turns under the pulses than what is known of it says.
+struct Swing {
+    double more_h_s2 = 0;
+    double unsure_h_s2 = 0;
+};
+
+// It is what 1/L across has of the square of the quarter, at the current at_a.
+Swing fit_swing(const std::vector<Burst> &across, const Legs &legs, double at_a)
 {
-    const double at = std::pow(at_a / scale_a, 2);
     const double longest_s = largest(across, &Burst::quarter_s);
     const double q_h = across.front().inductance_h;
     const Fit fit = fit_inverse(across, {0, 0, QUARTIC_MOST, SHARED_MOST, 0}, [&](const Burst &b) {
-        const double square = std::pow(b.peak_a / scale_a, 2);
-        return std::vector<double>{1, square - at, square * square - at * at, b.bias_a / scale_a,
+        const double square = std::pow(b.peak_a / at_a, 2);
+        return std::vector<double>{1, square - 1, square * square - 1, b.bias_a / at_a,
                                    std::pow(b.quarter_s / longest_s, 2)};
     });
+    const double unsure = SWING_SIGMAS * fit.std[4] + SWING_SCALE +
+                          SWING_LOSS_UNSURE * mean_lost(across) +
+                          SWING_DECAY_UNSURE * legs.decay(q_h);
     const double to_h_s2 = 3 * q_h / (longest_s * longest_s);
-    return {fit.value[4] * to_h_s2, fit.std[4] * to_h_s2, 0};
+    return {fit.value[4] * to_h_s2, unsure * to_h_s2};
+}
+
+// The bursts of each axis are the same ones.
+AxisShares axes_of(const std::vector<Burst> &along)
+{
+    AxisShares axes;
+    double sum[3] = {0, 0, 0};
+    double count[3] = {0, 0, 0};
+    for (const Burst &burst : along) {
+        sum[burst.axis] += std::log(burst.inductance_h);
+        count[burst.axis] += 1;
+    }
+    if (count[0] != count[1] || count[1] != count[2]) {
+        return axes;
+    }
+    const double mean = (sum[0] + sum[1] + sum[2]) / (3 * count[0]);
+    for (int axis = 0; axis < 3; axis++) {
+        axes.share[axis] = sum[axis] / count[axis] - mean;
+    }
+    double squares = 0;
+    const auto each = along.size() / 3;
+    for (std::size_t k = 0; k < each; k++) {
+        const double a = std::log(along[k].inductance_h) - axes.share[along[k].axis];
+        const double b = std::log(along[k + each].inductance_h) - axes.share[along[k + each].axis];
+        const double c =
+            std::log(along[k + 2 * each].inductance_h) - axes.share[along[k + 2 * each].axis];
+        const double middle = (a + b + c) / 3;
+        squares += std::pow(a - middle, 2) + std::pow(b - middle, 2) + std::pow(c - middle, 2);
+    }
+    axes.std = std::sqrt(squares / (2 * static_cast<double>(each * each)));
+    return axes;
 }
 
 // What differs between two evaluations of the same bursts is a bound of both.
@@ -401,18 +453,20 @@ Inductances fit_inductances(const Records &records, const Legs &legs, double cur
     Beside beside{lag.s.value, rotor_h_s2};
     Bursts bursts = bursts_of(records, legs, beside);
     const double most_a = std::min(current_a, largest(bursts.across, &Burst::peak_a));
-    const Value swing = fit_swing(bursts.across, most_a, most_a);
+    const Swing swing = fit_swing(bursts.across, legs, most_a);
+    const bool swings = rotor_h_s2 > 0 && swing.more_h_s2 > swing.unsure_h_s2;
+    if (swings) {
+        beside.rotor_h_s2 += swing.more_h_s2;
+        bursts = bursts_of(records, legs, beside);
+    }
     Inductances found = fit_with(bursts, legs, current_a);
-    if (getenv("NFDBG")) {
-        const auto p = pairs_along(records);
-        const auto w = slow_over_fast(p, legs, 0);
-        const double t=largest(bursts.across,&Burst::quarter_s);
-        fprintf(stderr,"NFDBG lag %.4g us +- %.3g D %.3f%% std %.3f unsure %.3f decay %.3f; swing %.3f%% std %.3f expected %.3f%% decay %.3f lost %.3f\n",1e6*lag.s.value,1e6*lag.s.bound,100*w.mean,100*w.std,100*w.unsure,legs.decay(found.d_h.value),100*swing.value*t*t/3/found.q_h.value,100*swing.std*t*t/3/found.q_h.value,100*rotor_h_s2*t*t/3/found.q_h.value,legs.decay(found.q_h.value),mean_lost(bursts.across));
+    if (lag.s.value > 0 || swings) {
+        const Beside other{lag.s.value + lag.s.bound,
+                           beside.rotor_h_s2 + (swings ? swing.unsure_h_s2 : 0)};
+        add_difference(found, fit_with(bursts_of(records, legs, other), legs, current_a));
     }
-    if (lag.s.value > 0) {
-        beside.sensor_lag_s += lag.s.bound;
-        add_difference(found, fit_with(bursts_of(records, legs, beside), legs, current_a));
-    }
+    found.alone_h_s2 = swings ? beside.rotor_h_s2 : 0;
+    found.axes = axes_of(bursts.along);
     found.d_h.bound += lag.unexplained / 2 * found.d_h.value;
     found.lag = lag;
     return found;

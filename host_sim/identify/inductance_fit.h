@@ -22,6 +22,12 @@ struct SensorLag {
     double unexplained = 0;
 };
 
+// L along the axis of each phase over that of all three, less one, with the gains of Legs::mismatch.
+struct AxisShares {
+    double share[3] = {0, 0, 0};
+    double std = 0; // of each, at most
+};
+
 struct Inductances {
     Value d_h; // without current
     Value q_h; // flux over current at current_a, without i_d
@@ -31,6 +37,9 @@ struct Inductances {
     std::vector<AtCurrent> q_over_current;
     double current_a = 0; // of the pulses across, for which L_q is stated
     SensorLag lag;
+    // 1.5·P²·φ²/J of the rotor alone, where it turns further under the pulses than with the inertia that is known; 0: it does not
+    double alone_h_s2 = 0;
+    AxisShares axes;
 };
 
 // Each burst gives the L with which a model of the winding, its resistance and its legs answers as was measured. 1/L_d is

@@ -87,6 +87,7 @@ enum Parameter {
     LOSS,
     LOG_KNEE,
     MISMATCH,
+    THIRD,   // R on the axis of phase c over that of all, less one
     WARMING, // the share by which R rises from the beginning of the rest to its end
     PARAMETERS
 };
@@ -100,7 +101,8 @@ Eigen::VectorXd residuals_of(const std::vector<Level> &levels, const Eigen::Vect
         const double i = true_current(levels[k], p[MISMATCH]);
         const double lost = TWO_THIRDS * p[LOSS] * (shape(i / knee) + shape(i / 2 / knee));
         const double warming = p.size() > WARMING ? p[WARMING] : 0;
-        const double resistance = p[RESISTANCE] * (1 + warming * levels[k].heat);
+        const double unlike = p[THIRD] * (levels[k].axis == 2 ? 1 : -0.5);
+        const double resistance = p[RESISTANCE] * (1 + unlike) * (1 + warming * levels[k].heat);
         residuals[static_cast<Eigen::Index>(k)] = resistance * i + lost - levels[k].voltage_v;
     }
     return residuals;
@@ -224,6 +226,7 @@ Legs fit_legs(const Records &records)
     legs.resistance_ohm = value(RESISTANCE);
     legs.loss_v = value(LOSS);
     legs.mismatch = {fit.value[MISMATCH], fit.std[MISMATCH], 0};
+    legs.third = {fit.value[THIRD], fit.std[THIRD], 0};
     if (parameters == PARAMETERS) {
         legs.warming = {fit.value[WARMING], fit.std[WARMING], 0};
     } else {

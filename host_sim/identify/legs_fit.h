@@ -24,7 +24,8 @@ struct Legs {
     // Of a leg for a large current: dead time over period times bus, and the device drop.
     Value loss_v;
     Value knee_a;     // half of that is lost there (host_sim/plant/knee.h)
-    Value mismatch;   // gain of sensor a over that of sensor b, less one
+    Value mismatch;   // gain of sensor a less that of sensor b, of their mean; phases of unlike R are in it
+    Value third;      // R on the axis of phase c over that of all three axes, less one
     Value warming;    // the share by which the winding's R has risen at the end of the levels
     double bus_v = 0; // mean
     double period_s = 0;
@@ -53,7 +54,7 @@ struct Legs {
 };
 
 // The curve v = R·i + 2/3·(f(i) + f(i/2)) through all levels on the three axes, f as knee.h has it; with the gains of the
-// sensors 1 + m/2 and 1 − m/2, as their mean cannot be seen. The winding takes up i²·t and gets warm: R·(1 + w·h), h from 0
+// sensors 1 + m/2 and 1 − m/2, as their mean cannot be seen. R is the mean of the three axes; phases.h tells what they differ by. The winding takes up i²·t and gets warm: R·(1 + w·h), h from 0
 // to 1 as the sum of i²·t grows. The levels go down and up again, so w shows; R is that of the beginning. A rise below 1 % is
 // not told from what differs between the axes: R is that of all levels then, and half of the rise is in its bound. Throws
 // ConfigError where there are too few levels.

@@ -17,6 +17,27 @@ bool saturates(const plant_iron_cfg_t &iron)
     return iron.fall_d > 0 || iron.fall_q > 0;
 }
 
+double mean_of(const double (&of_phases)[PLANT_LEGS])
+{
+    return (of_phases[0] + of_phases[1] + of_phases[2]) / 3;
+}
+
+// What is left of the turns of three windings (windings.h), over all directions of a vector: as in EMF and R, and as in L.
+struct Turns {
+    double mean;
+    double mean_square;
+};
+
+Turns turns_of(const double (&shorted)[PLANT_LEGS])
+{
+    const double mean = 1 - mean_of(shorted);
+    double squares = 0;
+    for (const double share : shorted) {
+        squares += std::pow(1 - share - mean, 2);
+    }
+    return {mean, mean * mean + squares / 6};
+}
+
 // What a converter adds to the noise: its error is as likely anywhere within a count.
 double with_count(double noise_lsb)
 {
@@ -51,17 +72,18 @@ Truth truth_of(const Config &config)
     const plant_cfg_t plant = make_plant_cfg(config, drive);
     const plant_motor_cfg_t &motor = plant.motor;
     const double period_s = 1 / config.board.pwm_frequency_hz;
+    const Turns turns = turns_of(motor.shorted);
     Truth truth;
-    truth.resistance_ohm = motor.resistance_ohm;
-    truth.inductance_d_h = motor.inductance_d_h;
-    truth.flux_linkage_wb = motor.flux_linkage_wb;
+    truth.resistance_ohm = motor.resistance_ohm * turns.mean + mean_of(motor.contact_ohm);
+    truth.inductance_d_h = motor.inductance_d_h * turns.mean_square;
+    truth.flux_linkage_wb = motor.flux_linkage_wb * turns.mean;
     truth.inertia_kg_m2 = motor.inertia_kg_m2 + motor.load_inertia_kg_m2;
     truth.viscous_friction_nm_s = motor.viscous_friction_nm_s;
     truth.coulomb_friction_nm = motor.coulomb_friction_nm;
     truth.dead_time_s = config.plant.dead_time_s +
                         config.plant.device_drop_v / config.board.bus_nominal_v * period_s;
     truth.current_a = continuous_current(config.motor);
-    truth.iron = {motor.inductance_d_h, motor.inductance_q_h, motor.saturation_a,
+    truth.iron = {truth.inductance_d_h, motor.inductance_q_h * turns.mean_square, motor.saturation_a,
                   motor.saturation_d,   motor.saturation_q,   motor.saturation_shared};
     truth.inductance_q_h = inductance_q_h(truth, truth.current_a);
     const auto &gain_pct = config.plant.adc_gain_error_pct;

@@ -249,7 +249,6 @@ bool is_pair(const std::vector<Record> &all, std::size_t at)
            all[at + 3].kind == "hold";
 }
 
-// The pairs of the last steepness.
 std::vector<Pair> pairs_of(const std::vector<Record> &all)
 {
     std::vector<Pair> pairs;
@@ -259,11 +258,20 @@ std::vector<Pair> pairs_of(const std::vector<Record> &all)
             k += 3;
         }
     }
-    const double ticks = pairs.empty() ? 0 : pairs.back().down->ticks;
-    pairs.erase(std::remove_if(pairs.begin(), pairs.end(),
-                               [&](const Pair &pair) { return pair.down->ticks != ticks; }),
-                pairs.end());
     return pairs;
+}
+
+// Those of the same steepness, in their order.
+std::vector<std::vector<Pair>> by_steepness(const std::vector<Pair> &pairs)
+{
+    std::vector<std::vector<Pair>> groups;
+    for (const Pair &pair : pairs) {
+        if (groups.empty() || groups.back().back().down->ticks != pair.down->ticks) {
+            groups.emplace_back();
+        }
+        groups.back().push_back(pair);
+    }
+    return groups;
 }
 
 // Of a ramp's window what the torque of the constant speeds, between them by the mean speed, does not explain; N·m·s.
@@ -298,6 +306,32 @@ double pulled_share(const std::vector<Pair> &pairs, const Flux &flux)
     const Record &down = *pairs.back().down;
     const double torque = std::abs(up.torque - down.torque) / 2 / up.ticks;
     return torque / (flux.wb.value * std::abs(up.i_a));
+}
+
+// Of pairs of one steepness.
+Value bounded_inertia(const std::vector<Pair> &pairs, const Scales &scales, const Flux &flux)
+{
+    Value inertia = inertia_of(pairs, scales);
+    const double share = std::max(pulled_share(pairs, flux), 1e-3);
+    inertia.bound += TORQUE_UNSURE / share * std::abs(inertia.value);
+    return inertia;
+}
+
+// A rotor with all that it turns has the same inertia in ramps of each steepness. A load that swings on an elastic shaft has
+// not: what is nearest to all of it are the slowest ramps, and the others tell how far off that may be.
+void take_disagreement(const std::vector<std::vector<Pair>> &groups, const Scales &scales,
+                       const Flux &flux, Shaft &shaft)
+{
+    const Value steep = shaft.inertia_kg_m2;
+    for (const std::vector<Pair> &pairs : groups) {
+        const Value slower = bounded_inertia(pairs, scales, flux);
+        const double apart = std::abs(slower.value - steep.value);
+        if (apart > bar(slower) + bar(steep) && apart > shaft.apart_kg_m2) {
+            shaft.apart_kg_m2 = apart;
+            shaft.inertia_kg_m2 = slower;
+        }
+    }
+    shaft.inertia_kg_m2.bound += shaft.apart_kg_m2;
 }
 
 // One statement on the friction: B·speed + C = torque, to about `unsure`.
@@ -395,14 +429,18 @@ Flux fit_flux(const Records &records, const Legs &legs, const Inductances &induc
 
 Shaft fit_shaft(const Records &records, const Flux &flux)
 {
-    const std::vector<Pair> pairs = pairs_of(records.all);
-    if (pairs.empty()) {
+    const std::vector<std::vector<Pair>> groups = by_steepness(pairs_of(records.all));
+    if (groups.empty()) {
         throw ConfigError("the records end before the ramps of speed");
     }
+    const std::vector<Pair> &pairs = groups.back();
     Shaft shaft;
-    shaft.inertia_kg_m2 = inertia_of(pairs, records.scales);
-    const double share = std::max(pulled_share(pairs, flux), 1e-3);
-    shaft.inertia_kg_m2.bound += TORQUE_UNSURE / share * shaft.inertia_kg_m2.value;
+    shaft.inertia_kg_m2 = bounded_inertia(pairs, records.scales, flux);
+    take_disagreement(groups, records.scales, flux, shaft);
+    if (shaft.inertia_kg_m2.value <= 0) {
+        throw ConfigError("the ramps show no inertia: a load on an elastic shaft swings, or the load changes; "
+                          "identify the motor without the load, or on a stiff coupling");
+    }
     std::vector<Drag> drags;
     add_held_drags(pairs, records.scales, flux, drags);
     add_coasting_drags(records, shaft.inertia_kg_m2.value, flux, drags);
