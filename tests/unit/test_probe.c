@@ -701,6 +701,26 @@ TEST(test_a_ramp_waits_for_a_rotor_that_it_strains)
     }
 }
 
+TEST(test_a_ramp_down_waits_for_a_bus_that_bears_no_more_braking)
+{
+    static const struct {
+        step_t now;
+        step_t asked;
+        bool bears;
+        step_t next;
+    } ramps[] = {{500, 100, true, 400},   {500, 100, false, 500},     {-500, -100, false, -500},
+                 {500, 1000, false, 600}, {-500, -1000, false, -600}, {500, -500, false, 500}};
+
+    set(PROBE_RAMP, 100);
+    for (uint32_t k = 0U; k < COUNT(ramps); k++) {
+        set(PROBE_SPEED, ramps[k].asked);
+        probe.own_speed = ramps[k].now;
+        probe.lag_q15 = 0;
+        (void)probe_turn(&probe, 0U, (dq_t){0, 4000}, ramps[k].bears);
+        TEST_ASSERT_EQUAL_INT32(ramps[k].next, probe.own_speed);
+    }
+}
+
 TEST(test_a_vector_that_is_stopped_ramps_down_and_then_goes_to_its_angle)
 {
     set(PROBE_RATE, 7);
