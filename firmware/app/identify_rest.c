@@ -500,11 +500,16 @@ static void aim_patterns(identify_t *identify, int32_t quarter)
                         patterns * QUARTERS * quarter);
 }
 
+/* Pulses that cannot take longer come once more. */
 static void aim_slow_burst(identify_t *identify)
 {
-    *identify_aim_word(identify, PROBE_PULSE_D) /= 2;
-    *identify_aim_word(identify, PROBE_PULSE_Q) /= 2;
-    aim_patterns(identify, 2 * *identify_aim_word(identify, PROBE_PULSE_TICKS));
+    const int32_t quarter = 2 * *identify_aim_word(identify, PROBE_PULSE_TICKS);
+
+    if (quarter <= PULSE_TICKS_MOST) {
+        *identify_aim_word(identify, PROBE_PULSE_D) /= 2;
+        *identify_aim_word(identify, PROBE_PULSE_Q) /= 2;
+        aim_patterns(identify, quarter);
+    }
 }
 
 /*
@@ -522,7 +527,7 @@ static void aim_fast_burst(identify_t *identify)
     const int64_t volts = volts_for(rest, along, current);
     const int32_t most = fx_max(fx_asr(identify->app->drive.signals.bus * 3, 3U), 1);
     const int64_t needed = 1 + (volts / most);
-    const int32_t quarter = identify_aim_bounded(needed, 1, PULSE_TICKS_MOST / 2);
+    const int32_t quarter = identify_aim_bounded(needed, 1, PULSE_TICKS_MOST);
     const int64_t each = volts / quarter;
     const int32_t most_bias = ((identify_rest_largest(identify) * 7) / 8) - (int32_t)current;
     const int32_t bias = (identify_aim_continuous(identify) * (int32_t)burst->bias) / 16;

@@ -460,7 +460,8 @@ static void note_wait(identify_t *identify)
 {
     identify_turn_t *const turn = &identify->turn;
 
-    if (identify->app->drive.probe.own_speed != turn->low) {
+    turn->waited = identify->app->drive.probe.own_speed != turn->low;
+    if (turn->waited) {
         turn->ramp_least = 2 * turn->ramp_ticks;
         turn->steep = false;
     }
@@ -472,7 +473,7 @@ static void judge_pair(identify_t *identify)
     identify_turn_t *const turn = &identify->turn;
     const int32_t torque = (turn->torque_up - turn->torque_down) / 2;
 
-    if (turn->ramp_least > turn->ramp_ticks) {
+    if (turn->waited) {
         steepen(identify, torque);
     } else if (turn->steep) {
         turn->pairs_left--;

@@ -27,7 +27,7 @@ constexpr double ROUNDING_NOISE_LSB = 0.28867513459481288225; // 1/√12, of a s
 // Of a low pass of the sensors: of what its correction changes, and of what shows of one that is too weak to be told.
 constexpr double CORRECTION_UNSURE = 0.5;
 constexpr double UNEXPLAINED_OF_FLUX = 2;
-constexpr double ELASTIC_UNSURE = 0.1; // of a load on an elastic shaft
+constexpr double ELASTIC_UNSURE = 0.5; // of a load on an elastic shaft: what its swings may add or take
 constexpr double BUS_USED = 0.9; // of the voltage circle, at the rated speed
 
 void check_scale(const char *what, double file, double record)

@@ -331,7 +331,9 @@ void take_disagreement(const std::vector<std::vector<Pair>> &groups, const Scale
             shaft.inertia_kg_m2 = slower;
         }
     }
-    shaft.inertia_kg_m2.bound += shaft.apart_kg_m2;
+    if (shaft.apart_kg_m2 > 0) {
+        shaft.inertia_kg_m2.bound += std::max(shaft.apart_kg_m2, std::abs(steep.value) / 2);
+    }
 }
 
 // One statement on the friction: B·speed + C = torque, to about `unsure`.

@@ -654,7 +654,7 @@ TEST(test_pulses_across_take_the_volts_of_those_before_and_the_inductance_of_the
     plan_burst(5U);
     TEST_ASSERT_EQUAL_INT32(600, word(PROBE_PULSE_Q));
     answer_across(300, 65536, 600 + (1100 - 300));
-    answer_across(700, 2 * 65536, 1900 / 2); /* 800 volts for 400; the slow ones say nothing of L */
+    answer_across(700, 2 * 65536, 1400 / 2); /* 800 volts for 400; the slow ones say nothing of L */
     answer_across(1, 2 * 65536, 1400 + (2 * (1600 - 700)));
     answer_across(1600, 2 * 65536, 3200 - (2 * (1600 - 1400))); /* 1800 for 900 */
     TEST_ASSERT_EQUAL_INT32(10 * 65536, identify.rest.along_q16);

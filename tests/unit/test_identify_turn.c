@@ -499,6 +499,7 @@ static void answer_ramp(double share)
     const double current = word(PROBE_CURRENT);
 
     answer_spin(500, (int32_t)(((double)identify.turn.top / QUARTER) * ACROSS), identify.turn.top);
+    app.drive.probe.own_speed = identify.turn.low; /* a ramp down has come there */
     sums()->torque = (int32_t)(share * flux * current * identify.turn.ramp_ticks);
 }
 
@@ -687,6 +688,38 @@ TEST(test_a_ramp_has_64_ticks_at_least)
     }
     TEST_ASSERT_EQUAL_INT32(64, identify.turn.ramp_ticks);
     TEST_ASSERT_EQUAL_INT32(3, identify.turn.pairs_left); /* 25000/5952 with the one before */
+}
+
+/* The vector is above the low speed when the window of the ramp down ends. */
+static void wait_for_bus(double share)
+{
+    answer_ramp(share);
+    TEST_ASSERT_TRUE(identify_turn_plan_ramp(&identify));
+    answer_ramp(-share);
+    app.drive.probe.own_speed = identify.turn.low + 1;
+    TEST_ASSERT_TRUE(identify_turn_plan_ramp(&identify));
+    for (uint32_t part = 2U; part < 4U; part++) {
+        answer_ramp(share);
+        TEST_ASSERT_TRUE(identify_turn_plan_ramp(&identify));
+    }
+}
+
+TEST(test_ramps_that_the_bus_does_not_bear_take_twice_as_long_or_go_half_as_far)
+{
+    begin_ramps(0.3);
+    identify.turn.ramp_ticks = 1000;
+    wait_for_bus(0.3);
+    TEST_ASSERT_FALSE(identify.turn.steep);
+    TEST_ASSERT_EQUAL_INT32(2000, identify.turn.ramp_ticks);
+    pair_of_ramps(0.15);
+    TEST_ASSERT_TRUE(identify.turn.steep);
+    begin_ramps(0.3); /* of 400 ms, the longest */
+    const step_t down = identify.turn.top - identify.turn.low;
+    wait_for_bus(0.3);
+    TEST_ASSERT_EQUAL_INT32(400 * MS, identify.turn.ramp_ticks);
+    TEST_ASSERT_INT32_WITHIN(400 * MS, down / 2, identify.turn.top - identify.turn.low);
+    pair_of_ramps(0.15);
+    TEST_ASSERT_TRUE(identify.turn.steep);
 }
 
 /* Of 64 ticks, 1024 at both ends, and a hold of 80 ms. */
