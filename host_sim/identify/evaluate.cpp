@@ -27,6 +27,7 @@ constexpr double ROUNDING_NOISE_LSB = 0.28867513459481288225; // 1/√12, of a s
 // Of a low pass of the sensors: of what its correction changes, and of what shows of one that is too weak to be told.
 constexpr double CORRECTION_UNSURE = 0.5;
 constexpr double UNEXPLAINED_OF_FLUX = 2;
+constexpr double LOAD_RATIO_MOST = 100; // over the rotor, of a load on a shaft
 constexpr double ELASTIC_UNSURE = 0.5; // of a load on an elastic shaft: what its swings may add or take
 constexpr double BUS_USED = 0.9; // of the voltage circle, at the rated speed
 
@@ -236,11 +237,14 @@ void remark_phases(const Phases &phases, std::vector<std::string> &remarks)
     }
 }
 
-// That which turns under the pulses across; 0: as much as in the ramps.
-double rotor_alone_kg_m2(const Flux &flux, const Inductances &inductances, int pole_pairs)
+// That which turns under the pulses across; 0: as much as in the ramps. With a load beyond LOAD_RATIO_MOST it is no rotor that
+// shows there, and the bar of L_q alone has it.
+double rotor_alone_kg_m2(const Flux &flux, const Shaft &shaft, const Inductances &inductances,
+                         int pole_pairs)
 {
     const double turned = 1.5 * pole_pairs * pole_pairs * flux.wb.value * flux.wb.value;
-    return inductances.alone_h_s2 > 0 ? turned / inductances.alone_h_s2 : 0;
+    const double alone = inductances.alone_h_s2 > 0 ? turned / inductances.alone_h_s2 : 0;
+    return alone * LOAD_RATIO_MOST > shaft.inertia_kg_m2.value ? alone : 0;
 }
 
 // A load on an elastic shaft: ramps that have not found it yet have the rotor alone.
@@ -298,7 +302,7 @@ Result evaluate(const Records &sent, const Config &plate, double temperature_c)
     Shaft shaft = fit_shaft(records, flux);
     const Inductances inductances =
         fit_inductances(records, legs, current_a, rotor_h_s2(flux, shaft, plate.motor.pole_pairs));
-    const double alone_kg_m2 = rotor_alone_kg_m2(flux, inductances, plate.motor.pole_pairs);
+    const double alone_kg_m2 = rotor_alone_kg_m2(flux, shaft, inductances, plate.motor.pole_pairs);
     add_elastic_bound(shaft, alone_kg_m2);
     Result result;
     if (!records.remark.empty()) {

@@ -49,7 +49,7 @@ std::vector<Row> rows_of(const Result &r, const Truth &t)
                     lost_time_s(t.dead_time_s, t.knee_a, t.current_a), r.lost_time_bar_s});
     rows.push_back(
         {"knee_a", "knee of a leg", "A", 1, std::max(m.knee_a, 0.0), t.knee_a, r.knee_bar_a});
-    rows.push_back({"gain_mismatch_pct", "gain a over b", "%", 1, m.gain_mismatch_pct,
+    rows.push_back({"gain_mismatch_pct", "gain a/b - 1", "%", 1, m.gain_mismatch_pct,
                     t.gain_mismatch_pct, m.gain_mismatch_bar_pct});
     rows.push_back({"current_noise_lsb", "noise", "LSB", 1, m.current_noise_lsb,
                     t.current_noise_lsb, r.noise_bar_lsb});

@@ -176,7 +176,7 @@ TEST(test_the_table_and_the_json_have_a_row_each)
     const std::string table = table_text(found, std::nullopt);
     const auto json = nlohmann::json::parse(json_text(found, std::nullopt, 15));
     for (const char *const title :
-         {"R  ", "knee of a leg", "gain a over b", "noise", "L_d at 2 A", "L_q at 5 A"}) {
+         {"R  ", "knee of a leg", "gain a/b - 1", "noise", "L_d at 2 A", "L_q at 5 A"}) {
         TEST_ASSERT_NOT_EQUAL_size_t_MESSAGE(std::string::npos, table.find(title), title);
     }
     for (const char *const key :
