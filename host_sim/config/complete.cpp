@@ -74,7 +74,7 @@ void check_complete(FileKind kind, const Layer &home, const Config &config)
     if (is_plate) {
         fail(
             place, fmt::format("{}", fmt::join(names_of(lacking), ", ")), "",
-            "are missing: this is a name plate, motorsim identify --records measures them on a board",
+            "are missing: this is a name plate; `identify` in `motorsim live`, or `motorsim identify --records` of a console's log, measures them on a board",
             "");
     }
     refuse_missing(place, lacking);

@@ -4,8 +4,11 @@
 #include "about_text.h"
 #include "answers.h"
 #include "ends_with.h"
+#include "evaluate.h"
 #include "fault_line.h"
+#include "findings.h"
 #include "found_fault.h"
+#include "measured_file.h"
 #include "names.h"
 #include "numbers.h"
 #include "output_file.h"
@@ -16,6 +19,8 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
+#include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
@@ -34,6 +39,8 @@ constexpr int DUMP_TRIES = 5;
 constexpr double PASS_S = 0.02;         // between two looks at what has come
 constexpr int DUMP_PASSES = 6000;       // 120 s: all its lines at 9600 baud
 constexpr int DUMP_SILENT_PASSES = 100; // 2 s: the line that says its end is lost
+constexpr int IDENTIFY_PASSES = 6500;   // 130 s: the drive ends it by itself within 2 minutes
+constexpr double WINDING_C = 25;        // of which nobody knows more
 constexpr double WAIT_MAX_S = 86400;    // a day
 constexpr double REST_S = 10;           // in which a rotor comes to rest
 constexpr const char *MEASURED = "the motor is being measured; stop ends that";
@@ -64,13 +71,13 @@ std::string BoardCommands::help()
            "get [PART]              the settings in force, those with PART in their path\n"
            "dump FILE               the configuration in force as a block: `load`, `nfconfig show`\n"
            "load FILE               the block of a file becomes the one in force\n"
-           "adopt                   the configuration of the files becomes the one in force\n"
+           "adopt [MOTOR]           the configuration of the files, with this motor's, becomes the one in force\n"
            "defaults                the image's own configuration becomes the one in force\n"
            "store                   the configuration in force survives the next start\n"
            "status                  what the drive does\n"
            "record FILE             the ticks that are kept, up to the last fault, for `motorsim replay`\n"
            "debug [SECONDS]         step through the last seconds, forwards and backwards\n"
-           "identify                the drive measures its motor\n"
+           "identify [PLATE [FILE]] the drive measures its motor, that of a name plate too; into a new motor file\n"
            "wait SECONDS            before the next command\n"
            "quit";
 }
@@ -145,13 +152,78 @@ Answer BoardCommands::run()
 }
 
 // The shadow does not know of it at once.
-Answer BoardCommands::identify()
+std::string BoardCommands::begin_identification()
 {
     const std::string why = follower_.client().line("identify");
     if (why.empty()) {
         remember(drive_command_t{0, DRIVE_MODE_SPEED, DRIVE_REQUEST_PROBE});
     }
-    return of_verdict(why);
+    return why;
+}
+
+// Returns why there are no records.
+std::string BoardCommands::end_identification()
+{
+    for (int pass = 0; !measurement_->has_ended() && pass < IDENTIFY_PASSES; pass++) {
+        surroundings_.pass(PASS_S);
+    }
+    if (!measurement_->has_ended()) {
+        return "its end did not come; `stop` ends it on the board";
+    }
+    return measurement_->refusal();
+}
+
+// Measures with the configuration in force.
+Answer BoardCommands::measure(const Config &known, OutputFile *file)
+{
+    measurement_.emplace();
+    const std::string unsent = begin_identification();
+    const std::string why = unsent.empty() ? end_identification() : unsent;
+    const Measurement measured = *std::exchange(measurement_, std::nullopt);
+    if (!why.empty()) {
+        return refused("identify: " + why);
+    }
+    const identify::Records records = identify::read_records(measured.lines(), "the console");
+    const identify::Result result = identify::evaluate(records, known, WINDING_C);
+    if (file != nullptr) {
+        file->write(measured_motor_file(result.motor, result.measured,
+                                        fmt::format("Measured by the drive in {:.0f} s, at its line.",
+                                                    records.duration_s)));
+        file->close();
+    }
+    return done(identify::table_text(result, std::nullopt));
+}
+
+Answer BoardCommands::identify(const std::string &files)
+{
+    std::istringstream words(files);
+    std::string plate;
+    std::string path;
+    std::string more;
+    words >> plate >> path >> more;
+    if (!more.empty()) {
+        return refused(
+            fmt::format("identify takes a name plate and a new file, found \"{}\" too", more));
+    }
+    if (path.empty()) {
+        return identify(plate, nullptr);
+    }
+    if (std::filesystem::exists(path)) {
+        return refused(path + ": is there already; identify takes the name of a new file");
+    }
+    OutputFile file(path);
+    Answer answer = identify(plate, &file);
+    if (answer.outcome == Outcome::done) {
+        answer.text += fmt::format("ok: `adopt {}` makes it the one in force, `store` keeps it", path);
+    }
+    return answer;
+}
+
+Answer BoardCommands::identify(const std::string &plate, OutputFile *file)
+{
+    const Config known = configuration_.plate(plate);
+    const Answer taken = plate.empty() ? done() : configuration_.take_plate(known);
+    return taken.outcome == Outcome::done ? measure(known, file) : taken;
 }
 
 Answer BoardCommands::speed(const std::string &value)
@@ -239,6 +311,9 @@ void BoardCommands::take_text(const std::string &characters)
 
 void BoardCommands::take_line(const std::string &line)
 {
+    if (measurement_ && measurement_->take(line)) {
+        return;
+    }
     const bool recorded = dumping_ && line.front() == RECORDER_LINE_MARK;
     if (recorded) {
         dump_ += line + '\n';
@@ -373,13 +448,13 @@ Answer BoardCommands::execute(const std::string &line)
         {"get", [&] { return configuration_.get(rest); }},
         {"dump", [&] { return configuration_.dump(rest); }},
         {"load", [&] { return configuration_.load(rest); }},
-        {"adopt", [this] { return configuration_.adopt(); }},
+        {"adopt", [&] { return configuration_.adopt(rest); }},
         {"defaults", [this] { return configuration_.defaults(); }},
         {"store", [this] { return store(); }},
         {"status", [this] { return status(); }},
         {"record", [&] { return record(rest); }},
         {"debug", [&] { return step_through(rest); }},
-        {"identify", [this] { return identify(); }},
+        {"identify", [&] { return identify(rest); }},
         {"wait", [&] { return wait(rest); }},
         {"help", [] { return done(help()); }},
         {"quit", [] { return Answer{Outcome::quit, ""}; }},

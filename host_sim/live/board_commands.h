@@ -5,6 +5,7 @@
 #include "commands.h"
 #include "configuration_commands.h"
 #include "follower.h"
+#include "measurement.h"
 #include "output_file.h"
 
 #include <functional>
@@ -58,7 +59,11 @@ private:
     debug::Answer amend(const std::function<void(drive_command_t &)> &change);
     debug::Answer request(uint8_t what);
     debug::Answer run();
-    debug::Answer identify();
+    debug::Answer identify(const std::string &files);
+    debug::Answer identify(const std::string &plate, OutputFile *file);
+    debug::Answer measure(const Config &known, OutputFile *file);
+    std::string begin_identification();
+    std::string end_identification();
     debug::Answer speed(const std::string &value);
     debug::Answer position(const std::string &value);
     debug::Answer torque(const std::string &value);
@@ -81,6 +86,7 @@ private:
     double commanded_s_ = 0;
     uint64_t commanded_in_ = 0; // connection; 0: none
     std::string line_;          // of the console, so far
+    std::optional<Measurement> measurement_; // that is under way
     bool dumping_ = false;
     std::string dump_;
     bool dump_ended_ = false;

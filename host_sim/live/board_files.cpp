@@ -68,6 +68,17 @@ FileChoice choice_of(const std::string &block_name, const FileChoice &given)
                                   block_name));
 }
 
+FileChoice with_own_motor(const std::string &block_name, const FileChoice &given)
+{
+    FileChoice others = given;
+    if (!given.motor.empty() && (given.board.empty() || given.tuning.empty())) {
+        others.motor.clear();
+    }
+    FileChoice choice = choice_of(block_name, others);
+    choice.motor = given.motor.empty() ? choice.motor : given.motor;
+    return choice;
+}
+
 void check(const std::string &block_name, const FileChoice &given)
 {
     if (!given.motor.empty()) {

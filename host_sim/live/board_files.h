@@ -25,6 +25,9 @@ struct FileChoice {
 // shipped files have these names.
 FileChoice choice_of(const std::string &block_name, const FileChoice &given);
 
+// The same where the motor is not that of the block: its board and tuning are.
+FileChoice with_own_motor(const std::string &block_name, const FileChoice &given);
+
 // Whether what is given can be read, and its keys be set, for a block of this name. Throws ConfigError. That the names do not
 // go with the block is no reason: the files may be adopted.
 void check(const std::string &block_name, const FileChoice &given);

@@ -9,6 +9,7 @@
 #include "identity.h"
 #include "output_file.h"
 #include "pattern.h"
+#include "plate.h"
 #include "trimmed.h"
 
 #include <cstring>
@@ -147,10 +148,30 @@ Answer ConfigurationCommands::set(const std::string &assignments)
     return answer;
 }
 
-Answer ConfigurationCommands::adopt()
+Answer ConfigurationCommands::adopt(const std::string &motor)
 {
-    return apply(
-        make_block(nf::live::load(choice_of(follower_.block_in_force().about.name, files_))));
+    FileChoice wanted = files_;
+    wanted.motor = motor.empty() ? files_.motor : motor;
+    wanted = with_own_motor(follower_.block_in_force().about.name, wanted);
+    const Answer answer = apply(make_block(nf::live::load(wanted)));
+    if (answer.outcome == Outcome::done) {
+        files_ = std::move(wanted);
+    }
+    return answer;
+}
+
+Config ConfigurationCommands::plate(const std::string &motor)
+{
+    const std::string name = follower_.block_in_force().about.name;
+    FileChoice choice = files_;
+    choice.motor = motor.empty() ? files_.motor : motor;
+    choice = with_own_motor(name, choice);
+    return known_from_plate(load_plate(choice.motor, choice.board, {}, choice.set));
+}
+
+Answer ConfigurationCommands::take_plate(const Config &plate)
+{
+    return apply(make_block(with_typical(plate)));
 }
 
 Answer ConfigurationCommands::apply(const config_block_t &block)

@@ -21,8 +21,12 @@ public:
     // One or several KEY=VALUE, which act together from one tick on. Only settings of the drive that these keys change are
     // written; a setting that somebody has changed without the files is not changed again, and its path is said.
     debug::Answer set(const std::string &assignments);
-    // That of the files.
-    debug::Answer adopt();
+    // That of the files; with a motor's, which is the session's from then on.
+    debug::Answer adopt(const std::string &motor = "");
+    // The name plate of a file on the board that is connected, or, without one, of the motor in force.
+    Config plate(const std::string &motor);
+    // A name plate becomes what is in force, with typical values (plate.h) for what it does not say.
+    debug::Answer take_plate(const Config &plate);
     // That of the image.
     debug::Answer defaults();
     // The settings in force whose paths have this text in them, a line each; all when it is empty.

@@ -19,9 +19,9 @@ LONGEST_TICKS = 250_000  # 25 s
 class Bench:
     """The image with its machine, and what is wrong with that."""
 
-    def __init__(self, image, board_file, clock, machine, instant=True):
-        """`machine`: the command line of bil_motor."""
-        self.board = board.Board(image, board_file, clock)
+    def __init__(self, image, board_file, clock, machine, instant=True, flashed=()):
+        """`machine`: the command line of bil_motor. `flashed`: what another start has left in the store's pages."""
+        self.board = board.Board(image, board_file, clock, flashed=flashed)
         self.board.chip.usart.instant = instant
         self.plant = subprocess.Popen(machine, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         self.random = random.Random(1)

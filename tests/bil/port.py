@@ -7,6 +7,7 @@ until its input ends. Each line of that input is obeyed between two ticks: `open
 
 import os
 import sys
+import time
 import tty
 from pathlib import Path
 
@@ -14,6 +15,7 @@ import machine
 
 SCENARIO = "s1_robust"  # motor A
 AT_ONCE = 4096
+WAITS_S = 0.001
 PHASES = {"none": 0, "a": 1, "b": 2, "c": 4}  # bil_motor has a bit for each
 
 
@@ -32,12 +34,13 @@ def read_at_once(file):
 class Port(machine.Bench):
     """The bench, whose console is on a pseudo-terminal."""
 
-    def __init__(self, image, board, clock, bil_motor):
+    def __init__(self, image, board, clock, bil_motor, machine_settings=(), flashed=()):
         self.master, self.port = os.openpty()
         tty.setraw(self.port)
         os.set_blocking(self.master, False)
         self.name = os.ttyname(self.port)
-        super().__init__(image, board, clock, [bil_motor, SCENARIO, f"board={board}"], instant=False)
+        super().__init__(image, board, clock, [bil_motor, SCENARIO, f"board={board}", *machine_settings], instant=False,
+                         flashed=flashed)
 
     def close(self):
         super().close()
@@ -67,6 +70,21 @@ class Port(machine.Bench):
             self.load_nm = load_of(value)
         else:
             raise WrongWord(f"the line is \"{line}\"; allowed: `open phase` with {', '.join(PHASES)}, or `load` with N·m")
+
+
+class ReadPort(Port):
+    """Its time stands while its reader, a process, is behind: nothing is lost on a machine that has much else to do."""
+
+    reader = None
+
+    def hear(self):
+        said = bytes(self.board.chip.usart.said)
+        self.board.chip.usart.said.clear()
+        while said and self.reader and self.reader.poll() is None:
+            try:
+                said = said[os.write(self.master, said):]
+            except BlockingIOError:
+                time.sleep(WAITS_S)
 
 
 def load_of(text):

@@ -6,16 +6,14 @@ the drive; the machine is that of BIL_MOTOR with motor A. It starts, takes a loa
 """
 
 import csv
-import os
 import subprocess
 import sys
 import tempfile
-import time
 import tomllib
 import unittest
 from pathlib import Path
 
-from port import Port
+from port import ReadPort
 
 IMAGE, BOARD, CLOCK, BIL_MOTOR, MOTORSIM = (Path(argument).resolve() for argument in sys.argv[1:6])
 
@@ -30,27 +28,15 @@ LOAD_TICKS = 3000    # behind the begin of RUN
 FAULT_TICKS = 5000
 END_TICKS = 7000
 OPEN_PHASE = 1
-WAITS_S = 0.001
 PACE = 0.05  # seconds of the board in a second: as slow as a machine is with much else to do
 
 
-class WatchedPort(Port):
-    """Of this image; remembers what its timer was given. Its time stands while its reader is behind: nothing is lost on a
-    machine that has much else to do."""
+class WatchedPort(ReadPort):
+    """Of this image; remembers what its timer was given."""
 
     def __init__(self):
         self.acted = []  # in each tick
-        self.reader = None  # a process
         super().__init__(IMAGE, BOARD, CLOCK, BIL_MOTOR)
-
-    def hear(self):
-        said = bytes(self.board.chip.usart.said)
-        self.board.chip.usart.said.clear()
-        while said and self.reader and self.reader.poll() is None:
-            try:
-                said = said[os.write(self.master, said):]
-            except BlockingIOError:
-                time.sleep(WAITS_S)
 
     def tick(self, ticks=1):
         for _ in range(ticks):

