@@ -26,6 +26,6 @@ struct Result {
 
 // plate: as load_plate() has read it, with the board of the records. temperature_c: of the winding. Throws ConfigError, one
 // line, where the records do not go with the files or end too early.
-Result evaluate(const Records &records, const Config &plate, double temperature_c);
+Result evaluate(const Records &sent, const Config &plate, double temperature_c);
 
 } // namespace nf::identify
