@@ -91,8 +91,9 @@ struct Beside {
     double rotor_h_s2 = 0;
 };
 
-Burst burst_of(const Record &r, const Legs &legs, const Beside &beside)
+Burst burst_of(const Record &r, const Legs &at_rest, const Beside &beside)
 {
+    const Legs legs = at_rest.at_bus(r.bus_v);
     const double change = measured_change(r, legs);
     double inductance = r.pulse_v * legs.period_s * r.ticks / change;
     for (int k = 0; k < SEARCHES; k++) {

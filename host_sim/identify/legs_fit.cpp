@@ -29,6 +29,8 @@ constexpr double RIPPLE_OF_KNEE = 2e-3;
 constexpr double KNEE_UNSEEN = 2.5e-4;
 constexpr double KNEE_UNSURE = 5e-3;
 constexpr double MISMATCH_UNSURE = 6e-4; // of a gain: the steps of the converter
+// Of the loss: the drop of the devices, which a bus that sags under the current does not change as it changes the dead time's.
+constexpr double DROP_OF_LOSS = 0.25;
 // Of R: a smaller rise is not told from what differs between the axes, and then half of it is in the bound of R.
 constexpr double WARMING_SEEN = 0.01;
 constexpr double WARMING_SIGMAS = 3;
@@ -48,6 +50,7 @@ struct Level {
     int axis = 0;
     double measured_a = 0;
     double voltage_v = 0;
+    double bus_share = 1; // of the mean over all levels
     // What the winding has taken up until the middle of it: 0 at the beginning, 1 at the end of the rest.
     double heat = 0;
 };
@@ -57,15 +60,27 @@ bool is_at_rest(const Record &record)
     return record.kind == "still" || record.kind == "burst" || record.kind == "catch";
 }
 
+double mean_bus(const Records &records)
+{
+    const std::vector<Record> levels = records.of("still");
+    double sum = 0;
+    for (const Record &level : levels) {
+        sum += level.bus_v;
+    }
+    return sum / static_cast<double>(levels.size());
+}
+
 // A winding takes up i²·t, and in these few seconds it gives off next to nothing.
 std::vector<Level> levels_of(const Records &records)
 {
+    const double mean_v = mean_bus(records);
     std::vector<Level> levels;
     double taken_up = 0;
     for (const Record &r : records.all) {
         const double more = is_at_rest(r) ? std::norm(r.i_a) * r.ticks : 0;
         if (r.kind == "still") {
-            levels.push_back({r.axis, r.i_a.real(), r.voltage_v.real(), taken_up + more / 2});
+            levels.push_back({r.axis, r.i_a.real(), r.voltage_v.real(), r.bus_v / mean_v,
+                              taken_up + more / 2});
         }
         taken_up += more;
     }
@@ -99,7 +114,8 @@ Eigen::VectorXd residuals_of(const std::vector<Level> &levels, const Eigen::Vect
     const double knee = std::exp(p[LOG_KNEE]);
     for (std::size_t k = 0; k < levels.size(); k++) {
         const double i = true_current(levels[k], p[MISMATCH]);
-        const double lost = TWO_THIRDS * p[LOSS] * (shape(i / knee) + shape(i / 2 / knee));
+        const double loss = p[LOSS] * levels[k].bus_share;
+        const double lost = TWO_THIRDS * loss * (shape(i / knee) + shape(i / 2 / knee));
         const double warming = p.size() > WARMING ? p[WARMING] : 0;
         const double unlike = p[THIRD] * (levels[k].axis == 2 ? 1 : -0.5);
         const double resistance = p[RESISTANCE] * (1 + unlike) * (1 + warming * levels[k].heat);
@@ -155,20 +171,19 @@ void add_scale_bounds(Legs &legs)
         MISMATCH_UNSURE + TIMER_UNSURE * legs.bus_v / (legs.resistance_ohm.value * legs.largest_a);
 }
 
+// As if the loss were that of devices, which does not follow the bus.
+std::vector<Level> at_mean_bus(std::vector<Level> levels)
+{
+    for (Level &level : levels) {
+        level.bus_share = 1;
+    }
+    return levels;
+}
+
 // Nothing cools below what it was at the beginning.
 bool shows_warming(const Fit &fit)
 {
     return fit.value[WARMING] > std::max(WARMING_SEEN, WARMING_SIGMAS * fit.std[WARMING]);
-}
-
-double mean_bus(const Records &records)
-{
-    const std::vector<Record> levels = records.of("still");
-    double sum = 0;
-    for (const Record &level : levels) {
-        sum += level.bus_v;
-    }
-    return sum / static_cast<double>(levels.size());
 }
 
 } // namespace
@@ -178,6 +193,14 @@ double lost_share(double z)
     const double size = std::abs(z);
     const double lost = size <= 1 ? size / 2 : 1 - 1 / (2 * size);
     return z < 0 ? -lost : lost;
+}
+
+Legs Legs::at_bus(double volts) const
+{
+    Legs there = *this;
+    there.loss_v.value *= volts / bus_v;
+    there.bus_v = volts;
+    return there;
 }
 
 double Legs::lost_v(double leg_a) const
@@ -218,10 +241,12 @@ Legs fit_legs(const Records &records)
     const Parameter parameters = shows_warming(warm) ? PARAMETERS : WARMING;
     const Fit fit = fit_shape(levels, lost_share, parameters);
     const Fit other = fit_shape(levels, other_share, parameters);
+    const Fit steady = fit_shape(at_mean_bus(levels), lost_share, parameters);
     Legs legs;
     const auto value = [&](Parameter which) {
         return Value{fit.value[which], fit.std[which],
-                     std::abs(fit.value[which] - other.value[which]) / 2};
+                     std::abs(fit.value[which] - other.value[which]) / 2 +
+                         DROP_OF_LOSS * std::abs(fit.value[which] - steady.value[which])};
     };
     legs.resistance_ohm = value(RESISTANCE);
     legs.loss_v = value(LOSS);

@@ -31,6 +31,8 @@ struct Legs {
     double period_s = 0;
     double largest_a = 0; // of the levels
 
+    // With another bus voltage: the dead time takes its share of it.
+    Legs at_bus(double volts) const;
     // Voltage that a leg loses at a current.
     double lost_v(double leg_a) const;
     // The mean loss along a current vector that turns, |i| its length.
@@ -54,7 +56,7 @@ struct Legs {
 };
 
 // The curve v = R·i + 2/3·(f(i) + f(i/2)) through all levels on the three axes, f as knee.h has it; with the gains of the
-// sensors 1 + m/2 and 1 − m/2, as their mean cannot be seen. R is the mean of the three axes; phases.h tells what they differ by. The winding takes up i²·t and gets warm: R·(1 + w·h), h from 0
+// sensors 1 + m/2 and 1 − m/2, as their mean cannot be seen. f follows the bus, which sags under a current. R is the mean of the three axes; phases.h tells what they differ by. The winding takes up i²·t and gets warm: R·(1 + w·h), h from 0
 // to 1 as the sum of i²·t grows. The levels go down and up again, so w shows; R is that of the beginning. A rise below 1 % is
 // not told from what differs between the axes: R is that of all levels then, and half of the rise is in its bound. Throws
 // ConfigError where there are too few levels.

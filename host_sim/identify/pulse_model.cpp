@@ -183,7 +183,8 @@ Records without_lag(const Records &records, const Legs &legs, double inductance_
     Records undone = records;
     for (Record &r : undone.all) {
         const Vector later(1, r.speed_el_rad_s * sensor_lag_s);
-        r.i_a = later * (r.i_a - mean_seen_more(r, legs, inductance_h, sensor_lag_s));
+        const Legs there = legs.at_bus(r.bus_v);
+        r.i_a = later * (r.i_a - mean_seen_more(r, there, inductance_h, sensor_lag_s));
     }
     return undone;
 }

@@ -80,7 +80,7 @@ std::complex<double> without_resistance_v(const Record &r, const Legs &legs)
 std::complex<double> induced_v(const Record &r, const Legs &legs)
 {
     const double size = std::abs(r.i_a);
-    const double lost = size > 0 ? legs.lost_turning_v(size) / size : 0;
+    const double lost = size > 0 ? legs.at_bus(r.bus_v).lost_turning_v(size) / size : 0;
     return without_resistance_v(r, legs) - lost * r.i_a;
 }
 

@@ -53,6 +53,42 @@ std::optional<FileChoice> search(const std::string &block_name, const FileChoice
     return std::nullopt;
 }
 
+// Whether a block's name ends with these names of board and tuning file, whatever its motor is called.
+bool ends_with_names(const std::string &block_name, const Config &config)
+{
+    Config nameless = config;
+    nameless.motor.name.clear();
+    const std::string whole = about_name(nameless);
+    const std::string end = whole.substr(whole.find(','));
+    return block_name.size() >= end.size() &&
+           block_name.compare(block_name.size() - end.size(), end.size(), end) == 0;
+}
+
+// Board and tuning of a block whose motor may be nobody's but the user's. The motor of `given` stays.
+std::optional<FileChoice> search_around_motor(const std::string &block_name,
+                                              const FileChoice &given)
+{
+    FileChoice any = given;
+    any.set.clear();
+    for (const std::string &motor : list_motors()) {
+        any.motor = motor;
+        for (const std::string &board : candidates(given.board, list_boards())) {
+            any.board = board;
+            for (const std::string &tuning : candidates(given.tuning, list_tunings())) {
+                any.tuning = tuning;
+                try {
+                    if (ends_with_names(block_name, load(any))) {
+                        return FileChoice{given.motor, board, tuning, given.set};
+                    }
+                } catch (const ConfigError &) {
+                    continue; // these do not go together
+                }
+            }
+        }
+    }
+    return std::nullopt;
+}
+
 } // namespace
 
 FileChoice choice_of(const std::string &block_name, const FileChoice &given)
@@ -70,12 +106,16 @@ FileChoice choice_of(const std::string &block_name, const FileChoice &given)
 
 FileChoice with_own_motor(const std::string &block_name, const FileChoice &given)
 {
-    FileChoice others = given;
-    if (!given.motor.empty() && (given.board.empty() || given.tuning.empty())) {
-        others.motor.clear();
+    if (given.motor.empty() || !(given.board.empty() || given.tuning.empty())) {
+        return choice_of(block_name, given);
     }
+    if (const std::optional<FileChoice> found = search_around_motor(block_name, given)) {
+        return *found;
+    }
+    FileChoice others = given;
+    others.motor.clear();
     FileChoice choice = choice_of(block_name, others);
-    choice.motor = given.motor.empty() ? choice.motor : given.motor;
+    choice.motor = given.motor;
     return choice;
 }
 

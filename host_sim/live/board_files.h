@@ -25,7 +25,7 @@ struct FileChoice {
 // shipped files have these names.
 FileChoice choice_of(const std::string &block_name, const FileChoice &given);
 
-// The same where the motor is not that of the block: its board and tuning are.
+// The same where the motor is not that of the block, which may be no shipped one: its board and tuning are.
 FileChoice with_own_motor(const std::string &block_name, const FileChoice &given);
 
 // Whether what is given can be read, and its keys be set, for a block of this name. Throws ConfigError. That the names do not

@@ -599,6 +599,7 @@ TEST(a_speed_does_not_end_a_measurement_and_a_stop_does)
     bench.do_line("stop"); // before it turns
     bench.pass(RESYNC_S);
     bench.follower.client().line("identify"); // the command of the follower waits for the end
+    bench.pass(RESYNC_S); // what another has asked for shows when its ticks are shown
     for (int k = 0; k < 20; k++) {
         TEST_ASSERT_EQUAL_STRING("the motor is being measured; stop ends that",
                                  bench.refusal_of("speed 500").c_str());
