@@ -17,7 +17,7 @@
 #define LONGEST_MOVE_MS (5000U) /* of the first attempt, whose longest ramp takes 3 s */
 #define BRAKING_HELP \
     ": a supply that takes power back or a brake resistor helps, or a lower max_speed_rpm"
-#define LONGEST_MS (120000U)    /* of all experiments with their lines, which take 10 to 30 s */
+#define LONGEST_MS (120000U) /* of all experiments with their lines, which take 10 to 30 s */
 
 /* ---- the words of an experiment ---- */
 

@@ -471,10 +471,10 @@ typedef struct {
  */
 static const burst_t *burst_of(uint32_t step)
 {
-    static const burst_t bursts[BURSTS] = {
-        {8, 3, 0, false},  {16, 6, 0, false}, {16, 6, 0, true},  {5, 4, 0, false},
-        {3, 2, 0, false},  {2, 0, 6, false},  {2, 0, 11, false}, {2, 0, 11, true},
-        {2, 0, 16, false}, {8, 0, 14, false}};
+    static const burst_t bursts[BURSTS] = {{8, 3, 0, false},  {16, 6, 0, false}, {16, 6, 0, true},
+                                           {5, 4, 0, false},  {3, 2, 0, false},  {2, 0, 6, false},
+                                           {2, 0, 11, false}, {2, 0, 11, true},  {2, 0, 16, false},
+                                           {8, 0, 14, false}};
 
     return &bursts[(step - LEVELS) % BURSTS];
 }

@@ -82,8 +82,8 @@ typedef struct {
     uint32_t
         slower; /* times that the rotor was lost, and the ramps begun anew with half of their slope */
     int32_t ramp_ticks;
-    int32_t ramp_least; /* a shorter one has not come down in its window; 0: each has */
-    bool waited;        /* the last ramp down has not */
+    int32_t ramp_least;  /* a shorter one has not come down in its window; 0: each has */
+    bool waited;         /* the last ramp down has not */
     int32_t swing_ticks; /* 1/ω_n of the rotor in the field of the current; 0: not known */
     int32_t flux_q14;    /* φ as it showed, U_b/Ω_b */
     bool loaded;         /* friction takes so much torque that the current is the continuous one */

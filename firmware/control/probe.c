@@ -186,7 +186,9 @@ static step_t ramped(const probe_t *probe, int32_t lag, bool bus_bears)
     const bool rises = fx_abs(probe->speed) > fx_abs(probe->own_speed);
     const bool strains = (rises ? lag : -lag) > LAG_MOST;
 
-    return (strains || (!rises && !bus_bears)) ? probe->own_speed : fx_towards(probe->own_speed, probe->speed, probe->ramp);
+    return (strains || (!rises && !bus_bears))
+               ? probe->own_speed
+               : fx_towards(probe->own_speed, probe->speed, probe->ramp);
 }
 
 static uint32_t mean_bits(const probe_t *probe)

@@ -90,8 +90,8 @@ void probing_step(drive_t *drive, const drive_command_t *command, compare_t *out
     e = emf_of(drive);
     probe_set(probe, command->mode, command->target);
     note_sample(drive, e);
-    drive->vector.step = 
-        probe_turn(probe, rotor_position_angle(&drive->vector.position), e, probing_may_brake(drive));
+    drive->vector.step = probe_turn(probe, rotor_position_angle(&drive->vector.position), e,
+                                    probing_may_brake(drive));
     s->current_ref = (dq_t){.d = probe->current, .q = 0};
     demand(drive);
     frame_modulate_plain(drive, out);

@@ -28,8 +28,8 @@ constexpr double ROUNDING_NOISE_LSB = 0.28867513459481288225; // 1/√12, of a s
 constexpr double CORRECTION_UNSURE = 0.5;
 constexpr double UNEXPLAINED_OF_FLUX = 2;
 constexpr double LOAD_RATIO_MOST = 100; // over the rotor, of a load on a shaft
-constexpr double ELASTIC_UNSURE = 0.5; // of a load on an elastic shaft: what its swings may add or take
-constexpr double BUS_USED = 0.9; // of the voltage circle, at the rated speed
+constexpr double GAINS_ALIKE = 0.025;   // of two sensors of 1 % each, and what their resistors add
+constexpr double BUS_USED = 0.9;        // of the voltage circle, at the rated speed
 
 void check_scale(const char *what, double file, double record)
 {
@@ -223,6 +223,17 @@ std::string more_or_less(double share, const char *what)
                        what);
 }
 
+// A gain that both have in common shows in nothing, and is as likely as one by which they differ.
+void remark_gains(const Value &mismatch, std::vector<std::string> &remarks)
+{
+    if (std::abs(mismatch.value) > GAINS_ALIKE + bar_of(mismatch)) {
+        remarks.push_back(fmt::format(
+            "the current sensors' gains differ: a over b is {:.3f} ± {:.3f}; R, L and the flux linkage are those for the "
+            "mean of both, and a gain that both have too much or too little is in them",
+            1 + mismatch.value, bar_of(mismatch)));
+    }
+}
+
 void remark_phases(const Phases &phases, std::vector<std::string> &remarks)
 {
     if (phases.are_unlike) {
@@ -247,12 +258,11 @@ double rotor_alone_kg_m2(const Flux &flux, const Shaft &shaft, const Inductances
     return alone * LOAD_RATIO_MOST > shaft.inertia_kg_m2.value ? alone : 0;
 }
 
-// A load on an elastic shaft: ramps that have not found it yet have the rotor alone.
-void add_elastic_bound(Shaft &shaft, double alone_kg_m2)
+// Ramps that agree may have the same error, of a load that the pulses show to swing.
+void add_swing_bound(Shaft &shaft, double alone_kg_m2)
 {
-    if (alone_kg_m2 > 0) {
-        const double load = std::max(shaft.inertia_kg_m2.value - alone_kg_m2, 0.0);
-        shaft.inertia_kg_m2.bound += ELASTIC_UNSURE * load;
+    if (alone_kg_m2 > 0 && !shaft.swings) {
+        shaft.inertia_kg_m2.bound += shaft.swing_kg_m2;
     }
 }
 
@@ -264,11 +274,11 @@ void remark_elastic(const Shaft &shaft, double alone_kg_m2, std::vector<std::str
             "the load is on an elastic shaft and swings: quick pulses turn {:.2g} kg·m², ramps {:.2g} ± "
             "{:.2g} kg·m²",
             alone_kg_m2, shaft.inertia_kg_m2.value, bar_kg_m2));
-    } else if (shaft.apart_kg_m2 > 0) {
+    } else if (shaft.swings) {
         remarks.push_back(fmt::format(
-            "the load swings: ramps of another steepness have a J that is {:.2g} kg·m² apart; is the load "
-            "on an elastic shaft, or does it change?",
-            shaft.apart_kg_m2));
+            "the load swings: J is {:.2g} ± {:.2g} kg·m², as the ramps or the torque after them differ; is the "
+            "load on an elastic shaft, or does it change?",
+            shaft.inertia_kg_m2.value, bar_kg_m2));
     }
 }
 
@@ -300,10 +310,10 @@ Result evaluate(const Records &sent, const Config &plate, double temperature_c)
     Flux flux = fit_flux(records, legs, rough);
     add_lag_bound(flux, rough.lag, fit_flux(sent, legs, rough));
     Shaft shaft = fit_shaft(records, flux);
-    const Inductances inductances =
-        fit_inductances(records, legs, current_a, rotor_h_s2(flux, shaft, plate.motor.pole_pairs));
+    const Inductances inductances = fit_inductances(
+        records, legs, current_a, {rotor_h_s2(flux, shaft, plate.motor.pole_pairs), shaft.swings});
     const double alone_kg_m2 = rotor_alone_kg_m2(flux, shaft, inductances, plate.motor.pole_pairs);
-    add_elastic_bound(shaft, alone_kg_m2);
+    add_swing_bound(shaft, alone_kg_m2);
     Result result;
     if (!records.remark.empty()) {
         result.remarks.push_back(records.remark);
@@ -328,6 +338,7 @@ Result evaluate(const Records &sent, const Config &plate, double temperature_c)
     result.flux = flux;
     remark_lag(inductances.lag, result.remarks);
     remark_phases(phases, result.remarks);
+    remark_gains(phases.mismatch, result.remarks);
     remark_elastic(shaft, alone_kg_m2, result.remarks);
     remark_flux(flux, result.remarks);
     remark_trend(flux, plate.motor.pole_pairs, result.remarks);

@@ -46,6 +46,7 @@ constexpr double LAG_FIRST = 1.0 / 32; // of a period
 constexpr double LAG_MOST = 8;
 constexpr int LAG_SEARCHES = 12;
 // Of 1/L across: what slow pulses may have more of it without a rotor that they turn.
+constexpr double SWING_SEEN = 1.5; // over that
 constexpr double SWING_SIGMAS = 3;
 constexpr double SWING_SCALE = 3e-3;
 constexpr double SWING_LOSS_UNSURE = 0.06;
@@ -114,7 +115,7 @@ Burst burst_of(const Record &r, const Legs &at_rest, const Beside &beside)
     burst.lost_share = legs.loss_v.value / r.pulse_v;
     burst.quarter_s = r.quarter_ticks * legs.period_s;
     burst.period_s = legs.period_s;
-    burst.inductance_h = 
+    burst.inductance_h =
         with_still_rotor(inductance, burst.quarter_s, r.across ? beside.rotor_h_s2 : 0);
     return burst;
 }
@@ -448,14 +449,15 @@ void add_difference(Inductances &found, const Inductances &other)
 } // namespace
 
 Inductances fit_inductances(const Records &records, const Legs &legs, double current_a,
-                            double rotor_h_s2)
+                            const Turned &turned)
 {
     const SensorLag lag = fit_lag(records, legs);
-    Beside beside{lag.s.value, rotor_h_s2};
+    Beside beside{lag.s.value, turned.rotor_h_s2};
     Bursts bursts = bursts_of(records, legs, beside);
     const double most_a = std::min(current_a, largest(bursts.across, &Burst::peak_a));
     const Swing swing = fit_swing(bursts.across, legs, most_a);
-    const bool swings = rotor_h_s2 > 0 && swing.more_h_s2 > swing.unsure_h_s2;
+    const double least_h_s2 = turned.load_swings ? 0 : SWING_SEEN * swing.unsure_h_s2;
+    const bool swings = turned.rotor_h_s2 > 0 && swing.more_h_s2 > least_h_s2;
     if (swings) {
         beside.rotor_h_s2 += swing.more_h_s2;
         bursts = bursts_of(records, legs, beside);

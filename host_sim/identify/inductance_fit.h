@@ -42,12 +42,18 @@ struct Inductances {
     AxisShares axes;
 };
 
+// What is known of the rotor that the pulses across turn a little.
+struct Turned {
+    double rotor_h_s2 = 0;    // 1.5·P²·φ²/J; 0: nothing
+    bool load_swings = false; // the ramps show it: the pulses turn less than that J
+};
+
 // Each burst gives the L with which a model of the winding, its resistance and its legs answers as was measured. 1/L_d is
 // a parabola over the bias, 1/L_q a polynomial of the pulse's current, as iron saturates. The sensors' mismatch cancels in
-// the mean of the three axes. rotor_h_s2: 1.5·P²·φ²/J of a rotor that the pulses across turn a little, 0 before it is known.
+// the mean of the three axes.
 // current_a: for which L_q is stated, at most that of the pulses. Throws ConfigError where there
 // are too few bursts.
 Inductances fit_inductances(const Records &records, const Legs &legs, double current_a,
-                            double rotor_h_s2 = 0);
+                            const Turned &turned = {});
 
 } // namespace nf::identify

@@ -79,8 +79,8 @@ std::vector<Level> levels_of(const Records &records)
     for (const Record &r : records.all) {
         const double more = is_at_rest(r) ? std::norm(r.i_a) * r.ticks : 0;
         if (r.kind == "still") {
-            levels.push_back({r.axis, r.i_a.real(), r.voltage_v.real(), r.bus_v / mean_v,
-                              taken_up + more / 2});
+            levels.push_back(
+                {r.axis, r.i_a.real(), r.voltage_v.real(), r.bus_v / mean_v, taken_up + more / 2});
         }
         taken_up += more;
     }

@@ -23,8 +23,9 @@ struct Legs {
     Value resistance_ohm; // at the beginning
     // Of a leg for a large current: dead time over period times bus, and the device drop.
     Value loss_v;
-    Value knee_a;     // half of that is lost there (host_sim/plant/knee.h)
-    Value mismatch;   // gain of sensor a less that of sensor b, of their mean; phases of unlike R are in it
+    Value knee_a; // half of that is lost there (host_sim/plant/knee.h)
+    Value
+        mismatch; // gain of sensor a less that of sensor b, of their mean; phases of unlike R are in it
     Value third;      // R on the axis of phase c over that of all three axes, less one
     Value warming;    // the share by which the winding's R has risen at the end of the levels
     double bus_v = 0; // mean

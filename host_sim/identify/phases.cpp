@@ -52,12 +52,13 @@ Phases fit_phases(const Legs &legs, const Inductances &inductances)
         const double l_axis[] = {(l_apart - axes.share[2]) / 2, (-l_apart - axes.share[2]) / 2,
                                  axes.share[2]};
         const auto smaller = [](double a, double b) { return std::abs(a) < std::abs(b); };
-        phases.phase =
-            static_cast<int>(std::max_element(r_axis, r_axis + 3, smaller) - r_axis);
+        phases.phase = static_cast<int>(std::max_element(r_axis, r_axis + 3, smaller) - r_axis);
         phases.resistance_share = of_phase(r_axis[phases.phase]);
         phases.inductance_share = turns_differ ? of_phase(l_axis[phases.phase]) : 0;
         difference.value += r_apart;
         difference.bound += std::abs(apart) / 2 + unsure;
+    } else {
+        difference.bound += std::abs(apart); // too little to be told from gains
     }
     phases.mismatch = ratio_of(difference);
     return phases;

@@ -83,8 +83,9 @@ Truth truth_of(const Config &config)
     truth.dead_time_s = config.plant.dead_time_s +
                         config.plant.device_drop_v / config.board.bus_nominal_v * period_s;
     truth.current_a = continuous_current(config.motor);
-    truth.iron = {truth.inductance_d_h, motor.inductance_q_h * turns.mean_square, motor.saturation_a,
-                  motor.saturation_d,   motor.saturation_q,   motor.saturation_shared};
+    truth.iron = {truth.inductance_d_h, motor.inductance_q_h * turns.mean_square,
+                  motor.saturation_a,   motor.saturation_d,
+                  motor.saturation_q,   motor.saturation_shared};
     truth.inductance_q_h = inductance_q_h(truth, truth.current_a);
     const auto &gain_pct = config.plant.adc_gain_error_pct;
     truth.gain_mismatch_pct =

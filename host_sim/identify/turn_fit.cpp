@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace nf::identify
 {
@@ -20,6 +21,8 @@ constexpr std::size_t COAST_WINDOWS = 6; // the first of them: later ones are sl
 constexpr double TORQUE_FACTOR = 1.5;
 constexpr double SAME_SPEED = 0.1;
 constexpr double UNLIKE_CURRENTS = 1.2; // one over the other, at least
+constexpr double RAMP_OFF =
+    0.05; // of the change of speed: a ramp whose mean is so far from its middle has waited
 constexpr double INERTIA_SCALE = 6e-3;
 constexpr double TORQUE_UNSURE = 9e-4; // of what the current can pull: angle of the voltage, delays
 constexpr double HELD_UNSURE = 2e-3;   // likewise, at constant speed
@@ -32,6 +35,16 @@ constexpr double BOTH_LOSS_UNSURE = 0.024; // of both ways together, found on si
 // Of one window against another at another speed: of the loss, and of R·i where the rotor swings over its cogging.
 constexpr double TREND_LOSS_UNSURE = 0.1;
 constexpr double TREND_SWING_UNSURE = 0.02;
+// Of a load that swings: the impulse that is left after a ramp, over the bound of J, and what of it errors explain; of the rest
+// in J; what ramps of unlike steepness are apart,
+// over both bars; a time of the swing over that of a window, its angle.
+constexpr double LEFT_SEEN = 6;
+constexpr double SCATTER_SEEN = 3; // of pairs of one steepness, over that bound
+constexpr double LEFT_EXPLAINED = 1.5;
+constexpr double LEFT_UNSURE = 2;
+constexpr double INERTIA_UNSURE_MOST = 3; // of a J that is of any use
+constexpr double APART_SEEN = 1.5;
+constexpr double SWING_UNSURE = 8;
 constexpr double FLUX_SCALE = 1e-3; // the voltage is known to, with harmonics of the EMF
 constexpr double EVENLY = 0.95;     // of a range in which all is alike likely: 95 % are within
 
@@ -249,12 +262,23 @@ bool is_pair(const std::vector<Record> &all, std::size_t at)
            all[at + 3].kind == "hold";
 }
 
+// A ramp down that has waited for the bus ends after its window, whose mean speed is above the middle then.
+bool is_whole(const Pair &pair)
+{
+    const double middle = (pair.low->speed_el_rad_s + pair.high->speed_el_rad_s) / 2;
+    const double off = std::abs(pair.down->speed_el_rad_s - middle);
+    return off < RAMP_OFF * (pair.high->speed_el_rad_s - pair.low->speed_el_rad_s);
+}
+
 std::vector<Pair> pairs_of(const std::vector<Record> &all)
 {
     std::vector<Pair> pairs;
     for (std::size_t k = 0; k + 3 < all.size(); k++) {
         if (is_pair(all, k)) {
-            pairs.push_back({&all[k], &all[k + 1], &all[k + 2], &all[k + 3]});
+            const Pair pair = {&all[k], &all[k + 1], &all[k + 2], &all[k + 3]};
+            if (is_whole(pair)) {
+                pairs.push_back(pair);
+            }
             k += 3;
         }
     }
@@ -317,22 +341,102 @@ Value bounded_inertia(const std::vector<Pair> &pairs, const Scales &scales, cons
     return inertia;
 }
 
-// A rotor with all that it turns has the same inertia in ramps of each steepness. A load that swings on an elastic shaft has
-// not: what is nearest to all of it are the slowest ramps, and the others tell how far off that may be.
-void take_disagreement(const std::vector<std::vector<Pair>> &groups, const Scales &scales,
-                       const Flux &flux, Shaft &shaft)
+// The first ramp, much slower than those of the pairs, between two windows of constant speed. Without it: nothing.
+std::optional<Pair> slow_ramp(const std::vector<Record> &all)
 {
-    const Value steep = shaft.inertia_kg_m2;
-    for (const std::vector<Pair> &pairs : groups) {
-        const Value slower = bounded_inertia(pairs, scales, flux);
-        const double apart = std::abs(slower.value - steep.value);
-        if (apart > bar(slower) + bar(steep) && apart > shaft.apart_kg_m2) {
-            shaft.apart_kg_m2 = apart;
-            shaft.inertia_kg_m2 = slower;
+    for (std::size_t k = 0; k + 2 < all.size(); k++) {
+        if (all[k].kind == "spin" && all[k + 1].kind == "ramp" && all[k + 2].kind == "spin") {
+            return Pair{nullptr, &all[k], &all[k + 1], &all[k + 2]};
         }
     }
-    if (shaft.apart_kg_m2 > 0) {
-        shaft.inertia_kg_m2.bound += std::max(shaft.apart_kg_m2, std::abs(steep.value) / 2);
+    return std::nullopt;
+}
+
+double torque_a_tick(const Record &r)
+{
+    return r.torque / r.ticks;
+}
+
+// What a constant speed takes, by a line through the windows on both sides of the slow ramp.
+double friction_a_tick(const Pair &slow, double speed_el_rad_s)
+{
+    const double low = torque_a_tick(*slow.low);
+    const double share = (speed_el_rad_s - slow.low->speed_el_rad_s) /
+                         (slow.high->speed_el_rad_s - slow.low->speed_el_rad_s);
+    return low + (torque_a_tick(*slow.high) - low) * share;
+}
+
+// The impulse that the windows after a pair's ramps have more or less than friction takes, over that of a ramp: a rotor with
+// all that it turns has its speed by then, a load on an elastic shaft swings about it.
+double left_share(const std::vector<Pair> &pairs, const Pair &slow)
+{
+    double squares = 0;
+    double ramps = 0;
+    for (const Pair &pair : pairs) {
+        for (const Record *hold : {pair.low, pair.high}) {
+            const double more = torque_a_tick(*hold) - friction_a_tick(slow, hold->speed_el_rad_s);
+            squares += std::pow(more * hold->ticks, 2) / 2;
+        }
+        ramps += std::abs(pair.up->torque - pair.down->torque) / 2;
+    }
+    const auto count = static_cast<double>(pairs.size());
+    return std::sqrt(squares / count) / (ramps / count);
+}
+
+// Of one steepness, with what a load that swings may add or take.
+struct Steepness {
+    Value inertia;
+    double left = 0; // left_share()
+    bool swings = false;
+};
+
+// What is left beyond what the errors of the torque explain is of a rotor that still swings itself, or of a load that does. It
+// is a bound of J in any case.
+Steepness steepness_of(const std::vector<Pair> &pairs, const std::optional<Pair> &slow,
+                       const Scales &scales, const Flux &flux)
+{
+    Steepness found;
+    found.inertia = bounded_inertia(pairs, scales, flux);
+    found.left = slow ? left_share(pairs, *slow) : 0;
+    const double left = found.left * std::abs(found.inertia.value);
+    const double explained = LEFT_EXPLAINED * found.inertia.bound;
+    found.swings = left > LEFT_SEEN * found.inertia.bound ||
+                   2 * found.inertia.std > SCATTER_SEEN * found.inertia.bound;
+    found.inertia.bound += LEFT_UNSURE * std::max(left - explained, 0.0);
+    return found;
+}
+
+// Ramps of all steepness have the same J, and the torque after them is that of friction. Where they have not, or it is not,
+// the load swings on an elastic shaft. The impulse that is left then, by the time of a swing in place of that of the window, is
+// missing in J or too much of it; J is that of the ramps which leave the smallest share of theirs.
+void take_swing(const std::vector<Record> &all, const std::vector<std::vector<Pair>> &groups,
+                const Scales &scales, const Flux &flux, Shaft &shaft)
+{
+    const std::optional<Pair> slow = slow_ramp(all);
+    std::vector<Steepness> found;
+    for (const std::vector<Pair> &pairs : groups) {
+        found.push_back(steepness_of(pairs, slow, scales, flux));
+    }
+    const Steepness &steep = found.back();
+    const Steepness *calm = &steep;
+    double apart = 0;
+    bool swings = false;
+    for (const Steepness &other : found) {
+        const double difference = std::abs(other.inertia.value - steep.inertia.value);
+        if (difference > APART_SEEN * (bar(other.inertia) + bar(steep.inertia))) {
+            apart = std::max(apart, difference);
+        }
+        swings = swings || other.swings;
+        if (other.inertia.value > 0 && other.left < calm->left) {
+            calm = &other;
+        }
+    }
+    shaft.inertia_kg_m2 = steep.inertia;
+    shaft.swings = apart > 0 || swings;
+    shaft.swing_kg_m2 = SWING_UNSURE * calm->left * calm->inertia.value;
+    if (shaft.swings) {
+        shaft.inertia_kg_m2 = calm->inertia;
+        shaft.inertia_kg_m2.bound += apart + shaft.swing_kg_m2;
     }
 }
 
@@ -435,16 +539,15 @@ Shaft fit_shaft(const Records &records, const Flux &flux)
     if (groups.empty()) {
         throw ConfigError("the records end before the ramps of speed");
     }
-    const std::vector<Pair> &pairs = groups.back();
     Shaft shaft;
-    shaft.inertia_kg_m2 = bounded_inertia(pairs, records.scales, flux);
-    take_disagreement(groups, records.scales, flux, shaft);
-    if (shaft.inertia_kg_m2.value <= 0) {
-        throw ConfigError("the ramps show no inertia: a load on an elastic shaft swings, or the load changes; "
-                          "identify the motor without the load, or on a stiff coupling");
+    take_swing(records.all, groups, records.scales, flux, shaft);
+    if (!(bar(shaft.inertia_kg_m2) < INERTIA_UNSURE_MOST * shaft.inertia_kg_m2.value)) {
+        throw ConfigError(
+            "the load swings so much on an elastic shaft, or changes so much, that the ramps do not show the "
+            "inertia; identify the motor without the load, or on a stiff coupling");
     }
     std::vector<Drag> drags;
-    add_held_drags(pairs, records.scales, flux, drags);
+    add_held_drags(groups.back(), records.scales, flux, drags);
     add_coasting_drags(records, shaft.inertia_kg_m2.value, flux, drags);
     fit_friction(drags, shaft);
     return shaft;

@@ -35,8 +35,9 @@ Flux fit_flux(const Records &records, const Legs &legs, const Inductances &induc
 // J by the impulse of ramps up and down, friction by the speed of coasting and by the torque at constant speed.
 struct Shaft {
     Value inertia_kg_m2;
-    // What ramps of another steepness have more or less of it, beyond all bars; 0: they agree
-    double apart_kg_m2 = 0;
+    bool swings =
+        false; // ramps of another steepness have another J, or the torque after them is not that of friction
+    double swing_kg_m2 = 0; // what a load that swings may add or take; a bound of J where it does
     Value viscous_nm_s;
     Value coulomb_nm;
 };

@@ -186,9 +186,9 @@ Answer BoardCommands::measure(const Config &known, OutputFile *file)
     const identify::Records records = identify::read_records(measured.lines(), "the console");
     const identify::Result result = identify::evaluate(records, known, WINDING_C);
     if (file != nullptr) {
-        file->write(measured_motor_file(result.motor, result.measured,
-                                        fmt::format("Measured by the drive in {:.0f} s, at its line.",
-                                                    records.duration_s)));
+        file->write(measured_motor_file(
+            result.motor, result.measured,
+            fmt::format("Measured by the drive in {:.0f} s, at its line.", records.duration_s)));
         file->close();
     }
     return done(identify::table_text(result, std::nullopt));
@@ -214,7 +214,8 @@ Answer BoardCommands::identify(const std::string &files)
     OutputFile file(path);
     Answer answer = identify(plate, &file);
     if (answer.outcome == Outcome::done) {
-        answer.text += fmt::format("ok: `adopt {}` makes it the one in force, `store` keeps it", path);
+        answer.text +=
+            fmt::format("ok: `adopt {}` makes it the one in force, `store` keeps it", path);
     }
     return answer;
 }

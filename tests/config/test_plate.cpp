@@ -64,8 +64,7 @@ TEST(a_friction_in_a_name_plate_makes_no_difference)
 {
     const Folder folder;
     write_plate(folder, "viscous_friction_nm_s = 0.5\n");
-    const std::string line =
-        "motors/m.toml:1: " + UNKNOWN + ": are missing: this is a name plate";
+    const std::string line = "motors/m.toml:1: " + UNKNOWN + ": are missing: this is a name plate";
     TEST_ASSERT_EQUAL(0, test::refusal().find(line));
     TEST_ASSERT_EQUAL_DOUBLE(0, nf::load_plate("m", "b").motor.viscous_friction_nm_s);
 }

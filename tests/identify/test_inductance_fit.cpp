@@ -153,7 +153,8 @@ TEST(test_the_rotor_that_moves_is_taken_off_by_the_quarter_of_each_burst)
     const double quarter_s = 2 * PERIOD_S;
     const double rotor_h_s2 = HALF_ROTOR * Q_H / (quarter_s * quarter_s);
     const Inductances still = fit_inductances(bursts(3), legs(), CONTINUOUS_A);
-    const Inductances moving = fit_inductances(bursts(3), legs(), CONTINUOUS_A, rotor_h_s2);
+    const Inductances moving =
+        fit_inductances(bursts(3), legs(), CONTINUOUS_A, {rotor_h_s2, false});
     TEST_ASSERT_DOUBLE_WITHIN(0.02 * Q_H, HALF_ROTOR / 3 * Q_H, moving.q_h.value - still.q_h.value);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, still.d_h.value, moving.d_h.value);
 }

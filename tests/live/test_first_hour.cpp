@@ -39,8 +39,8 @@ const std::vector<std::string> OTHER_MOTOR = {
 
 nf::Config out_of_the_box(const std::vector<std::string> &plant = OTHER_MOTOR)
 {
-    std::vector<std::string> set = {"motor=outrunner_24v", "board=b_g431b_esc1",
-                                    "scenario.load=[]", "scenario.duration_s=200"};
+    std::vector<std::string> set = {"motor=outrunner_24v", "board=b_g431b_esc1", "scenario.load=[]",
+                                    "scenario.duration_s=200"};
     set.insert(set.end(), plant.begin(), plant.end());
     return nf::load_scenario("any", {}, set);
 }
@@ -143,8 +143,9 @@ struct Folder {
 
 void write_plate(const std::string &path, const char *max_current_a = "30")
 {
-    std::ofstream(path) << "[motor]\nname = \"out of the drawer\"\npole_pairs = 7\nmax_speed_rpm = 5000\n"
-                        << "continuous_current_a = 15\nmax_current_a = " << max_current_a << '\n';
+    std::ofstream(path)
+        << "[motor]\nname = \"out of the drawer\"\npole_pairs = 7\nmax_speed_rpm = 5000\n"
+        << "continuous_current_a = 15\nmax_current_a = " << max_current_a << '\n';
 }
 
 void expect_measured(const nf::Config &found, const char *key, double value, double truth)
@@ -172,8 +173,10 @@ TEST(from_a_name_plate_to_a_stored_configuration_and_a_second_board_all_is_done_
     const nf::Config found = nf::load_motor(measured);
     const nf::MotorSettings &motor = found.motor;
     TEST_ASSERT_EQUAL_STRING("out of the drawer", motor.name.c_str());
-    expect_measured(found, "motor.resistance_ohm", motor.resistance_ohm, box.motor.resistance_ohm * 1.6);
-    expect_measured(found, "motor.inductance_d_h", motor.inductance_d_h, box.motor.inductance_d_h * 1.5);
+    expect_measured(found, "motor.resistance_ohm", motor.resistance_ohm,
+                    box.motor.resistance_ohm * 1.6);
+    expect_measured(found, "motor.inductance_d_h", motor.inductance_d_h,
+                    box.motor.inductance_d_h * 1.5);
     expect_measured(found, "motor.flux_linkage_wb", motor.flux_linkage_wb,
                     box.motor.flux_linkage_wb * 0.7);
     expect_measured(found, "motor.inertia_kg_m2", motor.inertia_kg_m2, box.motor.inertia_kg_m2 * 2);
@@ -181,7 +184,8 @@ TEST(from_a_name_plate_to_a_stored_configuration_and_a_second_board_all_is_done_
     first->does("adopt " + measured);
     first->does("store");
     const config_block_t stored = first->in_force();
-    const auto again = std::make_unique<Session>(box, &first->flash(), FileChoice{measured, "", "", {}});
+    const auto again =
+        std::make_unique<Session>(box, &first->flash(), FileChoice{measured, "", "", {}});
     first.reset();
     const config_block_t kept = again->in_force();
     TEST_ASSERT_EQUAL_MEMORY(&stored, &kept, sizeof stored);
@@ -223,7 +227,8 @@ TEST(a_wrong_name_plate_is_refused_by_file_and_key_and_an_existing_file_is_kept)
     TEST_ASSERT_FALSE(std::filesystem::exists(measured));
     write_plate(plate);
     std::ofstream(measured) << "mine";
-    TEST_ASSERT_EQUAL_UINT(0, session.refuses(fmt::format("identify {} {}", plate, measured)).find(measured));
+    TEST_ASSERT_EQUAL_UINT(
+        0, session.refuses(fmt::format("identify {} {}", plate, measured)).find(measured));
     TEST_ASSERT_TRUE(session.refuses("identify a b c").find("\"c\"") != std::string::npos);
     TEST_ASSERT_EQUAL_UINT32(before, session.in_force().cfg.crc);
 }

@@ -37,17 +37,24 @@ function(nf_is_evidence)
     set_property(TEST ${ARGV} APPEND PROPERTY LABELS evidence)
 endfunction()
 
-# nf_also_with_many_runs(<test> [CORES <n>] [FIXTURE <name>] COMMAND <command>...)
+# nf_add_many_runs(<name> [CORES <n>] [FIXTURE <name>] COMMAND <command>...)
 #
-# many.<test>: the same command, and as many runs as testing_runs() gives to the evidence.
-function(nf_also_with_many_runs test)
+# A test of the evidence alone, with as many runs as testing_runs() gives to it.
+function(nf_add_many_runs name)
     cmake_parse_arguments(PARSE_ARGV 1 arg "" "CORES;FIXTURE" "COMMAND")
     if(NF_GATES)
-        add_test(NAME many.${test} COMMAND ${arg_COMMAND})
-        set_tests_properties(many.${test} PROPERTIES ENVIRONMENT NF_MANY_RUNS=1 TIMEOUT 3000
+        add_test(NAME ${name} COMMAND ${arg_COMMAND})
+        set_tests_properties(${name} PROPERTIES ENVIRONMENT NF_MANY_RUNS=1 TIMEOUT 3000
             PROCESSORS "${arg_CORES}" FIXTURES_REQUIRED "${arg_FIXTURE}")
-        nf_is_evidence(many.${test})
+        nf_is_evidence(${name})
     endif()
+endfunction()
+
+# nf_also_with_many_runs(<test> [CORES <n>] [FIXTURE <name>] COMMAND <command>...)
+#
+# many.<test>: the same command as that of a test, as nf_add_many_runs().
+function(nf_also_with_many_runs test)
+    nf_add_many_runs(many.${test} ${ARGN})
 endfunction()
 
 # nf_is_dear(<test> <reason>)
