@@ -7,6 +7,7 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "testing.h"
@@ -34,7 +35,8 @@ nf::Config plate()
     return config;
 }
 
-void add_bursts(Records &records)
+// mismatch: of the sensors, along and across the axes of a and b.
+void add_bursts(Records &records, double mismatch)
 {
     for (int axis = 0; axis < 3; axis++) {
         for (int k = 0; k < 8; k++) {
@@ -48,7 +50,8 @@ void add_bursts(Records &records)
             r.quarter_ticks = 3;
             r.ticks = 120;
             r.bus_v = BUS_V;
-            const double change_a = modelled_change(r, legs(), D_H);
+            const double seen = gain(axis, r.across ? -mismatch : mismatch);
+            const double change_a = modelled_change(r, legs(), D_H) * seen;
             r.change_a =
                 r.across ? std::complex<double>(0, change_a) : std::complex<double>(change_a, 0);
             records.all.push_back(r);
@@ -56,15 +59,17 @@ void add_bursts(Records &records)
     }
 }
 
-Records all_records(const Turning &t = {})
+Records all_records(const Turning &t = {}, double mismatch = 0)
 {
     Records records = no_records();
-    add_levels(records, {});
+    Rest rest;
+    rest.mismatch = mismatch;
+    add_levels(records, rest);
     for (Record &level : records.all) {
         level.noise_a[0] = NOISE_CHANGE_A;
         level.noise_a[1] = NOISE_CHANGE_A;
     }
-    add_bursts(records);
+    add_bursts(records, mismatch);
     const Records turning = turning_records(t);
     records.all.insert(records.all.end(), turning.all.begin(), turning.all.end());
     records.scales.current_a = 40;
@@ -121,6 +126,20 @@ TEST(test_a_disagreement_of_the_two_ways_to_the_flux_is_said)
     expect_remark("φ is 0.2 Wb with current and 0.3 Wb without: the two ways disagree by 50.0 %, "
                   "the flux linkage comes from the spin only",
                   found);
+}
+
+// Two sensors of 1 % each may differ by 2 %.
+TEST(test_gains_that_differ_by_more_than_usual_are_said)
+{
+    const Result usual = evaluate(all_records({}, 0.02), plate(), 25);
+    TEST_ASSERT_EQUAL_size_t_MESSAGE(0, usual.remarks.size(),
+                                     usual.remarks.empty() ? "" : usual.remarks.front().c_str());
+    for (const double mismatch : {0.05, -0.05}) {
+        const Result found = evaluate(all_records({}, mismatch), plate(), 25);
+        const double ratio = (1 + mismatch / 2) / (1 - mismatch / 2);
+        TEST_ASSERT_DOUBLE_WITHIN(0.1, 100 * (ratio - 1), found.measured.gain_mismatch_pct);
+        expect_remark(fmt::format("the current sensors' gains differ: a over b is {:.3f}", ratio).c_str(), found);
+    }
 }
 
 TEST(test_a_rotor_that_stops_too_fast_is_said)

@@ -115,6 +115,88 @@ TEST(test_inertia_and_friction_are_found)
     TEST_ASSERT_TRUE(found.inertia_kg_m2.bound > 0);
 }
 
+// ---- a load that swings, and ramps that wait ----
+
+// With the first ramp, ten times as long as the others, between the windows of half of the speed and of the whole.
+Records with_slow_ramp()
+{
+    Records records = turning_records();
+    records.all[1] = with_torque(records.all[1], drag_nm(TOP_EL / 2));
+    records.all[2] = with_torque(records.all[2], drag_nm(TOP_EL));
+    Record slow = ramp(TOP_EL / 2, TOP_EL);
+    slow.ticks *= 10;
+    records.all.insert(records.all.begin() + 2, slow);
+    return records;
+}
+
+Shaft shaft_of(const Records &records)
+{
+    return fit_shaft(records, fit_flux(records, legs(), inductances()));
+}
+
+TEST(test_a_rotor_with_all_that_it_turns_does_not_swing)
+{
+    const Shaft found = shaft_of(with_slow_ramp());
+    TEST_ASSERT_FALSE(found.swings);
+    TEST_ASSERT_DOUBLE_WITHIN(EXACT, INERTIA, found.inertia_kg_m2.value);
+    TEST_ASSERT_DOUBLE_WITHIN(EXACT, shaft_of(turning_records()).inertia_kg_m2.bound,
+                              found.inertia_kg_m2.bound);
+}
+
+// After each ramp the load still takes torque that is not friction, up and down alike: no pair differs from another.
+void expect_swing(double share, bool swings)
+{
+    Records records = with_slow_ramp();
+    double ramp_torque = 0;
+    for (Record &r : records.all) {
+        if (r.kind == "ramp") {
+            ramp_torque = r.torque / r.ticks - drag_nm(r.speed_el_rad_s) / TORQUE_FACTOR;
+        } else if (r.kind == "hold") {
+            r.torque += share * ramp_torque * r.ticks;
+        }
+    }
+    const Shaft found = shaft_of(records);
+    const Value &j = found.inertia_kg_m2;
+    TEST_ASSERT_EQUAL(swings, found.swings);
+    TEST_ASSERT_DOUBLE_WITHIN(std::hypot(2 * j.std, j.bound), INERTIA, j.value);
+    TEST_ASSERT_TRUE(j.bound > shaft_of(with_slow_ramp()).inertia_kg_m2.bound);
+}
+
+TEST(test_a_torque_after_the_ramps_that_is_no_friction_widens_the_bar_and_a_large_one_is_named)
+{
+    expect_swing(0.08, false);
+    expect_swing(0.3, true);
+    expect_swing(-0.3, true);
+}
+
+// Its window ends before the ramp does: of its impulse some is missing.
+TEST(test_a_ramp_down_that_has_waited_for_the_bus_is_left_out)
+{
+    Records records = with_slow_ramp();
+    Record late = ramp(TOP_EL, TOP_EL / 2);
+    late.speed_el_rad_s = 0.85 * TOP_EL;
+    late.torque /= 2;
+    const auto first = records.all.begin() + 5;
+    records.all.insert(first, {late, hold(TOP_EL / 2), ramp(TOP_EL / 2, TOP_EL), hold(TOP_EL)});
+    const Shaft found = shaft_of(records);
+    TEST_ASSERT_FALSE(found.swings);
+    TEST_ASSERT_DOUBLE_WITHIN(EXACT, INERTIA, found.inertia_kg_m2.value);
+}
+
+TEST(test_ramps_that_show_no_inertia_are_refused_by_the_load)
+{
+    Records records = with_slow_ramp();
+    for (Record &r : records.all) {
+        r.torque *= r.kind == "ramp" ? -1 : 1;
+    }
+    try {
+        shaft_of(records);
+        TEST_FAIL_MESSAGE("a negative inertia has been taken");
+    } catch (const nf::ConfigError &error) {
+        TEST_ASSERT_EQUAL(0, std::string(error.what()).find("the load swings"));
+    }
+}
+
 std::string refusal_of(const Records &records)
 {
     try {
