@@ -529,10 +529,12 @@ static bool lasts_too_long(const identify_t *identify)
     return (identify->app->drive.tick - identify->began) > longest;
 }
 
-/* A rotor that is braked, or caught while it turns, gives power back. */
+/* A rotor that is braked, that swings in the field or is caught by it gives power back. At rest the bus is too high by itself. */
 static void refuse_fault(identify_t *identify, fault_id_t fault)
 {
-    const bool braking = (identify->phase == IDENTIFY_RAMP) || (identify->turn.slower > 0U);
+    const bool braking = (identify->phase == IDENTIFY_CATCH) ||
+                         (identify->phase == IDENTIFY_SPIN) || (identify->phase == IDENTIFY_RAMP) ||
+                         (identify->phase == IDENTIFY_COAST);
 
     identify_aim_refusal_of(identify, "the drive has a fault: ",
                             ((fault == FAULT_OVERVOLTAGE) && braking)

@@ -24,9 +24,8 @@ constexpr double KNEE_SEEN = 1e-3; // of the continuous current: a smaller one i
 constexpr double NOISE_UNSURE_LSB = 0.05;
 constexpr double NOISE_UNSURE = 0.03;
 constexpr double ROUNDING_NOISE_LSB = 0.28867513459481288225; // 1/√12, of a staircase
-// Of a low pass of the sensors: of what its correction changes, and of what shows of one that is too weak to be told.
+// Of what the correction of a low pass of the sensors changes.
 constexpr double CORRECTION_UNSURE = 0.5;
-constexpr double UNEXPLAINED_OF_FLUX = 2;
 constexpr double LOAD_RATIO_MOST = 100; // over the rotor, of a load on a shaft
 constexpr double GAINS_ALIKE = 0.025;   // of two sensors of 1 % each, and what their resistors add
 constexpr double BUS_USED = 0.9;        // of the voltage circle, at the rated speed
@@ -194,27 +193,54 @@ void remark_trend(const Flux &flux, int pole_pairs, std::vector<std::string> &re
     }
 }
 
+void widen_to(Value &value, const Value &other)
+{
+    value.bound += std::abs(value.value - other.value);
+}
+
+// The same measurement where the sensors' low pass is another one.
+struct OtherLag {
+    Records records;
+    Legs legs;
+};
+
+OtherLag with_other_lag(const Records &sent, const Legs &legs, const Inductances &rough,
+                        double lag_s)
+{
+    OtherLag other;
+    other.records = without_lag(sent, legs, rough.d_h.value, lag_s);
+    other.legs = fit_legs(other.records);
+    return other;
+}
+
+// A low pass that does not show for sure may be there: what it would change is a bound.
+void add_hidden_lag(const OtherLag &hidden, Legs &legs)
+{
+    widen_to(legs.resistance_ohm, hidden.legs.resistance_ohm);
+    widen_to(legs.loss_v, hidden.legs.loss_v);
+    widen_to(legs.knee_a, hidden.legs.knee_a);
+}
+
 // As sensors without a low pass would have shown the currents. Legs and inductances are found anew of them; what that changes
 // is a bound of what is found, as the correction is good to a part of itself.
 Records undo_lag(const Records &sent, Legs &legs, Inductances &rough, double current_a)
 {
     if (rough.lag.s.value <= 0) {
-        add_unsure_current(legs, rough.lag.unexplained);
         return sent;
     }
-    const Records undone = without_lag(sent, legs, rough.d_h.value, rough.lag.s.value);
+    const OtherLag undone = with_other_lag(sent, legs, rough, rough.lag.s.value);
     const double before_ohm = legs.resistance_ohm.value;
-    legs = fit_legs(undone);
+    legs = undone.legs;
     add_unsure_current(legs, std::abs(legs.resistance_ohm.value / before_ohm - 1));
-    rough = fit_inductances(undone, legs, current_a);
-    return undone;
+    rough = fit_inductances(undone.records, legs, current_a);
+    return undone.records;
 }
 
 // seen: of the records as they were sent.
 void add_lag_bound(Flux &flux, const SensorLag &lag, const Flux &seen)
 {
-    flux.wb.bound += lag.s.value > 0 ? CORRECTION_UNSURE * std::abs(flux.wb.value - seen.wb.value)
-                                     : UNEXPLAINED_OF_FLUX * lag.unexplained * flux.wb.value;
+    flux.wb.bound +=
+        (lag.s.value > 0 ? CORRECTION_UNSURE : 1) * std::abs(flux.wb.value - seen.wb.value);
 }
 
 std::string more_or_less(double share, const char *what)
@@ -303,12 +329,18 @@ Result evaluate(const Records &sent, const Config &plate, double temperature_c)
     Legs legs = fit_legs(sent);
     Inductances rough = fit_inductances(sent, legs, current_a);
     const Records records = undo_lag(sent, legs, rough, current_a);
+    const OtherLag other = rough.lag.hidden_s > 0
+                               ? with_other_lag(sent, legs, rough, rough.lag.hidden_s)
+                               : OtherLag{sent, legs};
+    if (rough.lag.hidden_s > 0) {
+        add_hidden_lag(other, legs);
+    }
     add_ripple_bounds(legs, rough.d_h.value);
     const double count_a = records.scales.current_a / std::exp2(plate.board.adc_bits);
     const double left = left_of_rounding(noise_a(records) / count_a);
     add_rounding_bounds(legs, left * count_a / 2);
     Flux flux = fit_flux(records, legs, rough);
-    add_lag_bound(flux, rough.lag, fit_flux(sent, legs, rough));
+    add_lag_bound(flux, rough.lag, fit_flux(other.records, other.legs, rough));
     Shaft shaft = fit_shaft(records, flux);
     const Inductances inductances = fit_inductances(
         records, legs, current_a, {rotor_h_s2(flux, shaft, plate.motor.pole_pairs), shaft.swings});

@@ -48,6 +48,7 @@ constexpr int LAG_SEARCHES = 12;
 // Of 1/L across: what slow pulses may have more of it without a rotor that they turn.
 constexpr double SWING_SEEN = 1.5; // over that
 constexpr double SWING_SIGMAS = 3;
+constexpr double LAG_OF_SWING = 0.25; // of what the correction of a low pass takes from it
 constexpr double SWING_SCALE = 3e-3;
 constexpr double SWING_LOSS_UNSURE = 0.06;
 constexpr double SWING_DECAY_UNSURE = 0.02;
@@ -368,8 +369,7 @@ SensorLag fit_lag(const Records &records, const Legs &legs)
     const SlowOverFast without = slow_over_fast(pairs, legs, 0);
     const double unsure = LAG_SIGMAS * without.std + without.unsure;
     if (-without.mean < unsure) {
-        const double chance = LAG_SIGMAS * without.std + LAG_SCALE / 2;
-        lag.unexplained = -without.mean > chance ? -without.mean : 0;
+        lag.hidden_s = -without.mean > without.std ? lag_for(0, pairs, legs) : 0;
         return lag;
     }
     lag.s.value = lag_for(0, pairs, legs);
@@ -398,6 +398,14 @@ Swing fit_swing(const std::vector<Burst> &across, const Legs &legs, double at_a)
                           SWING_DECAY_UNSURE * legs.decay(q_h);
     const double to_h_s2 = 3 * q_h / (longest_s * longest_s);
     return {fit.value[4] * to_h_s2, unsure * to_h_s2};
+}
+
+// As if the sensors had no low pass, which slow pulses show like a rotor that turns.
+double swing_without_lag(const Records &records, const Legs &legs, const Beside &beside,
+                         double at_a)
+{
+    const Bursts bursts = bursts_of(records, legs, {0, beside.rotor_h_s2});
+    return fit_swing(bursts.across, legs, at_a).more_h_s2;
 }
 
 // The bursts of each axis are the same ones.
@@ -456,21 +464,23 @@ Inductances fit_inductances(const Records &records, const Legs &legs, double cur
     Bursts bursts = bursts_of(records, legs, beside);
     const double most_a = std::min(current_a, largest(bursts.across, &Burst::peak_a));
     const Swing swing = fit_swing(bursts.across, legs, most_a);
-    const double least_h_s2 = turned.load_swings ? 0 : SWING_SEEN * swing.unsure_h_s2;
+    const double corrected_h_s2 =
+        lag.s.value > 0 ? swing_without_lag(records, legs, beside, most_a) - swing.more_h_s2 : 0;
+    const double unsure_h_s2 = swing.unsure_h_s2 + LAG_OF_SWING * std::abs(corrected_h_s2);
+    const double least_h_s2 = turned.load_swings ? 0 : SWING_SEEN * unsure_h_s2;
     const bool swings = turned.rotor_h_s2 > 0 && swing.more_h_s2 > least_h_s2;
     if (swings) {
         beside.rotor_h_s2 += swing.more_h_s2;
         bursts = bursts_of(records, legs, beside);
     }
     Inductances found = fit_with(bursts, legs, current_a);
-    if (lag.s.value > 0 || swings) {
-        const Beside other{lag.s.value + lag.s.bound,
-                           beside.rotor_h_s2 + (swings ? swing.unsure_h_s2 : 0)};
+    if (lag.s.value > 0 || lag.hidden_s > 0 || swings) {
+        const Beside other{lag.s.value + lag.s.bound + lag.hidden_s,
+                           beside.rotor_h_s2 + (swings ? unsure_h_s2 : 0)};
         add_difference(found, fit_with(bursts_of(records, legs, other), legs, current_a));
     }
     found.alone_h_s2 = swings ? beside.rotor_h_s2 : 0;
     found.axes = axes_of(bursts.along);
-    found.d_h.bound += lag.unexplained / 2 * found.d_h.value;
     found.lag = lag;
     return found;
 }

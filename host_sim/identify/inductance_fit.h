@@ -18,8 +18,8 @@ struct AtCurrent {
 // Of the current sensors' low pass.
 struct SensorLag {
     Value s; // time constant; 0: none shows
-    // Share of L along by which slow pulses have less than fast ones, too little to show a low pass
-    double unexplained = 0;
+    // One that may be there all the same: what differs between slow and fast pulses is too little to be told from chance.
+    double hidden_s = 0;
 };
 
 // L along the axis of each phase over that of all three, less one, with the gains of Legs::mismatch.

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 
 namespace nf::identify
@@ -23,6 +24,8 @@ constexpr double SAME_SPEED = 0.1;
 constexpr double UNLIKE_CURRENTS = 1.2; // one over the other, at least
 constexpr double RAMP_OFF =
     0.05; // of the change of speed: a ramp whose mean is so far from its middle has waited
+constexpr double WAIT_MOST =
+    0.05; // of a ramp down: it is left out where others have not waited so long
 constexpr double INERTIA_SCALE = 6e-3;
 constexpr double TORQUE_UNSURE = 9e-4; // of what the current can pull: angle of the voltage, delays
 constexpr double HELD_UNSURE = 2e-3;   // likewise, at constant speed
@@ -262,12 +265,23 @@ bool is_pair(const std::vector<Record> &all, std::size_t at)
            all[at + 3].kind == "hold";
 }
 
-// A ramp down that has waited for the bus ends after its window, whose mean speed is above the middle then.
-bool is_whole(const Pair &pair)
+// A ramp down that waits for the bus is late in its window, whose mean speed is above the middle then: by more than that of the
+// ramp up, a share of the change of speed. The end of the ramp may be missing.
+double wait_share(const Pair &pair)
 {
     const double middle = (pair.low->speed_el_rad_s + pair.high->speed_el_rad_s) / 2;
-    const double off = std::abs(pair.down->speed_el_rad_s - middle);
-    return off < RAMP_OFF * (pair.high->speed_el_rad_s - pair.low->speed_el_rad_s);
+    const double down = std::abs(pair.down->speed_el_rad_s - middle);
+    const double up = std::abs(pair.up->speed_el_rad_s - middle);
+    return std::max(down - up, 0.0) / (pair.high->speed_el_rad_s - pair.low->speed_el_rad_s);
+}
+
+// Without those that have waited long, if others have not.
+std::vector<Pair> without_waits(const std::vector<Pair> &pairs)
+{
+    std::vector<Pair> whole;
+    std::copy_if(pairs.begin(), pairs.end(), std::back_inserter(whole),
+                 [](const Pair &pair) { return wait_share(pair) < WAIT_MOST; });
+    return whole.empty() ? pairs : whole;
 }
 
 std::vector<Pair> pairs_of(const std::vector<Record> &all)
@@ -275,14 +289,11 @@ std::vector<Pair> pairs_of(const std::vector<Record> &all)
     std::vector<Pair> pairs;
     for (std::size_t k = 0; k + 3 < all.size(); k++) {
         if (is_pair(all, k)) {
-            const Pair pair = {&all[k], &all[k + 1], &all[k + 2], &all[k + 3]};
-            if (is_whole(pair)) {
-                pairs.push_back(pair);
-            }
+            pairs.push_back({&all[k], &all[k + 1], &all[k + 2], &all[k + 3]});
             k += 3;
         }
     }
-    return pairs;
+    return without_waits(pairs);
 }
 
 // Those of the same steepness, in their order.
@@ -337,7 +348,11 @@ Value bounded_inertia(const std::vector<Pair> &pairs, const Scales &scales, cons
 {
     Value inertia = inertia_of(pairs, scales);
     const double share = std::max(pulled_share(pairs, flux), 1e-3);
-    inertia.bound += TORQUE_UNSURE / share * std::abs(inertia.value);
+    double waited = 0;
+    for (const Pair &pair : pairs) {
+        waited = std::max(waited, wait_share(pair));
+    }
+    inertia.bound += (TORQUE_UNSURE / share + waited) * std::abs(inertia.value);
     return inertia;
 }
 

@@ -138,7 +138,9 @@ TEST(test_gains_that_differ_by_more_than_usual_are_said)
         const Result found = evaluate(all_records({}, mismatch), plate(), 25);
         const double ratio = (1 + mismatch / 2) / (1 - mismatch / 2);
         TEST_ASSERT_DOUBLE_WITHIN(0.1, 100 * (ratio - 1), found.measured.gain_mismatch_pct);
-        expect_remark(fmt::format("the current sensors' gains differ: a over b is {:.3f}", ratio).c_str(), found);
+        expect_remark(
+            fmt::format("the current sensors' gains differ: a over b is {:.3f}", ratio).c_str(),
+            found);
     }
 }
 
