@@ -26,9 +26,10 @@ constexpr double NOISE_UNSURE = 0.03;
 constexpr double ROUNDING_NOISE_LSB = 0.28867513459481288225; // 1/√12, of a staircase
 // Of what the correction of a low pass of the sensors changes.
 constexpr double CORRECTION_UNSURE = 0.5;
-constexpr double LOAD_RATIO_MOST = 100; // over the rotor, of a load on a shaft
-constexpr double GAINS_ALIKE = 0.025;   // of two sensors of 1 % each, and what their resistors add
-constexpr double BUS_USED = 0.9;        // of the voltage circle, at the rated speed
+constexpr double LOAD_RATIO_MOST =
+    30; // over the rotor, of a load on a shaft; a heavier one swings in the ramps
+constexpr double GAINS_ALIKE = 0.025; // of two sensors of 1 % each, and what their resistors add
+constexpr double BUS_USED = 0.9;      // of the voltage circle, at the rated speed
 
 void check_scale(const char *what, double file, double record)
 {

@@ -380,7 +380,8 @@ SensorLag fit_lag(const Records &records, const Legs &legs)
 // How much further a rotor turns under the pulses than what is known of it says.
 struct Swing {
     double more_h_s2 = 0;
-    double unsure_h_s2 = 0;
+    double std_h_s2 = 0;
+    double unsure_h_s2 = 0; // with what repeats itself
 };
 
 // It is what 1/L across has of the square of the quarter, at the current at_a.
@@ -397,7 +398,7 @@ Swing fit_swing(const std::vector<Burst> &across, const Legs &legs, double at_a)
                           SWING_LOSS_UNSURE * mean_lost(across) +
                           SWING_DECAY_UNSURE * legs.decay(q_h);
     const double to_h_s2 = 3 * q_h / (longest_s * longest_s);
-    return {fit.value[4] * to_h_s2, unsure * to_h_s2};
+    return {fit.value[4] * to_h_s2, fit.std[4] * to_h_s2, unsure * to_h_s2};
 }
 
 // As if the sensors had no low pass, which slow pulses show like a rotor that turns.
@@ -469,16 +470,22 @@ Inductances fit_inductances(const Records &records, const Legs &legs, double cur
     const double unsure_h_s2 = swing.unsure_h_s2 + LAG_OF_SWING * std::abs(corrected_h_s2);
     const double least_h_s2 = turned.load_swings ? 0 : SWING_SEEN * unsure_h_s2;
     const bool swings = turned.rotor_h_s2 > 0 && swing.more_h_s2 > least_h_s2;
+    const bool may_swing = turned.rotor_h_s2 > 0 && swing.more_h_s2 > swing.std_h_s2;
     if (swings) {
         beside.rotor_h_s2 += swing.more_h_s2;
         bursts = bursts_of(records, legs, beside);
     }
     Inductances found = fit_with(bursts, legs, current_a);
-    if (lag.s.value > 0 || lag.hidden_s > 0 || swings) {
-        const Beside other{lag.s.value + lag.s.bound + lag.hidden_s,
-                           beside.rotor_h_s2 + (swings ? unsure_h_s2 : 0)};
-        add_difference(found, fit_with(bursts_of(records, legs, other), legs, current_a));
+    // What may be there without being told from chance is a bound.
+    Beside other{lag.s.value + lag.s.bound + lag.hidden_s, beside.rotor_h_s2};
+    if (swings) {
+        other.rotor_h_s2 += unsure_h_s2;
+    } else if (may_swing) {
+        other.rotor_h_s2 += swing.more_h_s2;
+    } else {
+        // as much as is known
     }
+    add_difference(found, fit_with(bursts_of(records, legs, other), legs, current_a));
     found.alone_h_s2 = swings ? beside.rotor_h_s2 : 0;
     found.axes = axes_of(bursts.along);
     found.lag = lag;

@@ -507,8 +507,12 @@ void fit_friction(const std::vector<Drag> &drags, Shaft &shaft)
     }
     const Fit fit = fit_linear(rows, torque);
     const double scale = ALIKE_UNSURE / std::clamp(fit.rms, 1e-9, 1.0);
-    shaft.viscous_nm_s = {std::max(fit.value[0], 0.0), fit.std[0] * scale, 0};
-    shaft.coulomb_nm = {std::max(fit.value[1], 0.0), fit.std[1] * scale, 0};
+    // coasting shows friction over J
+    const double unsure = bar(shaft.inertia_kg_m2) / shaft.inertia_kg_m2.value;
+    const double viscous = std::max(fit.value[0], 0.0);
+    const double coulomb = std::max(fit.value[1], 0.0);
+    shaft.viscous_nm_s = {viscous, fit.std[0] * scale, unsure * viscous};
+    shaft.coulomb_nm = {coulomb, fit.std[1] * scale, unsure * coulomb};
 }
 
 } // namespace
