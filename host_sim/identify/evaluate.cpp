@@ -342,7 +342,7 @@ Result evaluate(const Records &sent, const Config &plate, double temperature_c)
     add_rounding_bounds(legs, left * count_a / 2);
     Flux flux = fit_flux(records, legs, rough);
     add_lag_bound(flux, rough.lag, fit_flux(other.records, other.legs, rough));
-    Shaft shaft = fit_shaft(records, flux);
+    Shaft shaft = fit_shaft(records, legs, flux);
     const Inductances inductances = fit_inductances(
         records, legs, current_a, {rotor_h_s2(flux, shaft, plate.motor.pole_pairs), shaft.swings});
     const double alone_kg_m2 = rotor_alone_kg_m2(flux, shaft, inductances, plate.motor.pole_pairs);

@@ -496,6 +496,19 @@ void add_coasting_drags(const Records &records, double inertia, const Flux &flux
     }
 }
 
+// The drive takes what the legs lose at one bus voltage from the power of the EMF. Braking lifts the bus, and with it the loss.
+Records at_one_bus(Records records, const Legs &legs)
+{
+    for (Record &r : records.all) {
+        const double size = std::abs(r.i_a);
+        if (r.torque != 0 && size > 0 && r.speed_el_rad_s > 0) {
+            const double more_v = legs.lost_turning_v(size) * (r.bus_v / legs.bus_v - 1);
+            r.torque -= r.ticks * size * more_v / r.speed_el_rad_s;
+        }
+    }
+    return records;
+}
+
 void fit_friction(const std::vector<Drag> &drags, Shaft &shaft)
 {
     Eigen::MatrixXd rows(static_cast<Eigen::Index>(drags.size()), 2);
@@ -552,8 +565,9 @@ Flux fit_flux(const Records &records, const Legs &legs, const Inductances &induc
     return flux;
 }
 
-Shaft fit_shaft(const Records &records, const Flux &flux)
+Shaft fit_shaft(const Records &sent, const Legs &legs, const Flux &flux)
 {
+    const Records records = at_one_bus(sent, legs);
     const std::vector<std::vector<Pair>> groups = by_steepness(pairs_of(records.all));
     if (groups.empty()) {
         throw ConfigError("the records end before the ramps of speed");

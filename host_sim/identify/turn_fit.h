@@ -43,6 +43,6 @@ struct Shaft {
 };
 
 // Throws ConfigError where there are no ramps.
-Shaft fit_shaft(const Records &records, const Flux &flux);
+Shaft fit_shaft(const Records &sent, const Legs &legs, const Flux &flux);
 
 } // namespace nf::identify
