@@ -473,11 +473,9 @@ static void judge_pair(identify_t *identify)
     identify_turn_t *const turn = &identify->turn;
     const int32_t torque = (turn->torque_up - turn->torque_down) / 2;
 
-    if (turn->waited) {
-        steepen(identify, torque);
-    } else if (turn->steep) {
+    if (turn->steep) {
         turn->pairs_left--;
-    } else if (is_steep(identify, torque)) {
+    } else if (!turn->waited && is_steep(identify, torque)) {
         const int32_t hold = 2 * IDENTIFY_AIM_WINDOW_MS * identify->ms_ticks;
         const int32_t pair = 2 * ((2 * (turn->ramp_ticks + edge_ticks(identify))) + hold);
 

@@ -429,6 +429,7 @@ void take_swing(const std::vector<Record> &all, const std::vector<std::vector<Pa
 {
     const std::optional<Pair> slow = slow_ramp(all);
     std::vector<Steepness> found;
+    found.reserve(groups.size());
     for (const std::vector<Pair> &pairs : groups) {
         found.push_back(steepness_of(pairs, slow, scales, flux));
     }

@@ -162,24 +162,25 @@ std::string BoardCommands::begin_identification()
 }
 
 // Returns why there are no records.
-std::string BoardCommands::end_identification()
+std::string BoardCommands::end_identification(const Measurement &measurement)
 {
-    for (int pass = 0; !measurement_->has_ended() && pass < IDENTIFY_PASSES; pass++) {
+    for (int pass = 0; !measurement.has_ended() && pass < IDENTIFY_PASSES; pass++) {
         surroundings_.pass(PASS_S);
     }
-    if (!measurement_->has_ended()) {
+    if (!measurement.has_ended()) {
         return "its end did not come; `stop` ends it on the board";
     }
-    return measurement_->refusal();
+    return measurement.refusal();
 }
 
 // Measures with the configuration in force.
 Answer BoardCommands::measure(const Config &known, OutputFile *file)
 {
-    measurement_.emplace();
+    const Measurement &measurement = measurement_.emplace();
     const std::string unsent = begin_identification();
-    const std::string why = unsent.empty() ? end_identification() : unsent;
-    const Measurement measured = *std::exchange(measurement_, std::nullopt);
+    const std::string why = unsent.empty() ? end_identification(measurement) : unsent;
+    const Measurement measured = measurement;
+    measurement_.reset();
     if (!why.empty()) {
         return refused("identify: " + why);
     }

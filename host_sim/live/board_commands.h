@@ -63,7 +63,7 @@ private:
     debug::Answer identify(const std::string &plate, OutputFile *file);
     debug::Answer measure(const Config &known, OutputFile *file);
     std::string begin_identification();
-    std::string end_identification();
+    std::string end_identification(const Measurement &measurement);
     debug::Answer speed(const std::string &value);
     debug::Answer position(const std::string &value);
     debug::Answer torque(const std::string &value);
