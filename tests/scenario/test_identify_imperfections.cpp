@@ -31,7 +31,7 @@ using Words = std::vector<std::string>;
 
 constexpr double WITHIN_OR_NAMED = 0.95; // of the values
 constexpr double FALSE_REMARKS =
-    0.01;                        // of motors without an imperfection, about one of those below
+    0.01;                       // of motors without an imperfection, about one of those below
 constexpr unsigned MOTORS = 40; // of each imperfection, in the evidence
 constexpr unsigned FEW_MOTORS = 1;
 
