@@ -228,6 +228,23 @@ std::function<void(double)> progress_line()
     };
 }
 
+// Of so many runs that they take a while; where stderr is no terminal, a line for each quarter.
+std::function<void(double)> progress_of_runs(int runs)
+{
+    constexpr int WHILE = 100;
+    if (isatty(STDERR_FILENO) != 0 || runs < WHILE) {
+        return progress_line();
+    }
+    return [runs, shown = 0](double done) mutable {
+        constexpr int PARTS = 4;
+        const int parts = static_cast<int>(done * PARTS);
+        if (parts != shown && parts < PARTS) {
+            fmt::print(stderr, "motorsim: {} of {} runs\n", runs * parts / PARTS, runs);
+        }
+        shown = parts;
+    };
+}
+
 // What is written of each tick.
 class Outputs : public nf::TickSink
 {
@@ -629,7 +646,7 @@ void run_campaign(nf::certify::Campaign &campaign, const CertifyArguments &argum
 {
     const nf::debug::InterruptWatch watch;
     nf::certify::run(campaign, arguments.runs, arguments.seed,
-                     {progress_line(), nf::debug::was_interrupted});
+                     {progress_of_runs(arguments.runs), nf::debug::was_interrupted});
     if (campaign.points.empty()) {
         throw FileError("stopped before the first run");
     }

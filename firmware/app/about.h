@@ -22,6 +22,7 @@ typedef struct {
     config_identity_t identity; /* of the configuration blocks that this image takes */
     units_rotation_t rotation;
     int32_t speed_max_rpm; /* of the shaft, either way */
+    uint32_t is_example;   /* as in config_about_t */
     uint32_t baud;         /* bits a second of the serial line, 10 a byte */
     uint16_t
         current_zero_count; /* of adc_ia and adc_ib without current: half of the converter's range */

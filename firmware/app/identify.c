@@ -408,6 +408,9 @@ const char *identify_start(identify_t *identify)
 
     if (identify_is_busy(identify)) {
         why = "it is under way";
+    } else if (identify->about->is_example != 0U) {
+        why = "the configuration has an example motor: name the one that is connected, by "
+              "`identify PLATE.toml NEW.toml` of motorsim live";
     } else if (identify->app->drive.state != DRIVE_STATE_READY) {
         why = "the drive is not READY";
     } else {

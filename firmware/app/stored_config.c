@@ -14,7 +14,8 @@ static bool is_good(stored_config_t *stored, const config_identity_t *identity)
 void stored_config_of_image(config_block_t *block, const about_t *about, const drive_cfg_t *cfg)
 {
     config_about_t facts = {.pole_pairs = about->rotation.pole_pairs,
-                            .speed_max_rpm = about->speed_max_rpm};
+                            .speed_max_rpm = about->speed_max_rpm,
+                            .is_example = about->is_example};
 
     config_block_name(facts.name, about->name);
     config_block_make(block, &about->identity, &facts, cfg);
@@ -25,6 +26,7 @@ void stored_config_about(const config_block_t *block, about_t *about)
     about->name = block->about.name;
     about->rotation.pole_pairs = block->about.pole_pairs;
     about->speed_max_rpm = block->about.speed_max_rpm;
+    about->is_example = block->about.is_example;
 }
 
 void stored_config_load(stored_config_t *stored, hal_t *hal, const drive_cfg_t *cfg, about_t *about)

@@ -12,7 +12,7 @@
 #define SPEED_MAX_RPM (200000)
 
 /* No padding: in memory it is the block, word by word. */
-#define BYTES_BEFORE_NAME (28U) /* seven words */
+#define BYTES_BEFORE_NAME (32U) /* eight words */
 _Static_assert(offsetof(config_block_t, about.name) == BYTES_BEFORE_NAME,
                "padding before the name");
 _Static_assert(offsetof(config_block_t, cfg) == (BYTES_BEFORE_NAME + CONFIG_BLOCK_NAME_BYTES),
@@ -82,6 +82,7 @@ void config_block_make(config_block_t *block, const config_identity_t *identity,
     block->identity = *identity;
     block->about.pole_pairs = about->pole_pairs;
     block->about.speed_max_rpm = about->speed_max_rpm;
+    block->about.is_example = about->is_example;
     config_block_name(block->about.name, about->name);
     block->cfg = *cfg;
     block->crc = block_crc(block);
@@ -123,6 +124,8 @@ static const char *bad_setting(const config_block_t *block)
         bad = "about.pole_pairs";
     } else if ((about->speed_max_rpm < 1) || (about->speed_max_rpm > SPEED_MAX_RPM)) {
         bad = "about.speed_max_rpm";
+    } else if (about->is_example > 1U) {
+        bad = "about.is_example";
     } else if (about->name[CONFIG_BLOCK_NAME_BYTES - 1U] != '\0') {
         bad = "about.name";
     } else if ((bad == NULL) && (config_guard_crc(&block->cfg) != block->cfg.crc)) {

@@ -28,7 +28,7 @@
 #include <stdint.h>
 
 #define CONFIG_BLOCK_MAGIC (0x4243464EU) /* "NFCB" */
-#define CONFIG_BLOCK_VERSION (1U)
+#define CONFIG_BLOCK_VERSION (2U)
 #define CONFIG_BLOCK_NAME_BYTES (96U)
 
 /* What an image takes. */
@@ -41,6 +41,8 @@ typedef struct {
 typedef struct {
     uint32_t pole_pairs;   /* 1…50 */
     int32_t speed_max_rpm; /* of the shaft, either way, 1…200000 */
+    uint32_t
+        is_example; /* 1: a motor that comes with the project, so nobody has said which one is connected; else 0 */
     char name
         [CONFIG_BLOCK_NAME_BYTES]; /* of motor, board and tuning: text, then zeros, the last one always */
 } config_about_t;

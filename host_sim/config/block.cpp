@@ -68,6 +68,7 @@ config_block_t make_block(const Config &config)
     config_about_t about = {};
     about.pole_pairs = static_cast<std::uint32_t>(config.motor.pole_pairs);
     about.speed_max_rpm = speed_max_rpm(config.motor);
+    about.is_example = config.sources.motor_is_example ? 1 : 0;
     config_block_name(about.name, about_name(config).c_str());
     const config_identity_t identity = identity_of(config);
     const drive_cfg_t cfg = build(config);
@@ -116,6 +117,7 @@ std::string describe_block(const config_block_t &block)
     add("board", fmt::format("0x{:08X}", block.identity.board));
     add("about.pole_pairs", std::to_string(block.about.pole_pairs));
     add("about.speed_max_rpm", std::to_string(block.about.speed_max_rpm));
+    add("about.is_example", std::to_string(block.about.is_example));
     for (const CfgRow &row : cfg_rows()) {
         add(row.path, std::to_string(raw_value(row, block.cfg)));
     }

@@ -337,6 +337,8 @@ Config assemble(const Sources &sources)
         take(homes[kind], config);
         source_name(config.sources, kind) = homes[kind].provenance;
     }
+    const fs::path &motor = homes[FileKind::motor].path;
+    config.sources.motor_is_example = !motor.empty() && !is_own(motor);
     for (const auto *layers : {&sources.scenario, &sources.imperfections, &sources.overrides}) {
         for (const Layer &layer : *layers) {
             take(layer, config);

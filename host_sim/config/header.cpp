@@ -103,10 +103,12 @@ std::string about(const Config &config)
                        "    .identity = {{.schema = 0x{:08X}U, .board = 0x{:08X}U}}, \\\n"
                        "    .rotation = {{.pole_pairs = {}U, .tick_ps = {}U}}, \\\n"
                        "    .speed_max_rpm = {}, \\\n"
+                       "    .is_example = {}U, \\\n"
                        "    .baud = {}U, \\\n"
                        "{}",
                        about_name(config), identity.schema, identity.board, config.motor.pole_pairs,
-                       tick_ps(config.board), speed_max_rpm(config.motor), config.board.baud,
+                       tick_ps(config.board), speed_max_rpm(config.motor),
+                       config.sources.motor_is_example ? 1 : 0, config.board.baud,
                        about_board(config.board));
 }
 

@@ -171,7 +171,10 @@ Config ConfigurationCommands::plate(const std::string &motor)
 
 Answer ConfigurationCommands::take_plate(const Config &plate)
 {
-    return apply(make_block(with_typical(plate)));
+    Config config = with_typical(plate);
+    config.sources.motor_is_example =
+        false; // whoever names it says that it is the one that is connected
+    return apply(make_block(config));
 }
 
 Answer ConfigurationCommands::apply(const config_block_t &block)

@@ -44,6 +44,7 @@ about_t about_of(const Config &config, const std::string &name)
     about.rotation.pole_pairs = static_cast<uint32_t>(config.motor.pole_pairs);
     about.rotation.tick_ps = tick_ps(config.board);
     about.speed_max_rpm = speed_max_rpm(config.motor);
+    about.is_example = config.sources.motor_is_example ? 1 : 0;
     about.baud = static_cast<uint32_t>(config.board.baud);
     about.current_zero_count = static_cast<uint16_t>(1U << (config.board.adc_bits - 1));
     about.current_full_scale_ua = rounded<uint32_t>(config.board.current_full_scale_a / MICRO);

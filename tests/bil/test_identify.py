@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
 """target.loop.identify: the image measures the motor that is connected to it, and names what is wrong where it cannot.
 
-test_identify.py IMAGE BOARD CLOCK BIL_MOTOR MOTORSIM NFCONFIG [TEST...]: `identify` is typed at the console of the image in
-the emulator, the machine is that of BIL_MOTOR with motor A, MOTORSIM evaluates the records. An emulated second of
-the board takes a core 2.2 to 3 s. A whole identification is 18 s of the board, a refusal 0.05 to 6 s.
+test_identify.py IMAGE BOARD CLOCK BIL_MOTOR MOTORSIM NFCONFIG [TEST...]: `identify` is typed at the console of images in
+the emulator: IMAGE, whose motor is an example, and images of a user's motor file. The machine is that of BIL_MOTOR with
+motor A, MOTORSIM evaluates the records. An emulated second of the board takes a core 2.2 to 3 s. A whole identification is
+18 s of the board, a refusal 0.05 to 6 s.
 """
 
 import json
@@ -35,11 +36,30 @@ continuous_current_a = 8.4
 """
 
 
+class Images:
+    """In a folder of their own: images for a motor file of the user's, which is motor A's with some lines changed."""
+
+    def __init__(self):
+        made = tempfile.TemporaryDirectory()
+        unittest.addModuleCleanup(made.cleanup)
+        self.folder = Path(made.name)
+
+    def image(self, *pairs):
+        motor = self.folder / "motor.toml"
+        motor.write_text(replaced(SHIPPED / "motors/motor_a.toml", *pairs), encoding="utf-8")
+        return build_image(self.folder, NFCONFIG, motor, BOARD)
+
+
+def setUpModule():
+    global OWN_IMAGE
+    OWN_IMAGE = Images().image()
+
+
 class Bench(machine.Bench):
     """And what the console has said of the identification."""
 
-    def __init__(self, image=IMAGE, settings=(), instant=True):
-        super().__init__(image, BOARD, CLOCK, [BIL_MOTOR, SCENARIO, f"board={BOARD}", *settings], instant)
+    def __init__(self, image=None, settings=(), instant=True):
+        super().__init__(image or OWN_IMAGE, BOARD, CLOCK, [BIL_MOTOR, SCENARIO, f"board={BOARD}", *settings], instant)
 
     def identify(self):
         self.board.type("identify")
@@ -65,6 +85,14 @@ class Case(unittest.TestCase):
     def assert_refused(self, why, bench):
         bench.identify()
         self.assertEqual(bench.end(), f"refused: {why}")
+        self.assert_safe(bench)
+
+
+class Example(Case):
+    def test_the_image_of_an_example_motor_measures_nothing(self):
+        bench = self.bench(image=IMAGE)
+        bench.identify()
+        bench.go_to("example motor")
         self.assert_safe(bench)
 
 
@@ -109,18 +137,11 @@ class Wrong(Case):
 
 
 class NamePlate(Case):
-    """Images for motor files that do not say what motor A is."""
+    """Motor files that do not say what motor A is."""
 
     @classmethod
     def setUpClass(cls):
-        made = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(made.cleanup)
-        cls.folder = Path(made.name)
-
-    def image(self, *pairs):
-        motor = self.folder / "motor.toml"
-        motor.write_text(replaced(SHIPPED / "motors/motor_a.toml", *pairs), encoding="utf-8")
-        return build_image(self.folder, NFCONFIG, motor, BOARD)
+        cls.image = Images().image
 
     def test_the_current_that_it_takes_is_said(self):
         small = self.image(("continuous_current_a = 8.4", f"continuous_current_a = {0.98 * LEAST_A:.4f}"))

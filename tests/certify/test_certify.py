@@ -160,6 +160,13 @@ class Interrupted(Certify):
         self.assertIn(running.returncode, (ALL_LOCKED, NOT_ALL))
         self.assertRegex(text, r"It was stopped after \d+ of 100000 runs\.")
 
+    def test_without_a_terminal_each_quarter_of_many_runs_is_a_line(self):
+        with subprocess.Popen([MOTORSIM, "certify", "motor_a", "--runs", "100"], cwd=self.folder, text=True,
+                              stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as running:
+            self.assertEqual(running.stderr.readline(), "motorsim: 25 of 100 runs\n")
+            running.send_signal(signal.SIGINT)
+            running.communicate()
+
 
 if __name__ == "__main__":
     unittest.main(argv=sys.argv[:1])

@@ -2,6 +2,7 @@
 // The block that nfconfig writes: what the firmware takes of it, what it is known by, and how a bad one is told.
 #include "block.h"
 #include "cfg_rows.h"
+#include "files.h"
 #include "header.h"
 #include "identity.h"
 
@@ -14,7 +15,10 @@ extern "C" {
 #include "testing.h"
 
 #include <cstring>
+#include <filesystem>
 #include <functional>
+
+#include <unistd.h>
 
 namespace
 {
@@ -36,6 +40,18 @@ TEST(a_block_is_good_for_an_image_of_the_same_files)
     TEST_ASSERT_EQUAL_INT32(5000, block.about.speed_max_rpm);
     TEST_ASSERT_EQUAL_STRING("neurofoc: 24 V outrunner, example, B-G431B-ESC1, robust for motor A",
                              block.about.name);
+}
+
+TEST(a_shipped_motor_is_an_example_and_a_users_file_is_not)
+{
+    TEST_ASSERT_EQUAL_UINT32(1, nf::make_block(esc1()).about.is_example);
+    namespace fs = std::filesystem;
+    const fs::path own = fs::temp_directory_path() / fmt::format("mine.{}.toml", getpid());
+    fs::copy_file(nf::data_folder() / "motors/outrunner_24v.toml", own,
+                  fs::copy_options::overwrite_existing);
+    const nf::Config config = nf::load_parts(own.string(), "b_g431b_esc1", nf::DEFAULT_TUNING);
+    fs::remove(own);
+    TEST_ASSERT_EQUAL_UINT32(0, nf::make_block(config).about.is_example);
 }
 
 // What an image has compiled in is what nfconfig makes blocks for.
@@ -140,7 +156,7 @@ TEST(each_way_to_be_no_good_block_is_told_with_what_was_found_and_expected)
         changed([](config_block_t &b) { b.magic = 0x1234; }),
         "this is no configuration block, the magic word: found 0x00001234, expected 0x4243464E");
     assert_told(changed([](config_block_t &b) { b.version = 7; }),
-                "the version of its layout: found 7, expected 1");
+                "the version of its layout: found 7, expected 2");
     assert_told(changed([](config_block_t &b) { b.words = 9; }),
                 fmt::format("the length that it says it has in words: found 9, expected {}",
                             CONFIG_BLOCK_WORDS));

@@ -342,6 +342,7 @@ TEST(the_compiled_header_gives_the_numbers_their_units)
     TEST_ASSERT_EQUAL_UINT32(2, a.rotation.pole_pairs);
     TEST_ASSERT_EQUAL_UINT32(100000000, a.rotation.tick_ps);
     TEST_ASSERT_EQUAL_INT32(2000, a.speed_max_rpm);
+    TEST_ASSERT_EQUAL_UINT32(1, a.is_example);
     TEST_ASSERT_EQUAL_UINT16(2048, a.current_zero_count);
     TEST_ASSERT_EQUAL_UINT32(20000000, a.current_full_scale_ua);
     TEST_ASSERT_EQUAL_UINT32(450000000, a.bus_full_scale_uv);

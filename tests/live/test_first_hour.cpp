@@ -165,6 +165,7 @@ TEST(from_a_name_plate_to_a_stored_configuration_and_a_second_board_all_is_done_
     const nf::Config box = out_of_the_box();
     auto first = std::make_unique<Session>(box);
 
+    TEST_ASSERT_TRUE(first->refuses("identify").find("example motor") != std::string::npos);
     first->does(fmt::format("identify {} {}", plate, measured));
     TEST_ASSERT_TRUE_MESSAGE(first->said().find("the shaft turns") != std::string::npos,
                              first->said().c_str());

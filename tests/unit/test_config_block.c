@@ -17,8 +17,10 @@ static config_block_t block;
 void setUp(void)
 {
     cfg = example_drive_cfg();
-    about = (config_about_t){
-        .pole_pairs = 2U, .speed_max_rpm = 2000, .name = "neurofoc: a motor, a board, a tuning"};
+    about = (config_about_t){.pole_pairs = 2U,
+                             .speed_max_rpm = 2000,
+                             .is_example = 1U,
+                             .name = "neurofoc: a motor, a board, a tuning"};
     memset(&block, 0xA5, sizeof block);
     config_block_make(&block, &IDENTITY, &about, &cfg);
 }
@@ -51,8 +53,9 @@ TEST(test_bytes_are_where_the_layout_says)
     TEST_ASSERT_EQUAL_HEX32(IDENTITY.board, words_get(&bytes[16]));
     TEST_ASSERT_EQUAL_HEX32(2U, words_get(&bytes[20]));
     TEST_ASSERT_EQUAL_HEX32(2000U, words_get(&bytes[24]));
-    TEST_ASSERT_EQUAL_STRING(about.name, (const char *)&bytes[28]);
-    TEST_ASSERT_EQUAL_MEMORY(&cfg, &bytes[28U + CONFIG_BLOCK_NAME_BYTES], sizeof cfg);
+    TEST_ASSERT_EQUAL_HEX32(1U, words_get(&bytes[28]));
+    TEST_ASSERT_EQUAL_STRING(about.name, (const char *)&bytes[32]);
+    TEST_ASSERT_EQUAL_MEMORY(&cfg, &bytes[32U + CONFIG_BLOCK_NAME_BYTES], sizeof cfg);
     TEST_ASSERT_EQUAL_HEX32(crc_of(bytes, sizeof bytes - 4U), words_get(&bytes[sizeof bytes - 4U]));
 }
 
@@ -208,6 +211,14 @@ TEST(test_the_highest_speed_is_1_to_200000_rpm)
     block.about.speed_max_rpm = 1;
     assert_good();
     block.about.speed_max_rpm = 200000;
+    assert_good();
+}
+
+TEST(test_whether_the_motor_is_an_example_is_0_or_1)
+{
+    block.about.is_example = 2U;
+    assert_bad_setting("about.is_example");
+    block.about.is_example = 1U;
     assert_good();
 }
 

@@ -78,6 +78,20 @@ TEST(test_it_is_refused_unless_the_drive_is_ready)
     TEST_ASSERT_EQUAL_STRING("", pass());
 }
 
+/* Its current could be ten times that of the motor which is connected. */
+TEST(test_it_is_refused_while_nobody_has_said_which_motor_is_connected)
+{
+    about_t example = *identify.about;
+
+    example.is_example = 1U;
+    identify.about = &example;
+    TEST_ASSERT_NOT_NULL(strstr(identify_start(&identify), "example motor"));
+    TEST_ASSERT_FALSE(identify_is_busy(&identify));
+    TEST_ASSERT_EQUAL_STRING("", pass());
+    example.is_example = 0U;
+    TEST_ASSERT_NULL(identify_start(&identify));
+}
+
 /* 192/32768 of 40 A are 0.2344 A. */
 TEST(test_a_current_that_the_converter_hardly_sees_is_refused_with_the_one_it_takes)
 {

@@ -30,6 +30,7 @@ static void load(void)
 {
     about = ABOUT;
     about.identity = IDENTITY;
+    about.is_example = 1U;
     memset(&stored, 0xA5, sizeof stored);
     stored_config_load(&stored, &hardware, &image_cfg, &about);
 }
@@ -68,6 +69,7 @@ static void assert_image_is_taken(const char *told)
     TEST_ASSERT_EQUAL_STRING(ABOUT.name, about.name);
     TEST_ASSERT_EQUAL_UINT32(ABOUT.rotation.pole_pairs, about.rotation.pole_pairs);
     TEST_ASSERT_EQUAL_INT32(ABOUT.speed_max_rpm, about.speed_max_rpm);
+    TEST_ASSERT_EQUAL_UINT32(1U, about.is_example);
     TEST_ASSERT_EQUAL(CONFIG_BLOCK_GOOD, config_block_check(&stored.block, &IDENTITY).fault);
     assert_tells(told);
 }
@@ -85,6 +87,7 @@ TEST(test_a_good_block_is_taken_with_its_name_and_the_facts_of_its_motor)
     TEST_ASSERT_EQUAL_STRING(STORED_NAME, about.name);
     TEST_ASSERT_EQUAL_UINT32(7U, about.rotation.pole_pairs);
     TEST_ASSERT_EQUAL_INT32(1500, about.speed_max_rpm);
+    TEST_ASSERT_EQUAL_UINT32(0U, about.is_example);
     assert_tells("configuration: the stored one");
 }
 

@@ -25,6 +25,7 @@ from generated import ROOT
 
 BLOCK = re.compile(r"(?<=^```console\n).*?(?=^```$)", re.MULTILINE | re.DOTALL)
 FILE = re.compile(r"^```toml\n(# ([\w.]+\.toml)\n.*?)^```$", re.MULTILINE | re.DOTALL)
+PROGRESS = re.compile(r"motorsim: \d+ of \d+ runs")  # where stderr is no terminal
 TYPED = re.compile(r"^(\([^)]+\)) (.+)$")
 ANY = "..."
 CHECKSUM = re.compile(r"\b(configuration|hash) [0-9a-f]{8}\b")
@@ -134,7 +135,8 @@ class Runner:
             command, text = f"{command} --script -", "".join(f"{line}\n" for line in typed)
         done = subprocess.run(command, shell=isinstance(command, str), cwd=self.folder, input=text, text=True, check=False,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=os.environ | {"PATH": self.path})
-        return [line.rstrip() for line in done.stdout.replace(f"{ROOT}/", "").splitlines()]
+        lines = done.stdout.replace(f"{ROOT}/", "").splitlines()
+        return [line.rstrip() for line in lines if not PROGRESS.fullmatch(line)]
 
     def block(self, guide, block):
         for command, shown in commands(block):
