@@ -128,6 +128,9 @@ void ScenarioRun::evaluate(const Tick &tick)
     now.closed_loop = drive.state == DRIVE_STATE_RUN;
     now.reference_moving = reference_moving();
     metrics_.add(now);
+    if (now.closed_loop && !runs_from_s_) {
+        runs_from_s_ = now.time_s;
+    }
     if (now.running) {
         result_.saturations.add(drive, run_.sim().out());
     }
@@ -200,6 +203,17 @@ void ScenarioRun::note_load(const Tick &tick)
     }
 }
 
+// A start that takes several attempts outlasts the time that is planned for it.
+void ScenarioRun::note_late_start()
+{
+    const std::optional<double> &lost_s = result_.metrics.lost_time_s;
+    if (lost_s && runs_from_s_ && *lost_s < *runs_from_s_) {
+        result_.notes.push_back(fmt::format(
+            "the start lasted until {:.4g} s and is judged from {:.4g} s on: a longer scenario.prelude_s begins it earlier",
+            *runs_from_s_, config_.scenario.evaluate_from_s));
+    }
+}
+
 void ScenarioRun::advance(int64_t ticks)
 {
     const int64_t until = std::min(run_.end(), run_.tick() + ticks);
@@ -219,6 +233,7 @@ RunResult ScenarioRun::finish()
     result_.gates_enabled_final = run_.sim().plant().gates_on;
     note_swing();
     note_missed();
+    note_late_start();
     return result_;
 }
 

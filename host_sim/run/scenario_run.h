@@ -5,6 +5,8 @@
 #include "scenario.h"
 #include "scripted_run.h"
 
+#include <optional>
+
 namespace nf
 {
 
@@ -34,6 +36,7 @@ private:
     void note_swing();
     void note_missed();
     void note_load(const Tick &tick);
+    void note_late_start();
     void judge_steps(const Tick &tick);
     void evaluate(const Tick &tick);
     void watch_state();
@@ -49,6 +52,7 @@ private:
     double supply_rad_s_; // of its ripple; 0: it has none
     int64_t reference_ = 0;
     drive_state_t state_ = DRIVE_STATE_INIT;
+    std::optional<double> runs_from_s_; // of the ticks that are judged the first in RUN
     RunResult result_;
 };
 

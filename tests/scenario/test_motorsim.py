@@ -165,6 +165,13 @@ class Notes(MotorsimTest):
         self.assertIn(f"\nnote: {note[0]}\n", self.motorsim("run", "s1", *late).stdout)
 
 
+    def test_a_start_that_outlasts_its_prelude_is_told_where_it_has_cost_the_lock(self):
+        said = r"start lasted until [\d.]+ s and is judged from 0 s on.*prelude_s"
+        heavy = self.metrics("any", "--set", "plant.inertia_scale=20", "--set", "scenario.initial_angle_el_deg=30")
+        self.assertRegex("\n".join(heavy["notes"]), said)
+        self.assertNotRegex("\n".join(self.metrics("any")["notes"]), said)
+
+
 class OtherEstimator(MotorsimTest):
     RUN = ("s2_robust", "--with", "imp")
 
