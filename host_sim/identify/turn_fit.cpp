@@ -48,6 +48,9 @@ constexpr double LEFT_UNSURE = 2;
 constexpr double INERTIA_UNSURE_MOST = 3; // of a J that is of any use
 constexpr double APART_SEEN = 1.5;
 constexpr double SWING_UNSURE = 8;
+// Windows of one speed and current: their torques are apart by so much of that of the steepest ramps. Rigid machines: 0.1 at most.
+constexpr double UNLIKE_SEEN = 0.2;
+constexpr double HIGHEST = 0.99;
 constexpr double FLUX_SCALE = 1e-3; // the voltage is known to, with harmonics of the EMF
 constexpr double EVENLY = 0.95;     // of a range in which all is alike likely: 95 % are within
 
@@ -398,6 +401,26 @@ double left_share(const std::vector<Pair> &pairs, const Pair &slow)
     return std::sqrt(squares / count) / (ramps / count);
 }
 
+// By how much the torques at the highest speed and one current are apart, over the torque of the ramps: friction is the same in
+// all of these windows, that of a swing is not. Ramps that end in the same phase of a swing each time do not show it.
+double unlike_share(const std::vector<Record> &all, const std::vector<Pair> &steepest)
+{
+    const Record &high = *steepest.back().high;
+    double least = torque_a_tick(high);
+    double most = least;
+    for (const Record &r : all) {
+        const bool is_steady = r.kind == "spin" || r.kind == "hold";
+        const bool is_there = r.speed_el_rad_s > HIGHEST * high.speed_el_rad_s &&
+                              std::abs(r.i_a) * UNLIKE_CURRENTS > std::abs(high.i_a);
+        if (is_steady && is_there) {
+            least = std::min(least, torque_a_tick(r));
+            most = std::max(most, torque_a_tick(r));
+        }
+    }
+    const Pair &pair = steepest.back();
+    return (most - least) / std::abs(torque_a_tick(*pair.up) - torque_a_tick(*pair.down)) * 2;
+}
+
 // Of one steepness, with what a load that swings may add or take.
 struct Steepness {
     Value inertia;
@@ -447,9 +470,10 @@ void take_swing(const std::vector<Record> &all, const std::vector<std::vector<Pa
             calm = &other;
         }
     }
+    const double unlike = unlike_share(all, groups.back());
     shaft.inertia_kg_m2 = steep.inertia;
-    shaft.swings = apart > 0 || swings;
-    shaft.swing_kg_m2 = SWING_UNSURE * calm->left * calm->inertia.value;
+    shaft.swings = apart > 0 || swings || unlike > UNLIKE_SEEN;
+    shaft.swing_kg_m2 = std::max(SWING_UNSURE * calm->left, unlike) * calm->inertia.value;
     if (shaft.swings) {
         shaft.inertia_kg_m2 = calm->inertia;
         shaft.inertia_kg_m2.bound += apart + shaft.swing_kg_m2;

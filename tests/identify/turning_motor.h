@@ -69,6 +69,11 @@ inline Record with_torque(Record r, double torque_nm)
     return r;
 }
 
+inline Record spin(double speed_el, double current_a, double flux_wb)
+{
+    return with_torque(turning("spin", speed_el, current_a, flux_wb), drag_nm(speed_el));
+}
+
 inline Record ramp(double from_el, double to_el)
 {
     Record r = turning("ramp", (from_el + to_el) / 2, SPIN_A, WB);
@@ -103,10 +108,10 @@ inline void add_coasting(Records &records, const Turning &t)
 inline Records turning_records(const Turning &t = {})
 {
     Records records = no_records();
-    records.all.push_back(turning("spin", TOP_EL / 4, SPIN_A, t.slow_wb));
-    records.all.push_back(turning("spin", TOP_EL / 2, SPIN_A, t.slow_wb));
-    records.all.push_back(turning("spin", TOP_EL, SPIN_A, t.flux_wb));
-    records.all.push_back(turning("spin", TOP_EL, SPIN_A / 2, t.flux_wb));
+    records.all.push_back(spin(TOP_EL / 4, SPIN_A, t.slow_wb));
+    records.all.push_back(spin(TOP_EL / 2, SPIN_A, t.slow_wb));
+    records.all.push_back(spin(TOP_EL, SPIN_A, t.flux_wb));
+    records.all.push_back(spin(TOP_EL, SPIN_A / 2, t.flux_wb));
     for (int pair = 0; pair < 2; pair++) {
         records.all.push_back(ramp(TOP_EL, TOP_EL / 2));
         records.all.push_back(hold(TOP_EL / 2));
