@@ -17,7 +17,7 @@ namespace
 
 struct Row {
     const char *key; // of the motor file
-    const char *title;
+    std::string title;
     const char *unit;
     double scale; // units of the table in one SI unit
     double value;
@@ -72,10 +72,17 @@ std::vector<Curve> curves_of(const Result &r)
     };
 }
 
+Finding finding_of(const Row &row)
+{
+    return {row.title, fmt::format("{:.4g}", row.value * row.scale),
+            fmt::format("{:.2g}", row.bar * row.scale), row.unit};
+}
+
 std::string row_text(const Row &row, bool has_truth)
 {
-    std::string text = fmt::format("{:<18}{:>12.4g}{:>12.2g}  {:<6}", row.title,
-                                   row.value * row.scale, row.bar * row.scale, row.unit);
+    const Finding found = finding_of(row);
+    std::string text =
+        fmt::format("{:<18}{:>12}{:>12}  {:<6}", found.title, found.value, found.bar, found.unit);
     if (has_truth) {
         text += fmt::format("{:>12.4g}{:>10.2g}", row.truth * row.scale,
                             (row.value - row.truth) * row.scale);
@@ -83,18 +90,27 @@ std::string row_text(const Row &row, bool has_truth)
     return text + '\n';
 }
 
-std::string curve_text(const Curve &curve, const std::optional<Truth> &truth)
+Row row_of(const Curve &curve, const AtCurrent &point, const Truth &truth)
 {
     constexpr double milli = 1e3;
-    std::string text;
-    for (const AtCurrent &point : curve.points) {
-        const std::string title = fmt::format("{} at {:.3g} A", curve.title, point.current_a);
-        const double real = truth ? curve.truth(*truth, point.current_a) : 0;
-        const double bar = error_bar(point.h.std, point.h.bound);
-        text +=
-            row_text({"", title.c_str(), "mH", milli, point.h.value, real, bar}, truth.has_value());
+    return {"",
+            fmt::format("{} at {:.3g} A", curve.title, point.current_a),
+            "mH",
+            milli,
+            point.h.value,
+            curve.truth(truth, point.current_a),
+            error_bar(point.h.std, point.h.bound)};
+}
+
+std::vector<Row> rows_of_table(const Result &result, const Truth &truth)
+{
+    std::vector<Row> rows = rows_of(result, truth);
+    for (const Curve &curve : curves_of(result)) {
+        for (const AtCurrent &point : curve.points) {
+            rows.push_back(row_of(curve, point, truth));
+        }
     }
-    return text;
+    return rows;
 }
 
 nlohmann::ordered_json curve_json(const Curve &curve, const std::optional<Truth> &truth)
@@ -129,15 +145,21 @@ nlohmann::ordered_json speeds_json(const Result &result)
 
 } // namespace
 
+std::vector<Finding> findings_of(const Result &result)
+{
+    std::vector<Finding> findings;
+    for (const Row &row : rows_of_table(result, Truth{})) {
+        findings.push_back(finding_of(row));
+    }
+    return findings;
+}
+
 std::string table_text(const Result &result, const std::optional<Truth> &truth)
 {
     std::string text = fmt::format("{:<18}{:>12}{:>12}  {:<6}{}\n", "", "measured", "bar", "",
                                    truth ? "        true       off" : "");
-    for (const Row &row : rows_of(result, truth.value_or(Truth{}))) {
+    for (const Row &row : rows_of_table(result, truth.value_or(Truth{}))) {
         text += row_text(row, truth.has_value());
-    }
-    for (const Curve &curve : curves_of(result)) {
-        text += curve_text(curve, truth);
     }
     for (const std::string &remark : result.remarks) {
         text += remark + '\n';

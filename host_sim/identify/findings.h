@@ -7,9 +7,19 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace nf::identify
 {
+
+// A value that was measured and its error bar, as the table has them.
+struct Finding {
+    std::string title;
+    std::string value;
+    std::string bar;
+    std::string unit;
+};
+std::vector<Finding> findings_of(const Result &result);
 
 // A table: each value with its error bar, and beside it the true one where the motor is simulated. The bars are
 // those of bar_of().

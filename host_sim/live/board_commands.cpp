@@ -4,11 +4,9 @@
 #include "about_text.h"
 #include "answers.h"
 #include "ends_with.h"
-#include "evaluate.h"
 #include "fault_line.h"
 #include "findings.h"
 #include "found_fault.h"
-#include "measured_file.h"
 #include "names.h"
 #include "numbers.h"
 #include "output_file.h"
@@ -17,6 +15,8 @@
 #include "si.h"
 #include "trimmed.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -39,11 +39,17 @@ constexpr int DUMP_TRIES = 5;
 constexpr double PASS_S = 0.02;         // between two looks at what has come
 constexpr int DUMP_PASSES = 6000;       // 120 s: all its lines at 9600 baud
 constexpr int DUMP_SILENT_PASSES = 100; // 2 s: the line that says its end is lost
-constexpr int IDENTIFY_PASSES = 6500;   // 130 s: the drive ends it by itself within 2 minutes
-constexpr double WINDING_C = 25;        // of which nobody knows more
+constexpr int IDENTIFY_PASSES = 6500;   // 130 s; where a person interrupts, passes take no time
 constexpr double WAIT_MAX_S = 86400;    // a day
 constexpr double REST_S = 10;           // in which a rotor comes to rest
 constexpr const char *MEASURED = "the motor is being measured; stop ends that";
+
+// While the drive measures its motor.
+bool goes_meanwhile(const std::string &word)
+{
+    constexpr std::array<const char *, 5> WORDS = {"stop", "status", "get", "help", "quit"};
+    return std::any_of(WORDS.begin(), WORDS.end(), [&](const char *one) { return word == one; });
+}
 
 // The whole text as a finite number; nothing where it is none.
 std::optional<double> number(const std::string &text)
@@ -151,48 +157,52 @@ Answer BoardCommands::run()
     return amend([](drive_command_t &wanted) { wanted.request = DRIVE_REQUEST_RUN; });
 }
 
-// The shadow does not know of it at once.
-std::string BoardCommands::begin_identification()
+Config BoardCommands::plate(const std::string &file)
 {
-    const std::string why = follower_.client().line("identify");
-    if (why.empty()) {
-        remember(drive_command_t{0, DRIVE_MODE_SPEED, DRIVE_REQUEST_PROBE});
-    }
-    return why;
+    return configuration_.plate(file);
 }
 
-// Returns why there are no records.
-std::string BoardCommands::end_identification(const Measurement &measurement)
+// The shadow does not know of the drive's command at once. A motor that runs would run on with the values of a name plate.
+Answer BoardCommands::begin_identification(const std::string &file)
 {
-    for (int pass = 0; !measurement.has_ended() && pass < IDENTIFY_PASSES; pass++) {
-        surroundings_.pass(PASS_S);
+    if (runs()) {
+        return refused("identify: the motor is asked to run; `stop` first");
     }
-    if (!measurement.has_ended()) {
-        return "its end did not come; `stop` ends it on the board";
+    const Config known = plate(file);
+    const Answer taken = file.empty() ? done() : configuration_.take_plate(known);
+    if (taken.outcome != Outcome::done) {
+        return taken;
     }
-    return measurement.refusal();
-}
-
-// Measures with the configuration in force.
-Answer BoardCommands::measure(const Config &known, OutputFile *file)
-{
-    const Measurement &measurement = measurement_.emplace();
-    const std::string unsent = begin_identification();
-    const std::string why = unsent.empty() ? end_identification(measurement) : unsent;
-    const Measurement measured = measurement;
-    measurement_.reset();
-    if (!why.empty()) {
+    identification_.emplace(known, follower_.now_s());
+    identifies_in_ = follower_.connections();
+    if (const std::string why = follower_.client().line("identify"); !why.empty()) {
+        identification_.reset();
         return refused("identify: " + why);
     }
-    const identify::Records records = identify::read_records(measured.lines(), "the console");
-    const identify::Result result = identify::evaluate(records, known, WINDING_C);
-    if (file != nullptr) {
-        file->write(measured_motor_file(
-            result.motor, result.measured,
-            fmt::format("Measured by the drive in {:.0f} s, at its line.", records.duration_s)));
-        file->close();
+    remember(drive_command_t{0, DRIVE_MODE_SPEED, DRIVE_REQUEST_PROBE});
+    return done();
+}
+
+// A board that was switched off and on knows nothing of it.
+bool BoardCommands::identification_has_ended() const
+{
+    return !identification_ || identification_->has_ended(follower_.now_s()) ||
+           identifies_in_ != follower_.connections();
+}
+
+bool BoardCommands::measures() const
+{
+    return !identification_has_ended();
+}
+
+MeasuredMotor BoardCommands::take_identification()
+{
+    if (!identification_) {
+        throw ConfigError("no motor is being measured");
     }
-    return done(identify::table_text(result, std::nullopt));
+    const Identification ended = std::move(*identification_);
+    identification_.reset();
+    return ended.found();
 }
 
 Answer BoardCommands::identify(const std::string &files)
@@ -223,9 +233,19 @@ Answer BoardCommands::identify(const std::string &files)
 
 Answer BoardCommands::identify(const std::string &plate, OutputFile *file)
 {
-    const Config known = configuration_.plate(plate);
-    const Answer taken = plate.empty() ? done() : configuration_.take_plate(known);
-    return taken.outcome == Outcome::done ? measure(known, file) : taken;
+    const Answer begun = begin_identification(plate);
+    if (begun.outcome != Outcome::done) {
+        return begun;
+    }
+    for (int pass = 0; measures() && pass < IDENTIFY_PASSES; pass++) {
+        surroundings_.pass(PASS_S);
+    }
+    const MeasuredMotor motor = take_identification();
+    if (file != nullptr) {
+        file->write(motor.file_text());
+        file->close();
+    }
+    return done(identify::table_text(motor.result, std::nullopt));
 }
 
 Answer BoardCommands::speed(const std::string &value)
@@ -313,7 +333,7 @@ void BoardCommands::take_text(const std::string &characters)
 
 void BoardCommands::take_line(const std::string &line)
 {
-    if (measurement_ && measurement_->take(line)) {
+    if (measures() && identification_->take(line)) {
         return;
     }
     const bool recorded = dumping_ && line.front() == RECORDER_LINE_MARK;
@@ -463,6 +483,9 @@ Answer BoardCommands::execute(const std::string &line)
     };
     if (word.empty() || word[0] == '#') {
         return done();
+    }
+    if (measures() && !goes_meanwhile(word)) {
+        return refused(MEASURED);
     }
     for (const auto &[name, action] : table) {
         if (word == name) {

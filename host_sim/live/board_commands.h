@@ -5,7 +5,7 @@
 #include "commands.h"
 #include "configuration_commands.h"
 #include "follower.h"
-#include "measurement.h"
+#include "identification.h"
 #include "output_file.h"
 
 #include <functional>
@@ -37,6 +37,22 @@ public:
 
     static std::string help();
 
+    // The name plate of a file on the board that is connected, or, without one, of the motor in force. Throws ConfigError and
+    // LinkError.
+    Config plate(const std::string &file);
+
+    // The drive begins to measure the motor of a name plate, which becomes the configuration in force; without a file that in
+    // force. It goes on while the board is followed. Throws as plate().
+    debug::Answer begin_identification(const std::string &file);
+    // The one that is under way, or has ended and was not taken; NULL: none.
+    const Identification *identification() const
+    {
+        return identification_ ? &*identification_ : nullptr;
+    }
+    bool identification_has_ended() const;
+    // Of the one that has ended, or is given up. Throws ConfigError: why nothing was found.
+    MeasuredMotor take_identification();
+
     // The files, and what was set in them, that make the configuration in force. Throws ConfigError where they make another one, and
     // LinkError.
     FileChoice files_in_force();
@@ -61,9 +77,7 @@ private:
     debug::Answer run();
     debug::Answer identify(const std::string &files);
     debug::Answer identify(const std::string &plate, OutputFile *file);
-    debug::Answer measure(const Config &known, OutputFile *file);
-    std::string begin_identification();
-    std::string end_identification(const Measurement &measurement);
+    bool measures() const;
     debug::Answer speed(const std::string &value);
     debug::Answer position(const std::string &value);
     debug::Answer torque(const std::string &value);
@@ -85,8 +99,9 @@ private:
         commanded_; // last, by this session; none: only a part of it is known
     double commanded_s_ = 0;
     uint64_t commanded_in_ = 0;              // connection; 0: none
-    std::string line_;                       // of the console, so far
-    std::optional<Measurement> measurement_; // that is under way
+    std::string line_; // of the console, so far
+    std::optional<Identification> identification_;
+    uint64_t identifies_in_ = 0; // connection
     bool dumping_ = false;
     std::string dump_;
     bool dump_ended_ = false;

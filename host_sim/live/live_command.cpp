@@ -93,7 +93,7 @@ void separate(CLI::App &command)
                                     "--script", "--tuning", "--keep"}) {
         command.get_option(of_follower)->excludes(simulate);
     }
-    for (const char *of_board : {"--with", "--link"}) {
+    for (const char *of_board : {"--with", "--link", "--flash"}) {
         command.get_option(of_board)->needs(simulate);
     }
 }

@@ -35,7 +35,11 @@ bool Measurement::take(const std::string &line)
         ended_ = rest.rfind("done", 0) == 0;
         return true;
     }
-    return line == "ok"; // to the command itself
+    if (line == "ok") { // to the command itself
+        return true;
+    }
+    phases_.push_back(line);
+    return false;
 }
 
 } // namespace nf::live

@@ -29,9 +29,15 @@ public:
     {
         return lines_;
     }
+    // What the board has said that it does, in its order; the last one is what it does now.
+    const std::vector<std::string> &phases() const
+    {
+        return phases_;
+    }
 
 private:
     std::vector<std::string> lines_;
+    std::vector<std::string> phases_;
     bool ended_ = false;
     std::string refusal_;
 };

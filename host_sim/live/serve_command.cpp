@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "serve_command.h"
 
+#include "flash_file.h"
 #include "interrupt.h"
 #include "pty_server.h"
 
 #include <cstdio>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -61,12 +63,24 @@ void describe(CLI::App &command, ServeArguments &arguments)
                     "symbolic link to the port of --simulate, for a name that stays")
         ->check(not_empty, "")
         ->type_name("PATH");
+    command
+        .add_option("--flash", arguments.flash,
+                    "file of the flash of --simulate: read at the start where it is there, written at the "
+                    "end, as a board keeps what is stored when it is switched off")
+        ->check(not_empty, "")
+        ->type_name("FILE");
 }
 
 void serve(const ServeArguments &arguments, const ServeFiles &files)
 {
     const Config config = load(arguments, files);
-    SimulatedBoard board(config);
+    std::optional<hal_host_flash_t> kept;
+    std::optional<OutputFile> keeps; // from now on: that it cannot be written shows at once
+    if (!arguments.flash.empty()) {
+        kept = read_flash(arguments.flash, config.scenario.seed);
+        keeps.emplace(arguments.flash);
+    }
+    SimulatedBoard board(config, kept ? &*kept : nullptr);
     Pty pty(arguments.link);
     const std::string &port = arguments.link.empty() ? pty.port() : arguments.link;
     say(fmt::format("serving on {}; connect with: motorsim live {}", pty.port(), port));
@@ -79,6 +93,9 @@ void serve(const ServeArguments &arguments, const ServeFiles &files)
                    lag_s);
     };
     serve(board, pty, serving);
+    if (keeps) {
+        write_flash(*keeps, board.flash());
+    }
 }
 
 } // namespace nf::live

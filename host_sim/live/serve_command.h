@@ -16,6 +16,7 @@ struct ServeArguments {
     std::vector<std::string> with;
     double pace = 1;
     std::string link;
+    std::string flash;
 };
 
 struct ServeFiles {

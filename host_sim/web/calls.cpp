@@ -33,7 +33,8 @@ std::string text_of(const Json &json)
 std::vector<const Calls *> all_calls()
 {
     return {&config_service::calls(), &run_session::calls(),    &play_session::calls(),
-            &step_session::calls(),   &replay_session::calls(), &live_session::calls()};
+            &step_session::calls(),   &replay_session::calls(), &live_session::calls(),
+            &board_setup::calls()};
 }
 
 std::string answer(const std::string &name, const std::string &given)

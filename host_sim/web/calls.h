@@ -43,6 +43,10 @@ namespace live_session
 {
 const Calls &calls();
 }
+namespace board_setup
+{
+const Calls &calls();
+}
 
 // The tables of all parts.
 std::vector<const Calls *> all_calls();

@@ -3,9 +3,9 @@
 // other calls tell it something. Each call ends within the time that it is given, but for a command that waits.
 #include "answers.h"
 #include "calls.h"
+#include "live_board.h"
 #include "worker_line.h"
 
-#include "board_commands.h"
 #include "fault_line.h"
 #include "found_fault.h"
 #include "line_rate.h"
@@ -167,19 +167,9 @@ public:
         stop_where_asked();
     }
 
-    Answer execute(const std::string &line)
+    live::BoardCommands &commands()
     {
-        return commands_.execute(line);
-    }
-
-    double torque_max_nm()
-    {
-        return commands_.torque_max_nm();
-    }
-
-    live::FileChoice files_in_force()
-    {
-        return commands_.files_in_force();
+        return commands_;
     }
 
     std::vector<std::string> take_said()
@@ -210,11 +200,6 @@ public:
     {
         return *sink_.shown;
     }
-    std::optional<drive_command_t> command() const
-    {
-        return commands_.in_force();
-    }
-
     std::string state; // the last one that is known; empty before
     Json fault = nullptr;
 
@@ -281,7 +266,7 @@ Json head_of(LiveSession &s)
             {"baud", identity.baud},
             {"baud_needed", std::ceil(live::baud_needed(ticks_per_s))},
             {"speed_max_rpm", s.follower().about().speed_max_rpm},
-            {"torque_max_nm", s.torque_max_nm()},
+            {"torque_max_nm", s.commands().torque_max_nm()},
             {"moves", moves_json()}};
 }
 
@@ -290,6 +275,13 @@ Json open(const Json &given)
     session.reset(); // its memory is needed
     session = std::make_unique<LiveSession>(given);
     return head_of(*session);
+}
+
+// Of the configuration that is in force now: another motor has another name and other limits.
+Json head(const Json &given)
+{
+    (void)given;
+    return head_of(open_session());
 }
 
 // Null before the first state of the board is known.
@@ -379,6 +371,18 @@ Json answer_json(const Answer &answer)
     return {{"text", answer.text}, {"refused", answer.outcome == Outcome::refused}};
 }
 
+// How far a measurement is; null: there is none.
+Json measuring_json(const live::BoardCommands &commands, double now_s)
+{
+    const live::Identification *const one = commands.identification();
+    if (one == nullptr) {
+        return nullptr;
+    }
+    return {{"seconds", now_s - one->begun_s()},
+            {"phases", one->measurement().phases()},
+            {"ended", commands.identification_has_ended()}};
+}
+
 Json timeout_json(const live::Shadow &shadow)
 {
     if (!shadow.is_in_step()) {
@@ -415,9 +419,10 @@ Json pass(const Json &given)
             {"times", block_of(shown.scope().times_s())},
             {"columns", columns_json(shown.scope())},
             {"in_step", s.follower().shadow().is_in_step()},
-            {"command", command_json(s.command(), s.follower().bases())},
+            {"command", command_json(s.commands().in_force(), s.follower().bases())},
             {"stop", stop ? answer_json(*stop) : Json(nullptr)},
             {"timeout_s", timeout_json(s.follower().shadow())},
+            {"measuring", measuring_json(s.commands(), s.follower().now_s())},
             {"said", s.take_said()},
             {"health", health_json(s.follower())}};
 }
@@ -427,8 +432,11 @@ struct Elsewhere {
     const char *word;
     const char *place;
 };
-constexpr std::array<Elsewhere, 4> ELSEWHERE = {
+constexpr std::array<Elsewhere, 7> ELSEWHERE = {
     {{"record", "press Record"},
+     {"identify", "press Measure the motor"},
+     {"dump", "press Parameters, then Download block"},
+     {"load", "press Parameters, then choose or drop the block's file"},
      {"debug", "press Record, then Open in Replay: the stepper is there"},
      {"wait", "wait is for scripts"},
      {"quit", "press Disconnect"}}};
@@ -461,14 +469,14 @@ Json execute(const Json &given)
         return {{"text", other->place}, {"refused", true}};
     }
     return answer_json(line == "help" ? Answer{Outcome::done, help_here()}
-                                      : open_session().execute(line));
+                                      : open_session().commands().execute(line));
 }
 
 // Of the files whose configuration is in force: all that `set` takes.
 Json keys(const Json &given)
 {
     (void)given;
-    const Config config = live::load(open_session().files_in_force());
+    const Config config = live::load(open_session().commands().files_in_force());
     Json keys = Json::array();
     for (const Field &field : schema()) {
         const bool is_of_board =
@@ -487,7 +495,7 @@ Json keys(const Json &given)
 Json record(const Json &given)
 {
     const std::string file = given.at("file");
-    const Answer answer = open_session().execute("record " + file);
+    const Answer answer = open_session().commands().execute("record " + file);
     if (answer.outcome == Outcome::refused) {
         throw std::runtime_error(answer.text);
     }
@@ -506,11 +514,22 @@ Json close(const Json &given)
 
 const Calls &calls()
 {
-    static const Calls all = {{"live.open", open},       {"live.signals", signals},
-                              {"live.scope", scope},     {"live.pass", pass},
-                              {"live.execute", execute}, {"live.keys", keys},
-                              {"live.record", record},   {"live.close", close}};
+    static const Calls all = {{"live.open", open},     {"live.head", head},
+                              {"live.scope", scope},   {"live.signals", signals},
+                              {"live.pass", pass},     {"live.execute", execute},
+                              {"live.keys", keys},     {"live.record", record},
+                              {"live.close", close}};
     return all;
 }
 
 } // namespace nf::web::live_session
+
+namespace nf::web::live_board
+{
+
+live::BoardCommands &commands()
+{
+    return live_session::open_session().commands();
+}
+
+} // namespace nf::web::live_board

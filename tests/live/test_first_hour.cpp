@@ -2,7 +2,10 @@
 // A board out of the box and a motor of which only the name plate is known: all that a person does with them, line by line.
 #include "bars.h"
 #include "board_commands.h"
+#include "demands.h"
+#include "flash_file.h"
 #include "own_path.h"
+#include "plate.h"
 #include "simulated_board.h"
 
 extern "C" {
@@ -80,6 +83,27 @@ public:
         TEST_ASSERT_EQUAL_MESSAGE(nf::debug::Outcome::refused, answer.outcome,
                                   (text + ": " + answer.text).c_str());
         return answer.text;
+    }
+
+    nf::debug::Answer begins(const std::string &plate)
+    {
+        return commands_.begin_identification(plate);
+    }
+
+    bool has_ended() const
+    {
+        return commands_.identification_has_ended();
+    }
+
+    // Nothing was found.
+    std::string why()
+    {
+        try {
+            (void)commands_.take_identification();
+        } catch (const nf::ConfigError &error) {
+            return error.what();
+        }
+        return "";
     }
 
     std::string said() const
@@ -208,11 +232,72 @@ TEST(a_measurement_that_does_not_begin_leaves_no_file_and_says_why)
     const std::string measured = folder.file("measured.toml");
     write_plate(plate);
     Session session(out_of_the_box());
+    const uint32_t before = session.in_force().cfg.crc;
     session.does("run");
     session.does("speed 1000");
-    TEST_ASSERT_TRUE(session.refuses(fmt::format("identify {} {}", plate, measured)).size() > 0);
+    TEST_ASSERT_EQUAL_STRING(
+        "identify: the motor is asked to run; `stop` first",
+        session.refuses(fmt::format("identify {} {}", plate, measured)).c_str());
     TEST_ASSERT_FALSE(std::filesystem::exists(measured));
+    TEST_ASSERT_EQUAL_UINT32(before, session.in_force().cfg.crc);
     session.does("stop");
+}
+
+TEST(while_the_drive_measures_a_motor_nothing_changes_what_it_measures_with_and_a_stop_ends_it)
+{
+    const Folder folder;
+    const std::string plate = folder.file("plate.toml");
+    write_plate(plate);
+    Session session(out_of_the_box());
+    TEST_ASSERT_EQUAL(nf::debug::Outcome::done, session.begins(plate).outcome);
+    TEST_ASSERT_EQUAL_STRING("the motor is being measured; stop ends that",
+                             session.refuses("set observer.kappa=0.02").c_str());
+    session.refuses("run");
+    session.does("get observer");
+    session.does("status");
+    TEST_ASSERT_FALSE(session.has_ended());
+    session.does("stop");
+    session.does("wait 0.1");
+    TEST_ASSERT_TRUE(session.has_ended());
+    TEST_ASSERT_EQUAL_STRING("identify: another command has ended it", session.why().c_str());
+    session.does("set observer.kappa=0.02");
+}
+
+TEST(what_a_motor_will_see_is_said_before_and_is_no_more_than_the_name_plate_allows)
+{
+    const Folder folder;
+    const std::string plate = folder.file("plate.toml");
+    write_plate(plate);
+    const nf::Config known = nf::known_from_plate(nf::load_plate(plate, "b_g431b_esc1"));
+    const nf::identify::Demands demands = nf::identify::demands_of(known);
+    constexpr double steps_a = 0.01; // of Q15, of this board's full scale
+    TEST_ASSERT_DOUBLE_WITHIN(steps_a, 15, demands.current_a);
+    TEST_ASSERT_DOUBLE_WITHIN(steps_a, 27, demands.largest_current_a); // 9/10 of the largest
+    TEST_ASSERT_DOUBLE_WITHIN(1, 5000 / 2. * 4 / 3, demands.speed_rpm);
+}
+
+TEST(what_is_stored_is_there_after_another_start_from_the_file_of_the_flash)
+{
+    const Folder folder;
+    const std::string path = folder.file("board.flash");
+    Session session(out_of_the_box());
+    session.does("set observer.kappa=0.02");
+    session.does("store");
+    {
+        nf::OutputFile file(path);
+        nf::live::write_flash(file, session.flash());
+        file.close();
+    }
+    const hal_host_flash_t kept = nf::live::read_flash(path, 1);
+    Session again(out_of_the_box(), &kept);
+    TEST_ASSERT_EQUAL_UINT32(session.in_force().cfg.crc, again.in_force().cfg.crc);
+    std::ofstream(path) << "no flash";
+    try {
+        (void)nf::live::read_flash(path, 1);
+        TEST_FAIL_MESSAGE("it is no flash");
+    } catch (const nf::ConfigError &error) {
+        TEST_ASSERT_EQUAL_UINT(0, std::string(error.what()).find(path + ": has 8 bytes"));
+    }
 }
 
 TEST(a_wrong_name_plate_is_refused_by_file_and_key_and_an_existing_file_is_kept)

@@ -2,6 +2,7 @@
 // Boards that a page connects to: programs with a pseudo-terminal, each a device for a Cable.
 // The environment says where they are: NF_MOTORSIM; NF_PYTHON, NF_IMAGE, NF_IMAGE_BOARD, NF_CLOCK and NF_BIL_MOTOR.
 import { spawn } from "node:child_process";
+import { once } from "node:events";
 import { constants, openSync } from "node:fs";
 import { join } from "node:path";
 import { createInterface } from "node:readline";
@@ -55,14 +56,37 @@ class Board {
         this.#program.kill("SIGCONT");
     }
 
+    // Its flash is written by then.
+    async switchOff() {
+        const ended = once(this.#program, "exit");
+        this.#program.kill("SIGTERM");
+        await ended;
+    }
+
     end() {
         this.#program.kill("SIGKILL");
     }
 }
 
+function simulated(scenario, options = []) {
+    return Board.of(setting("NF_MOTORSIM"), ["live", "--simulate", scenario, "--pace", String(SIMULATED_PACE), ...options]);
+}
+
 // Its script commands it until somebody else does.
 export function simulatedBoard() {
-    return Board.of(setting("NF_MOTORSIM"), ["live", "--simulate", "s1_robust", "--pace", String(SIMULATED_PACE)]);
+    return simulated("s1_robust");
+}
+
+// Of a scenario in which nobody asks for anything: its image has the example motor of the board, the machine is another one.
+// `flash` is the file of what it keeps while it is switched off.
+export function boardOutOfTheBox(machine, flash) {
+    const settings = [
+        "scenario.load=[]", "scenario.command=[]", "scenario.request=[{time_s=0, run=false}]", "scenario.duration_s=200",
+        ...Object.entries(machine).map(([key, value]) => `plant.${key}=${value}`),
+    ];
+    return simulated("any", [
+        "--motor", "outrunner_24v", "--board", "b_g431b_esc1", "--flash", flash, ...settings.flatMap((each) => ["--set", each]),
+    ]);
 }
 
 // The image that is flashed. It obeys the lines of port.py.

@@ -30,6 +30,12 @@ export class Cable {
         await this.#page.evaluate(() => globalThis.fakeSerial.lose());
     }
 
+    // The other end is at another device from now on.
+    async plug(device) {
+        await this.pull();
+        this.#device = device;
+    }
+
     // Before the page goes away.
     async close() {
         if (this.#open) {

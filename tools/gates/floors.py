@@ -55,8 +55,8 @@ BELOW |= {
     "host_sim/debug": [*CORE, "host_sim/config", "host_sim/reference", "host_sim/run", "host_sim/output"],
     "host_sim/live": [*CORE, "hal/host", "host_sim/config", "host_sim/file", "host_sim/run", "host_sim/identify", "host_sim/output",
                       "host_sim/replay", "host_sim/debug"],
-    "host_sim/web": [*CORE, "host_sim/config", "host_sim/run", "host_sim/output", "host_sim/debug", "host_sim/replay",
-                     "host_sim/live"],
+    "host_sim/web": [*CORE, "host_sim/config", "host_sim/run", "host_sim/identify", "host_sim/output", "host_sim/debug",
+                     "host_sim/replay", "host_sim/live"],
 }
 FLOORED = ("firmware", "hal", "host_sim")  # their folders are floors, each of them
 PROGRAMS = {Path("host_sim/motorsim.cpp"), Path("host_sim/nfconfig.cpp")}  # above all of the simulator's floors

@@ -6,6 +6,8 @@ import type { LiveBlock, LiveHead, LiveOptions, SignalInfo } from "../core/proto
 import { Listeners } from "../parts/listeners.ts";
 import { BoardLink } from "./board_link.ts";
 import { ByteRate } from "./byte_rate.ts";
+import { Measuring } from "./measuring.ts";
+import { ownMotors } from "./own_motors.ts";
 import { Scopes } from "./scopes.ts";
 import { rotorDeg, SHOWN } from "./shown.ts";
 import { Talk } from "./talk.ts";
@@ -31,6 +33,7 @@ export class Board {
     readonly changed = new Listeners();
     readonly scopes = new Scopes();
     readonly talk = new Talk(() => this.link, () => this.changed.tell());
+    readonly measuring = new Measuring(this.talk, () => this.changed.tell());
     phase: Phase = "away";
     problem = ""; // why there is no board any more
     parting = ""; // what a person is to know of the one that was left
@@ -45,6 +48,10 @@ export class Board {
     private isCut = false; // by a person
     private pace = 1;
     private newestMs = 0; // when the newest tick came
+
+    constructor() {
+        this.talk.configured.add(() => void this.learnHead());
+    }
 
     // What is known of the board is how it stands now.
     get isNow(): boolean {
@@ -147,13 +154,25 @@ export class Board {
             if (this.isCut) {
                 throw new Error("it is not wanted any more");
             }
-            this.head = await link.ask("liveOpen", { line: link.memory, options, scope: this.scopes.choice });
+            this.head = await link.ask("liveOpen", {
+                line: link.memory, motors: ownMotors(), options, scope: this.scopes.choice,
+            });
             return true;
         } catch (error) {
             if (!isSilence(error as Error)) {
                 throw error;
             }
             return false;
+        }
+    }
+
+    // Another configuration has another name and other limits.
+    private async learnHead(): Promise<void> {
+        try {
+            this.head = await this.talk.inTurn("who the board is", "liveHead", null);
+            this.changed.tell();
+        } catch {
+            // it has gone, or a stop came first: the one before stays
         }
     }
 
@@ -173,6 +192,7 @@ export class Board {
         this.phase = "closing";
         this.link = undefined;
         this.talk.end();
+        this.measuring.lose();
         this.changed.tell();
         try {
             await link?.close();
@@ -206,6 +226,7 @@ export class Board {
         if (block.stop !== null) {
             this.talk.takeStop(block.stop);
         }
+        this.measuring.follow(block.measuring);
         this.talk.steering.follow(block.command, rotorDeg(block));
     }
 }

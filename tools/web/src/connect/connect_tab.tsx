@@ -9,6 +9,7 @@ import { BoardControls, RecordButtons } from "./board_controls.tsx";
 import { BoardNow } from "./board_now.tsx";
 import { Connection } from "./connection.tsx";
 import { DialogueView } from "./dialogue_view.tsx";
+import { MeasureMotor } from "./measure_motor.tsx";
 import { Parameters } from "./parameters.tsx";
 import { WhereAvailable } from "./unavailable.tsx";
 import { useBoard } from "./use_board.ts";
@@ -29,7 +30,8 @@ function Side({ props, board }: { props: TabProps; board: Board }) {
     );
 }
 
-type Panel = "Signals" | "Parameters";
+const PANELS = ["Signals", "Parameters", "Measure the motor"] as const;
+type Panel = (typeof PANELS)[number];
 
 interface ToolbarProps {
     board: Board;
@@ -42,7 +44,7 @@ function Toolbar({ board, open, setOpen }: ToolbarProps) {
     return (
         <div class="buttons toolbar">
             <SpanChoice span={span} setSpan={(next) => void board.setScope(panels, next)} />
-            {(["Signals", "Parameters"] as const).map((name) => (
+            {PANELS.map((name) => (
                 <button
                     type="button" key={name} aria-pressed={open === name}
                     onClick={() => setOpen(open === name ? undefined : name)}
@@ -54,7 +56,18 @@ function Toolbar({ board, open, setOpen }: ToolbarProps) {
     );
 }
 
-function Main({ board }: { board: Board }) {
+function Beside({ open, board, props }: { open: Panel | undefined; board: Board; props: TabProps }) {
+    switch (open) {
+        case "Parameters":
+            return <Parameters board={board} />;
+        case "Measure the motor":
+            return <MeasureMotor board={board} schema={props.schema} />;
+        default:
+            return null;
+    }
+}
+
+function Main({ board, props }: { board: Board; props: TabProps }) {
     const [open, setOpen] = useState<Panel>();
     const { track, panels, span } = board.scopes;
     if (board.head === undefined) {
@@ -73,7 +86,7 @@ function Main({ board }: { board: Board }) {
             <ScopeScene
                 label="Scopes and state" signals={board.signals} track={track} panels={panels} span={span}
                 choosing={open === "Signals"} setPanels={(next) => void board.setScope(next, span)}
-                beside={open === "Parameters" && <Parameters board={board} />}
+                beside={<Beside open={open} board={board} props={props} />}
             >
                 <BoardNow board={board} />
             </ScopeScene>
@@ -86,7 +99,7 @@ function Bench({ props }: { props: TabProps }) {
     return (
         <div class="run connect">
             <Side props={props} board={board} />
-            <Main board={board} />
+            <Main board={board} props={props} />
         </div>
     );
 }

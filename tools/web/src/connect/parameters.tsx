@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
-// The keys of motor, board and tuning in a table, to look up and to set while the board runs.
+// The configuration of the board: its keys to look up and to set while it runs, and all of it as a file.
 import { useId, useState } from "preact/hooks";
-import type { LiveKey, Said } from "../core/protocol.ts";
+import type { LiveKey } from "../core/protocol.ts";
 import type { Board } from "./board.ts";
+import { ConfigurationFiles } from "./configuration_files.tsx";
+import { type Drafts, useDrafts } from "./drafts.ts";
+import { KeysTable } from "./keys_table.tsx";
 import { type Keys, useKeys } from "./use_keys.ts";
 
 const TITLES: Record<string, [string, string]> = {
@@ -17,64 +20,24 @@ function matches({ name, meaning }: LiveKey, search: string): boolean {
     return search.toLowerCase().split(/\s+/).every((word) => text.includes(word));
 }
 
-interface RowProps {
-    given: LiveKey;
-    keys: Keys;
-    isOpen: boolean;
-    open(): void;
-}
-
-function About({ meaning, answer }: { meaning: string | undefined; answer: Said | undefined }) {
+// Several new values, whichever of them the search shows.
+function Together({ drafts, keys, set }: { drafts: Drafts; keys: Keys; set(names: string[]): void }) {
+    const { answer } = keys;
+    const count = drafts.keys.length;
     return (
-        <tr class="about">
-            <td colSpan={4}>
-                {meaning !== undefined && <p class="note">{meaning}</p>}
-                {answer !== undefined && <p class={answer.refused ? "problem" : "note"} role="status">{answer.text}</p>}
-            </td>
-        </tr>
-    );
-}
-
-function Row({ given, keys, isOpen, open }: RowProps) {
-    const { name, value } = given;
-    const meaning = `${given.meaning}; allowed: ${given.allowed}`;
-    const [text, setText] = useState("");
-    const set = async (): Promise<void> => {
-        if (text.trim() !== "" && !(await keys.set(name, text.trim())).refused) {
-            setText("");
-        }
-    };
-    const answer = keys.answer?.key === name ? keys.answer : undefined;
-    return (
-        <tbody onFocusIn={open}>
-            <tr title={meaning}>
-                <th scope="row">{name}</th>
-                <td>{value}</td>
-                <td>
-                    <input
-                        type="text" aria-label={`New value of ${name}`} autocomplete="off" spellcheck={false} value={text}
-                        onInput={(event) => setText(event.currentTarget.value)}
-                        onKeyDown={(event) => event.key === "Enter" && void set()}
-                    />
-                </td>
-                <td><button type="button" class="small" aria-label={`Set ${name}`} onClick={() => void set()}>Set</button></td>
-            </tr>
-            {(isOpen || answer !== undefined) && <About meaning={isOpen ? meaning : undefined} answer={answer} />}
-        </tbody>
-    );
-}
-
-function Table({ keys, found }: { keys: Keys; found: LiveKey[] }) {
-    const [opened, setOpened] = useState("");
-    return (
-        <table class="keys">
-            <thead>
-                <tr>{["Key", "Value", "New value", "Set"].map((title) => <th key={title} scope="col">{title}</th>)}</tr>
-            </thead>
-            {found.map((key) => (
-                <Row key={key.name} given={key} keys={keys} isOpen={key.name === opened} open={() => setOpened(key.name)} />
-            ))}
-        </table>
+        <>
+            {count > 1 && (
+                <div class="buttons" role="group" aria-label="New values">
+                    <button type="button" class="main" title={drafts.keys.join(", ")} onClick={() => set(drafts.keys)}>
+                        {`Set ${count} keys together`}
+                    </button>
+                    <button type="button" onClick={() => drafts.forget(drafts.keys)}>Forget them</button>
+                </div>
+            )}
+            {answer !== undefined && answer.keys.length > 1 && (
+                <p class={answer.refused ? "problem" : "note"} role="status">{answer.text}</p>
+            )}
+        </>
     );
 }
 
@@ -83,8 +46,15 @@ export function Parameters({ board }: { board: Board }) {
     const id = useId();
     const [search, setSearch] = useState("");
     const keys = useKeys(board);
+    const drafts = useDrafts();
     const isDisabled = board.phase !== "following";
     const found = keys.all.filter((key) => matches(key, search));
+    const set = async (names: string[]): Promise<void> => {
+        const values = names.map((name): [string, string] => [name, drafts.of(name).trim()]).filter(([, value]) => value !== "");
+        if (values.length > 0 && !(await keys.set(values)).refused) {
+            drafts.forget(names);
+        }
+    };
     return (
         <aside class="parameters" aria-label="Parameters">
             <div class="buttons" role="group" aria-label="All parameters">
@@ -97,13 +67,17 @@ export function Parameters({ board }: { board: Board }) {
                 ))}
                 <button type="button" disabled={isDisabled} onClick={keys.ask}>Read again</button>
             </div>
+            <ConfigurationFiles board={board} />
             {keys.problem !== "" && <p class="problem" role="alert">{keys.problem}</p>}
             <label for={id}>Search keys by name or meaning</label>
             <input
                 id={id} type="search" disabled={isDisabled} value={search} onInput={(event) => setSearch(event.currentTarget.value)}
             />
             <p class="note" role="status">{keys.isAsking ? "Reading…" : `${found.length} of ${keys.all.length} keys`}</p>
-            <div class="scroll" tabIndex={0} role="group" aria-label="Keys found"><Table keys={keys} found={found} /></div>
+            <Together drafts={drafts} keys={keys} set={(names) => void set(names)} />
+            <div class="scroll" tabIndex={0} role="group" aria-label="Keys found">
+                <KeysTable keys={keys} drafts={drafts} found={found} set={(name) => void set([name])} />
+            </div>
         </aside>
     );
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What a person tells a board, and what comes of it.
-import type { LiveKey, Requests, Said } from "../core/protocol.ts";
+import type { LiveKey, RequestName, Requests, Said } from "../core/protocol.ts";
 import { Listeners } from "../parts/listeners.ts";
 import type { BoardLink } from "./board_link.ts";
 import { Dialogue, type Line } from "./dialogue.ts";
@@ -10,7 +10,7 @@ import { Turns } from "./turns.ts";
 
 export type Recording = Requests["liveRecord"]["back"];
 
-const CONFIGURING = ["set", "adopt", "defaults"];
+const CONFIGURING = ["set", "adopt", "defaults", "load", "identify"];
 
 export class Talk {
     readonly dialogue = new Dialogue();
@@ -59,9 +59,7 @@ export class Talk {
             return { text: "", refused: false };
         }
         const answer = await this.ask(line, true);
-        if (!answer.refused && CONFIGURING.includes(line.trim().split(/\s+/)[0] ?? "")) {
-            this.configured.tell();
-        }
+        this.tellConfigured(line, answer.refused);
         return answer;
     }
 
@@ -86,21 +84,42 @@ export class Talk {
     }
 
     keys(): Promise<LiveKey[]> {
-        return this.inTurn("the list of keys", "liveKeys");
+        return this.inTurn("the list of keys", "liveKeys", null);
     }
 
     async record(): Promise<void> {
         this.recording = undefined;
         this.isRecording = true;
-        this.log("asked", "record");
-        try {
-            this.recording = await this.inTurn("record", "liveRecord");
-            this.log("answer", this.recording.text);
-        } catch (error) {
-            this.log("refusal", (error as Error).message);
-        }
+        const recorded = this.exchange("record", "liveRecord", null, ({ text }) => text);
+        this.recording = await recorded.catch(() => undefined);
         this.isRecording = false;
         this.changed();
+    }
+
+    // What is no line of its own stands in the dialogue like one: `line`, and the text that is made of its answer.
+    async exchange<Name extends RequestName>(
+        line: string, name: Name, given: Requests[Name]["given"], textOf: (back: Requests[Name]["back"]) => string,
+    ): Promise<Requests[Name]["back"]> {
+        this.log("asked", line);
+        try {
+            const back = await this.inTurn(line, name, given);
+            this.log("answer", textOf(back));
+            this.tellConfigured(line, false);
+            return back;
+        } catch (error) {
+            this.log("refusal", (error as Error).message);
+            throw error;
+        }
+    }
+
+    // Not where it waits for its turn when a stop comes.
+    inTurn<Name extends RequestName>(title: string, name: Name, given: Requests[Name]["given"]): Promise<Requests[Name]["back"]> {
+        return this.turns.take(title, async () => this.there().ask(name, given));
+    }
+
+    // As of now, for what is not to be done after a later one.
+    get stops(): number {
+        return this.link()?.stops ?? 0;
     }
 
     private there(): BoardLink {
@@ -111,13 +130,15 @@ export class Talk {
         return link;
     }
 
-    private inTurn<Name extends "liveKeys" | "liveRecord">(title: string, name: Name): Promise<Requests[Name]["back"]> {
-        return this.turns.take(title, async () => this.there().ask(name, null));
+    private tellConfigured(line: string, isRefused: boolean): void {
+        if (!isRefused && CONFIGURING.includes(line.trim().split(/\s+/)[0] ?? "")) {
+            this.configured.tell();
+        }
     }
 
     // In the dialogue a line and its answer stand together.
     private ask(line: string, isLogged: boolean): Promise<Said> {
-        const stops = this.link()?.stops ?? 0;
+        const { stops } = this;
         const heard = (answer: Said): Said => {
             if (isLogged) {
                 this.dialogue.answer(answer);

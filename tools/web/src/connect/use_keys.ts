@@ -16,8 +16,8 @@ interface Asked extends Known {
 }
 
 export interface Keys extends Asked {
-    answer: (Said & { key: string }) | undefined; // to the newest `set`
-    set(key: string, value: string): Promise<Said>;
+    answer: (Said & { keys: string[] }) | undefined; // to the newest `set`
+    set(values: [key: string, value: string][]): Promise<Said>; // which act together
 }
 
 const NOTHING: Known = { all: [], problem: "" };
@@ -60,11 +60,11 @@ export function useKeys(board: Board): Keys {
     useEffect(() => setAnswer(undefined), [board.phase === "following"]);
     return {
         ...known, answer,
-        set: async (key, value) => {
+        set: async (values) => {
             setAnswer(undefined);
-            const given = await board.talk.execute(`set ${key}=${value}`);
-            setAnswer({ key, ...given });
-            return given;
+            const said = await board.talk.execute(`set ${values.map((pair) => pair.join("=")).join(" ")}`);
+            setAnswer({ keys: values.map(([key]) => key), ...said });
+            return said;
         },
     };
 }

@@ -1,37 +1,21 @@
 // SPDX-License-Identifier: MIT
 // A running board at a serial line. Each call follows it for some hundredths of a second; between two calls other requests come in.
-import type { LiveBlock, LiveHead, LiveKey, Requests, Said, ScopeChoice, SignalInfo, ToLine } from "./protocol.ts";
-import { type Line, SharedLine } from "./shared_line.ts";
+import { isStoppedSince, openLine } from "./open_line.ts";
+import type { LiveBlock, LiveHead, LiveKey, Requests, Said, ScopeChoice, SignalInfo } from "./protocol.ts";
 import type { Block, Core } from "./wasm.ts";
 
 type Given<Name extends keyof Requests> = Requests[Name]["given"];
 
 const RECORDING = "field.log";
-const MS_PER_S = 1000;
 
-let shared: SharedLine | undefined; // of the board that is followed
-
-function lineOn(line: SharedLine): Line {
-    let { stops } = line;
-    return {
-        take: (to, waitS) => line.take(to, waitS * MS_PER_S),
-        write: (bytes) => {
-            const message: ToLine = { line: bytes.slice() };
-            self.postMessage(message, { transfer: [message.line.buffer] });
-        },
-        nowS: () => performance.now() / MS_PER_S,
-        takeStop: () => {
-            const isNew = stops !== line.stops;
-            stops = line.stops;
-            return isNew;
-        },
-    };
+export function liveOpen(core: Core, { line, motors, options, scope }: Given<"liveOpen">): LiveHead {
+    core.addMotors(motors);
+    openLine(core, line);
+    return core.call("live.open", { ...options, ...scope });
 }
 
-export function liveOpen(core: Core, { line, options, scope }: Given<"liveOpen">): LiveHead {
-    shared = new SharedLine(line);
-    core.useLine(lineOn(shared));
-    return core.call("live.open", { ...options, ...scope });
+export function liveHead(core: Core): LiveHead {
+    return core.call("live.head", {});
 }
 
 export function liveSignals(core: Core): SignalInfo[] | null {
@@ -50,11 +34,10 @@ export function livePass(core: Core, given: Given<"livePass">): LiveBlock {
     return { ...answer, times: core.doubles(answer.times), columns: core.columns(answer.columns) };
 }
 
-// What was asked before a stop is not done after it.
 export function liveExecute(core: Core, { line, stops }: Given<"liveExecute">): Said {
-    return stops === shared?.stops
-        ? core.call("live.execute", { line })
-        : { text: `${line}: not done, a stop came before its turn`, refused: true };
+    return isStoppedSince(stops)
+        ? { text: `${line}: not done, a stop came before its turn`, refused: true }
+        : core.call("live.execute", { line });
 }
 
 export function liveKeys(core: Core): LiveKey[] {

@@ -217,6 +217,44 @@ export interface LiveOptions {
     keep_s: number; // for a recording
 }
 
+// That a person has chosen or dropped.
+export interface GivenFile {
+    name: string;
+    bytes: Uint8Array;
+}
+
+// What a measurement asks of a motor.
+export interface Demands {
+    current_a: number; // peak of a phase, while the shaft turns
+    largest_current_a: number; // the same while it stands
+    speed_rpm: number;
+}
+
+// What a name plate says.
+export interface Plate {
+    name: string;
+    pole_pairs: number;
+    max_speed_rpm: number;
+    continuous_current_a: number;
+    max_current_a: number;
+    thermal_time_constant_s: number;
+    demands: Demands;
+}
+
+// A measurement that is under way, or has just ended.
+export interface Measuring {
+    seconds: number; // of the board, since it began
+    phases: string[]; // in the board's words; the last one is what it does now
+    ended: boolean;
+}
+
+export interface Measured {
+    name: string;
+    rows: { title: string; value: string; bar: string; unit: string }[];
+    remarks: string[];
+    file: string; // the text of the motor file
+}
+
 // Who answers.
 export interface LiveHead {
     name: string;
@@ -235,6 +273,7 @@ export interface LiveBlock extends PlayBlock {
     command: BoardCommand | null; // in force; null: not known
     stop: Said | null; // what the board has answered to a stop since the last block
     timeout_s: number | null; // without a PC the drive stops after so long; 0: it never does; null: not known
+    measuring: Measuring | null;
     said: string[]; // lines since the last block
     health: LiveHealth;
 }
@@ -288,9 +327,14 @@ export interface Requests {
     stepExecute: { given: { line: string }; back: Said };
     stepComplete: { given: { before: string; word: string }; back: string[] };
     stepLook: { given: null; back: StepView };
-    replayOpen: { given: { name: string; bytes: Uint8Array }; back: ReplayHead };
+    replayOpen: { given: GivenFile; back: ReplayHead };
     replayHead: { given: null; back: ReplayHead | null };
-    liveOpen: { given: { line: SharedArrayBuffer; options: LiveOptions; scope: ScopeChoice }; back: LiveHead };
+    // `motors`: as of boardKeep
+    liveOpen: {
+        given: { line: SharedArrayBuffer; motors: Record<string, string>; options: LiveOptions; scope: ScopeChoice };
+        back: LiveHead;
+    };
+    liveHead: { given: null; back: LiveHead };
     liveSignals: { given: null; back: SignalInfo[] | null }; // null: not in step yet
     liveScope: { given: ScopeChoice; back: null };
     livePass: { given: { seconds: number; values: string[] }; back: LiveBlock };
@@ -298,6 +342,12 @@ export interface Requests {
     liveKeys: { given: null; back: LiveKey[] };
     liveRecord: { given: null; back: { text: string; log: string } }; // what was said, and the recording as a log
     liveClose: { given: null; back: string }; // what a person is to know of the board that is left, or nothing
+    boardPlate: { given: GivenFile; back: Plate };
+    boardIdentify: { given: { file: GivenFile; stops: number }; back: string }; // of a name plate; `stops` as of liveExecute
+    boardMeasured: { given: null; back: Measured };
+    boardKeep: { given: { motors: Record<string, string> }; back: null }; // texts of motor files by their names
+    boardDump: { given: null; back: { text: string; bytes: Uint8Array } }; // the block in force
+    boardLoad: { given: GivenFile; back: string };
     replayColumns: { given: { signals: string[] }; back: Curves };
 }
 

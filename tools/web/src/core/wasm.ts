@@ -5,6 +5,7 @@ import type { Line } from "./shared_line.ts";
 
 interface FileSystem {
     readFile(path: string, options: { encoding: "utf8" }): string;
+    readFile(path: string): Uint8Array;
     writeFile(path: string, content: string | Uint8Array): void;
     mkdir(path: string): void;
     chdir(path: string): void;
@@ -33,6 +34,7 @@ export interface Block {
 export const WORK_FOLDER = "/bench";
 // For one file that a person has dropped, under its own name.
 const DROP_FOLDER = "/dropped";
+const DATA_FOLDER = "/host_sim";
 
 // Of the simulator: an error of the user's files, in the program's words.
 export class CoreError extends Error {}
@@ -93,6 +95,13 @@ export class Core {
         }
     }
 
+    // By their names, beside the shipped ones: the program finds them as it finds those.
+    addMotors(motors: Record<string, string>): void {
+        for (const [name, text] of Object.entries(motors)) {
+            this.module.FS.writeFile(`${DATA_FOLDER}/${folderOf("motor")}/${name}.toml`, text);
+        }
+    }
+
     // The call finds the file by its bare name, which its errors begin with.
     callWithFile<Value>(name: string, file: string, bytes: Uint8Array): Value {
         const fs = this.module.FS;
@@ -111,6 +120,12 @@ export class Core {
         const text = this.read(path);
         this.module.FS.unlink(path);
         return text;
+    }
+
+    takeBytes(path: string): Uint8Array {
+        const bytes = this.module.FS.readFile(path);
+        this.module.FS.unlink(path);
+        return bytes;
     }
 
     private textAt(text: string): number {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The worker: it holds the simulator, takes requests one after the other, and lets a long one be stopped between slices.
+import * as setup from "./board_setup.ts";
 import type { Answer, Cancel, Names, Request, RequestName, Requests, SchemaKey } from "./protocol.ts";
 import * as live from "./live_session.ts";
 import * as play from "./play_session.ts";
@@ -46,6 +47,7 @@ const handlers: Handlers = {
     ...step,
     ...replay,
     ...live,
+    ...setup,
 };
 
 const cancelled = new Set<number>();

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Replay: a log of the field with a recording in it. What it is, the curves before the fault, and the way to the stepper.
-import { useEffect, useId, useMemo, useState } from "preact/hooks";
+import { useEffect, useMemo, useState } from "preact/hooks";
 import type { Client } from "../core/client.ts";
 import type { Curves as Recorded, ReplayHead } from "../core/protocol.ts";
 import { FIRST_PANELS } from "../parts/board_panels.ts";
+import { FileDrop } from "../parts/file_drop.tsx";
 import { Curves } from "../run/curves.tsx";
 import type { TabProps } from "../tabs.ts";
 
@@ -57,36 +58,6 @@ function useReplay(client: Client): Replay {
     };
 }
 
-function DropZone({ open }: { open(file: File): Promise<void> }) {
-    const id = useId();
-    const [over, setOver] = useState(false);
-    const take = (files: FileList | null | undefined): void => {
-        const file = files?.[0];
-        if (file !== undefined) {
-            void open(file);
-        }
-    };
-    return (
-        <div
-            class={over ? "drop over" : "drop"}
-            onDragOver={(event) => {
-                event.preventDefault();
-                setOver(true);
-            }}
-            onDragLeave={() => setOver(false)}
-            onDrop={(event) => {
-                event.preventDefault();
-                setOver(false);
-                take(event.dataTransfer?.files);
-            }}
-        >
-            <p>Drop a log of the serial line here, with a recording of the flight recorder in it.</p>
-            <label for={id}>Or choose a file</label>{" "}
-            <input id={id} type="file" onChange={(event) => take(event.currentTarget.files)} />
-        </div>
-    );
-}
-
 function Fault({ head }: { head: ReplayHead }) {
     return (
         <>
@@ -131,7 +102,10 @@ export function ReplayTab({ client, show }: TabProps) {
     return (
         <div class="run">
             <div class="side scroll" tabIndex={0} role="group" aria-label="The recording">
-                <DropZone open={replay.open} />
+                <FileDrop
+                    text="Drop a log of the serial line here, with a recording of the flight recorder in it." label="Or choose a file"
+                    open={(file) => void replay.open(file)}
+                />
                 {problem !== "" && <p class="problem" role="alert">{problem}</p>}
                 {opened !== undefined && (
                     <section class="summary" aria-label="Summary">

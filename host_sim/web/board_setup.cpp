@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+// What a page does with the board that it follows beyond a line: the drive measures its motor, and a block comes and goes as a
+// file.
+#include "calls.h"
+#include "live_board.h"
+
+#include "demands.h"
+#include "findings.h"
+
+#include <stdexcept>
+
+namespace nf::web::board_setup
+{
+namespace
+{
+
+// Of a file in the working folder, whatever its ending is.
+std::string path_of(const Json &given)
+{
+    return "./" + given.at("file").get<std::string>();
+}
+
+// What it says, and what the motor will see; nothing moves.
+Json plate(const Json &given)
+{
+    const Config known = live_board::commands().plate(path_of(given));
+    const identify::Demands demands = identify::demands_of(known);
+    const MotorSettings &motor = known.motor;
+    return {{"name", motor.name},
+            {"pole_pairs", motor.pole_pairs},
+            {"max_speed_rpm", motor.max_speed_rpm},
+            {"continuous_current_a", motor.continuous_current_a},
+            {"max_current_a", motor.max_current_a},
+            {"thermal_time_constant_s", motor.thermal_time_constant_s},
+            {"demands",
+             {{"current_a", demands.current_a},
+              {"largest_current_a", demands.largest_current_a},
+              {"speed_rpm", demands.speed_rpm}}}};
+}
+
+std::string done_or_throw(const debug::Answer &answer)
+{
+    if (answer.outcome == debug::Outcome::refused) {
+        throw std::runtime_error(answer.text);
+    }
+    return answer.text;
+}
+
+// The page follows the board meanwhile: live.pass says how far it is.
+Json begin(const Json &given)
+{
+    return done_or_throw(live_board::commands().begin_identification(path_of(given)));
+}
+
+Json rows_json(const identify::Result &result)
+{
+    Json rows = Json::array();
+    for (const identify::Finding &found : identify::findings_of(result)) {
+        rows.push_back({{"title", found.title},
+                        {"value", found.value},
+                        {"bar", found.bar},
+                        {"unit", found.unit}});
+    }
+    return rows;
+}
+
+Json measured(const Json &given)
+{
+    (void)given;
+    const live::MeasuredMotor motor = live_board::commands().take_identification();
+    return {{"name", motor.result.motor.name},
+            {"rows", rows_json(motor.result)},
+            {"remarks", motor.result.remarks},
+            {"file", motor.file_text()}};
+}
+
+// A line of the program with the name of a file.
+std::string told(const char *word, const Json &given)
+{
+    const std::string file = given.at("file");
+    return done_or_throw(live_board::commands().execute(std::string(word) + ' ' + file));
+}
+
+Json dump(const Json &given)
+{
+    return told("dump", given);
+}
+
+Json load(const Json &given)
+{
+    return told("load", given);
+}
+
+} // namespace
+
+const Calls &calls()
+{
+    static const Calls all = {{"board.plate", plate},
+                              {"board.identify", begin},
+                              {"board.measured", measured},
+                              {"board.dump", dump},
+                              {"board.load", load}};
+    return all;
+}
+
+} // namespace nf::web::board_setup
