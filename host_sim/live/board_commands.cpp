@@ -47,7 +47,7 @@ constexpr const char *MEASURED = "the motor is being measured; stop ends that";
 // While the drive measures its motor.
 bool goes_meanwhile(const std::string &word)
 {
-    constexpr std::array<const char *, 5> WORDS = {"stop", "status", "get", "help", "quit"};
+    constexpr std::array<const char *, 6> WORDS = {"stop", "status", "get", "wait", "help", "quit"};
     return std::any_of(WORDS.begin(), WORDS.end(), [&](const char *one) { return word == one; });
 }
 
@@ -148,6 +148,15 @@ Answer BoardCommands::request(uint8_t what)
     const Answer answer = command(wanted);
     if (!known && answer.outcome == Outcome::done) {
         remember(std::nullopt);
+    }
+    return answer;
+}
+
+Answer BoardCommands::stop()
+{
+    const Answer answer = request(0);
+    if (answer.outcome == Outcome::done && identification_) {
+        identification_->stop();
     }
     return answer;
 }
@@ -461,7 +470,7 @@ Answer BoardCommands::execute(const std::string &line)
     const std::string rest = blank == std::string::npos ? "" : debug::trimmed(text.substr(blank));
     const std::vector<std::pair<const char *, std::function<Answer()>>> table = {
         {"run", [this] { return run(); }},
-        {"stop", [this] { return request(0); }},
+        {"stop", [this] { return stop(); }},
         {"clear", [this] { return request(DRIVE_REQUEST_CLEAR); }},
         {"speed", [&] { return speed(rest); }},
         {"position", [&] { return position(rest); }},

@@ -74,6 +74,7 @@ private:
     debug::Answer command(const drive_command_t &command);
     debug::Answer amend(const std::function<void(drive_command_t &)> &change);
     debug::Answer request(uint8_t what);
+    debug::Answer stop();
     debug::Answer run();
     debug::Answer identify(const std::string &files);
     debug::Answer identify(const std::string &plate, OutputFile *file);

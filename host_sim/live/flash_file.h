@@ -17,7 +17,7 @@ namespace nf::live
 // Erased where there is no such file; `seed` as of hal_host_flash_init(). Throws ConfigError where the file is none of a flash.
 hal_host_flash_t read_flash(const std::string &path, unsigned seed);
 
-// Throws OutputError.
+// Closes the file. Throws OutputError.
 void write_flash(OutputFile &file, hal_host_flash_t flash);
 
 } // namespace nf::live

@@ -31,6 +31,11 @@ public:
         return measurement_.take(line);
     }
 
+    void stop()
+    {
+        measurement_.stop();
+    }
+
     // Well or not. A board whose last line is lost ends it by itself by then, too.
     bool has_ended(double now_s) const;
 

@@ -42,4 +42,12 @@ bool Measurement::take(const std::string &line)
     return false;
 }
 
+void Measurement::stop()
+{
+    if (!ended_) {
+        refusal_ = "a stop has ended it";
+        ended_ = true;
+    }
+}
+
 } // namespace nf::live

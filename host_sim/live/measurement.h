@@ -14,6 +14,9 @@ public:
     // A line of the console. Returns whether it is one of the numbers of the measurement, which nobody needs to see.
     bool take(const std::string &line);
 
+    // It is stopped: the board says no more of it.
+    void stop();
+
     // It is over, or was never begun.
     bool has_ended() const
     {

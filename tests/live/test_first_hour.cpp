@@ -259,8 +259,8 @@ TEST(while_the_drive_measures_a_motor_nothing_changes_what_it_measures_with_and_
     session.does("stop");
     session.does("wait 0.1");
     TEST_ASSERT_TRUE(session.has_ended());
-    TEST_ASSERT_EQUAL_STRING("identify: another command has ended it", session.why().c_str());
-    session.does("set observer.kappa=0.02");
+    TEST_ASSERT_EQUAL_STRING("identify: a stop has ended it", session.why().c_str());
+    session.does("defaults");
 }
 
 TEST(what_a_motor_will_see_is_said_before_and_is_no_more_than_the_name_plate_allows)
@@ -280,17 +280,16 @@ TEST(what_is_stored_is_there_after_another_start_from_the_file_of_the_flash)
 {
     const Folder folder;
     const std::string path = folder.file("board.flash");
-    Session session(out_of_the_box());
-    session.does("set observer.kappa=0.02");
-    session.does("store");
+    const auto session = std::make_unique<Session>(out_of_the_box());
+    session->does("set observer.kappa=0.02");
+    session->does("store");
     {
         nf::OutputFile file(path);
-        nf::live::write_flash(file, session.flash());
-        file.close();
+        nf::live::write_flash(file, session->flash());
     }
     const hal_host_flash_t kept = nf::live::read_flash(path, 1);
-    Session again(out_of_the_box(), &kept);
-    TEST_ASSERT_EQUAL_UINT32(session.in_force().cfg.crc, again.in_force().cfg.crc);
+    const auto again = std::make_unique<Session>(out_of_the_box(), &kept);
+    TEST_ASSERT_EQUAL_UINT32(session->in_force().cfg.crc, again->in_force().cfg.crc);
     std::ofstream(path) << "no flash";
     try {
         (void)nf::live::read_flash(path, 1);

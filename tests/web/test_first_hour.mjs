@@ -121,7 +121,7 @@ async function measure(page, steps) {
     }
     await press("Next");
     const seen = await page.getByRole("region", { name: "Before it begins" }).innerText();
-    assert.match(seen, /up to 27 A, at three angles.* up to 15 A[^]* at up to 3333 rpm[^]*never asks for more than 30 A[^]*turn freely/);
+    assert.match(seen, /up to 27 A, at three angles[^]* up to 15 A[^]* at up to 3333 rpm[^]*never asks for more than 30 A[^]*turn freely/);
     await press("Begin the measurement");
     await page.getByText(/^the shaft turns, up to \d+ rpm/).first().waitFor();
     await page.getByRole("button", { name: /^Download .*toml$/ }).waitFor();
@@ -151,7 +151,7 @@ test(`from a name plate to a second board with the same block: ${STEPS} steps in
         assert.equal(await tell(page, "get"), stored);
         await steps.do("Parameters", () => button(page, "Parameters").click());
         for (const [key, value] of Object.entries(TOGETHER)) {
-            await steps.do(key, () => page.getByLabel(`New value of ${key}`).fill(value));
+            await steps.do(key, () => page.getByLabel(`New value of ${key}`, { exact: true }).fill(value));
         }
         await steps.do("Set", () => button(page, "Set 3 keys together").click());
         await page.getByRole("complementary", { name: "Parameters" }).getByText(/^ok: .* and \d+ more$/).waitFor();
@@ -234,7 +234,7 @@ test("Stop ends a measurement in its midst; the motor may be measured again", as
         assert.match(await tell(page, "set observer.kappa=0.02"), /the motor is being measured; stop ends that/);
         await page.getByText(/^the shaft goes to three angles/).first().waitFor();
         await button(page, "Stop the measurement").click();
-        await page.getByRole("alert").getByText("identify: another command has ended it").waitFor();
+        await page.getByRole("alert").getByText("identify: a stop has ended it").waitFor();
         await state(page, "READY");
         await button(page, "Back to the name plate").click();
         assert.equal(await plate(page).getByLabel("Pole pairs").inputValue(), PLATE["Pole pairs"]);

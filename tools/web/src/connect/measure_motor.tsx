@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: MIT
 // The drive measures its motor: the name plate, what the motor will see, how far it is, what was found.
 import type { SchemaKey } from "../core/protocol.ts";
-import { shown } from "../parts/format.ts";
+import { significant } from "../parts/format.ts";
 import { useRefresh } from "../parts/use_refresh.ts";
 import type { Board } from "./board.ts";
 import { MeasuredMotor } from "./measured_motor.tsx";
 import type { Measuring } from "./measuring.ts";
 import { PlateForm } from "./plate_form.tsx";
 
+const DIGITS = 3; // of a current
+
 interface StageProps {
     board: Board;
     measuring: Measuring;
     schema: SchemaKey[];
+}
+
+function amperes(value: number): string {
+    return `${significant(value, DIGITS)} A`;
 }
 
 // A person has to agree before the motor moves.
@@ -26,11 +32,11 @@ function Consent({ measuring }: StageProps) {
             <h2>{`What ${plate.name} will see`}</h2>
             <ul>
                 <li>
-                    {`While the shaft stands: up to ${shown(demands.largest_current_a, "A")} A, at three angles. `}
-                    {`While it turns: up to ${shown(demands.current_a, "A")} A.`}
+                    {`While the shaft stands: up to ${amperes(demands.largest_current_a)}, at three angles. `}
+                    {`While it turns: up to ${amperes(demands.current_a)}.`}
                 </li>
                 <li>{`The shaft turns at up to ${Math.round(demands.speed_rpm)} rpm.`}</li>
-                <li>{`Currents are peaks of a phase. The drive never asks for more than ${shown(most, "A")} A.`}</li>
+                <li>{`Currents are peaks of a phase. The drive never asks for more than ${amperes(most)}.`}</li>
                 <li>It takes 15 to 30 s of the board. Stop, or Escape, ends it at once.</li>
             </ul>
             <p class="alarm">

@@ -346,7 +346,7 @@ export interface Requests {
     boardIdentify: { given: { file: GivenFile; stops: number }; back: string }; // of a name plate; `stops` as of liveExecute
     boardMeasured: { given: null; back: Measured };
     boardKeep: { given: { motors: Record<string, string> }; back: null }; // texts of motor files by their names
-    boardDump: { given: null; back: { text: string; bytes: Uint8Array } }; // the block in force
+    boardDump: { given: null; back: { text: string; bytes: Uint8Array<ArrayBuffer> } }; // the block in force
     boardLoad: { given: GivenFile; back: string };
     replayColumns: { given: { signals: string[] }; back: Curves };
 }

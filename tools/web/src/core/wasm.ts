@@ -5,7 +5,7 @@ import type { Line } from "./shared_line.ts";
 
 interface FileSystem {
     readFile(path: string, options: { encoding: "utf8" }): string;
-    readFile(path: string): Uint8Array;
+    readFile(path: string): Uint8Array<ArrayBuffer>;
     writeFile(path: string, content: string | Uint8Array): void;
     mkdir(path: string): void;
     chdir(path: string): void;
@@ -122,7 +122,7 @@ export class Core {
         return text;
     }
 
-    takeBytes(path: string): Uint8Array {
+    takeBytes(path: string): Uint8Array<ArrayBuffer> {
         const bytes = this.module.FS.readFile(path);
         this.module.FS.unlink(path);
         return bytes;
