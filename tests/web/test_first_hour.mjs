@@ -52,10 +52,10 @@ function outOfTheBox(test) {
     });
 }
 
-async function connectTo(page, name) {
+async function connectTo(page, name, drive = "READY") {
     await button(page, "Connect").click();
     await page.locator(".board-name").getByText(name).waitFor();
-    await state(page, "READY");
+    await state(page, drive);
 }
 
 const plate = (page) => page.getByRole("form", { name: "Name plate" });
@@ -194,8 +194,8 @@ test("a name plate that cannot be gets a line with field, value and range, and n
         const before = await tell(page, "get");
         await openPlate(page);
         for (const [label, text, line] of [
-            ["Pole pairs", "0", /motor\.pole_pairs = 0: .*; allowed: 1 to 50$/],
-            ["Pole pairs", "3.5", /motor\.pole_pairs = 3\.5: .*; allowed: .*1 to 50$/],
+            ["Pole pairs", "0", /motor\.pole_pairs = 0: .*; allowed: a whole number, 1 to 50$/],
+            ["Pole pairs", "3.5", /motor\.pole_pairs = 3\.5: .*; allowed: a whole number, 1 to 50$/],
             ["Largest speed [rpm]", "", /^Largest speed, motor\.max_speed_rpm = ""; allowed: 1 to 200000 rpm$/],
             ["Continuous current, peak [A]", "a lot", /^Continuous current, peak, motor\.continuous_current_a = "a lot"; allowed: 0 to 1000 A$/],
             ["Largest current, peak [A]", "3000000", /motor\.max_current_a = 3000000: .*; allowed: 0\.01 to 1000 A$/],
@@ -260,7 +260,9 @@ test("a board that goes away in the midst is told of at its place", async () =>
         await begin(page);
         await cable.pull();
         await page.getByRole("alert").getByText(/^the connection ended before the measurement did/).waitFor();
-        await connectTo(page, /out of the drawer/); // the plate is in force until it is switched off
+        await connectTo(page, /out of the drawer/, "PROBE"); // it goes on measuring
+        await button(page, "Stop").click();
+        await state(page, "READY");
     }));
 
 test("a file that is no block or no motor gets a line, and changes nothing", async () =>
@@ -274,7 +276,7 @@ test("a file that is no block or no motor gets a line, and changes nothing", asy
             ["empty.nfb", "", /^empty\.nfb: the file's length: found 0 bytes/],
             ["other.nfb", "x".repeat(1000), /^other\.nfb: .*found/],
             ["plate.toml", '[motor]\nname = "x"\npole_pairs = 7\n', /motor\.\w+.* (is|are) missing/],
-            ["wrong.toml", "[motor]\npole_pairs = 700\n", /motor\.pole_pairs = 700: .*; allowed: 1 to 50/],
+            ["wrong.toml", "[motor]\npole_pairs = 700\n", /motor\.pole_pairs = 700: .*; allowed: a whole number, 1 to 50/],
         ]) {
             await drop(page, panel, name, text);
             await panel.locator(".problem").getByText(line).waitFor();
