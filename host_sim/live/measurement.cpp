@@ -16,6 +16,12 @@ bool begins(const std::string &line, const std::string &start, std::string &rest
     return true;
 }
 
+// It begins with the name of a state, and comes whenever that changes.
+bool tells_state(const std::string &line)
+{
+    return !line.empty() && line.front() >= 'A' && line.front() <= 'Z';
+}
+
 } // namespace
 
 bool Measurement::take(const std::string &line)
@@ -38,7 +44,9 @@ bool Measurement::take(const std::string &line)
     if (line == "ok") { // to the command itself
         return true;
     }
-    phases_.push_back(line);
+    if (!tells_state(line)) {
+        phases_.push_back(line);
+    }
     return false;
 }
 

@@ -352,14 +352,15 @@ Json command_json(const std::optional<drive_command_t> &command, const Bases &ba
     if (!command) {
         return nullptr;
     }
-    Mode mode = SPEED;
     // A measurement has words of its own there.
-    if ((command->request & DRIVE_REQUEST_PROBE) == 0) {
-        if (command->mode == DRIVE_MODE_POSITION) {
-            mode = POSITION;
-        } else if (command->mode == DRIVE_MODE_TORQUE) {
-            mode = TORQUE;
-        }
+    if ((command->request & DRIVE_REQUEST_PROBE) != 0) {
+        return {{"run", true}, {"mode", SPEED.word}, {"value", 0}};
+    }
+    Mode mode = SPEED;
+    if (command->mode == DRIVE_MODE_POSITION) {
+        mode = POSITION;
+    } else if (command->mode == DRIVE_MODE_TORQUE) {
+        mode = TORQUE;
     }
     return {{"run", command->request != 0},
             {"mode", mode.word},

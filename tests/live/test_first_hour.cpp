@@ -95,6 +95,11 @@ public:
         return commands_.identification_has_ended();
     }
 
+    std::vector<std::string> phases() const
+    {
+        return commands_.identification()->measurement().phases();
+    }
+
     // Nothing was found.
     std::string why()
     {
@@ -255,7 +260,11 @@ TEST(while_the_drive_measures_a_motor_nothing_changes_what_it_measures_with_and_
     session.refuses("run");
     session.does("get observer");
     session.does("status");
+    session.does("wait 1");
     TEST_ASSERT_FALSE(session.has_ended());
+    const std::vector<std::string> phases = session.phases();
+    TEST_ASSERT_EQUAL_UINT(0, phases.at(0).find("pulses on each phase"));
+    TEST_ASSERT_EQUAL_UINT(0, phases.at(1).find("the shaft turns by up to"));
     session.does("stop");
     session.does("wait 0.1");
     TEST_ASSERT_TRUE(session.has_ended());

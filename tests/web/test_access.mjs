@@ -6,34 +6,13 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { test } from "node:test";
 import { gzipSync } from "node:zlib";
-import {
-    button, openTab, packages, recordedFault, setting, settled, state, switchOn, WINDOWS, withPage,
-} from "./bench.mjs";
+import { violations } from "./axe.mjs";
+import { button, openTab, recordedFault, setting, settled, state, switchOn, WINDOWS, withPage } from "./bench.mjs";
 import { connectToReady, run, setKey, withBoard } from "./connected.mjs";
+import { connectTo, outOfTheBox } from "./out_of_the_box.mjs";
+import { askToMeasure, fillPlate } from "./plate.mjs";
 
-const BYTES_MAX = 710_000; // with gzip -9, which each static server has
-const [PHONE, TABLET, LAPTOP, DESKTOP] = WINDOWS;
-// Places are the same in each theme: a width in one of them is enough. Colours are the same at each width, and contrast is dear.
-const LOOKS = [
-    { colorScheme: "light", size: LAPTOP, hasContrast: true },
-    { colorScheme: "light", size: PHONE, hasContrast: false },
-    { colorScheme: "dark", size: DESKTOP, hasContrast: true },
-    { colorScheme: "dark", size: TABLET, hasContrast: false },
-];
-
-async function violations(page) {
-    await page.addScriptTag({ content: await readFile(packages.resolve("axe-core/axe.min.js"), "utf8") });
-    const all = [];
-    for (const { colorScheme, size, hasContrast } of LOOKS) {
-        await page.emulateMedia({ colorScheme });
-        await page.setViewportSize(size);
-        const options = { resultTypes: ["violations"], rules: { "color-contrast": { enabled: hasContrast } } };
-        const { violations: found } = await page.evaluate((given) => globalThis.axe.run(given), options);
-        all.push(...found.map(({ id, nodes }) => `${size.width}: ${id}: ${nodes.map(({ html }) => html).join(" ")}`));
-    }
-    return all;
-}
-
+const BYTES_MAX = 800_000; // with gzip -9, which each static server has
 const beyond = (page) => page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
 
 // At each width.
@@ -90,6 +69,22 @@ test("axe-core finds nothing beside a board", async () => withBoard(async (page,
     assert.deepEqual(await violations(page), []);
 }));
 
+test("axe-core finds nothing while a motor is measured", async () => outOfTheBox(async (page) => {
+    await connectTo(page, /outrunner/i);
+    await fillPlate(page, { "Pole pairs": "700" });
+    await button(page, "Next").click();
+    await page.locator(".plate .problem").waitFor();
+    assert.deepEqual(await violations(page), []);
+    await askToMeasure(page);
+    assert.deepEqual(await violations(page), []);
+    await button(page, "Begin the measurement").click();
+    await page.getByText(/^the shaft goes to three angles/).first().waitFor();
+    assert.deepEqual(await violations(page), []);
+    await page.keyboard.press("Escape");
+    await button(page, "Back to the name plate").waitFor();
+    assert.deepEqual(await violations(page), []);
+}));
+
 test("nothing is wider than the window", async () => withPage(async (page) => {
     await settled(page);
     await assertFits(page, "Simulate");
@@ -102,7 +97,7 @@ test("nothing is wider than the window", async () => withPage(async (page) => {
 
 test("nothing is wider than the window beside a board", async () => withBoard(async (page) => {
     await connectToReady(page);
-    for (const panel of ["Parameters", "Signals"]) {
+    for (const panel of ["Parameters", "Signals", "Measure the motor"]) {
         await button(page, panel).click();
         await assertFits(page, panel);
     }

@@ -2,88 +2,38 @@
 // A board out of the box and a motor of which only the name plate is known: all that a person does with them in the page, and what
 // the page says to what cannot be.
 import assert from "node:assert/strict";
-import { copyFile, mkdtemp, readFile, rm } from "node:fs/promises";
-import { tmpdir } from "node:os";
+import { copyFile, readFile } from "node:fs/promises";
 import { join } from "node:path";
 import { test } from "node:test";
-import { button, downloaded, ROOT, state, type, until } from "./bench.mjs";
-import { boardOutOfTheBox, SIMULATED_PACE } from "./board.mjs";
-import { run, withBoard } from "./connected.mjs";
+import { violations } from "./axe.mjs";
+import { button, downloaded, ROOT, state, until } from "./bench.mjs";
+import { run } from "./connected.mjs";
+import { connectTo, outOfTheBox } from "./out_of_the_box.mjs";
+import { askToMeasure, fill, fillPlate, plate, PLATE } from "./plate.mjs";
 
 const STEPS = 23; // of a person, from Connect to the second board
 const EXAMPLE = join(ROOT, "host_sim/motors/outrunner_24v.toml"); // of the image
-const MACHINE = {
-    resistance_scale: 1.6, inductance_scale: 1.5, flux_scale: 0.7, inertia_scale: 2, coulomb_friction_nm: 0.003,
-};
 // What is measured, its key, and of how much more the machine has than the example.
 const SCALES = { resistance: ["resistance_ohm", 1.6], inductance_d: ["inductance_d_h", 1.5], flux_linkage: ["flux_linkage_wb", 0.7] };
-const PLATE = {
-    "Name": "out of the drawer", "Pole pairs": "7", "Largest speed [rpm]": "5000", "Continuous current, peak [A]": "15",
-    "Largest current, peak [A]": "30",
-};
 const TOGETHER = { "motor.max_speed_rpm": "4000", "tuning.command_timeout_s": "1", "observer.kappa": "0.02" };
 
-async function withFolder(act) {
-    const folder = await mkdtemp(join(tmpdir(), "neurofoc-"));
-    try {
-        await act(folder);
-    } finally {
-        await rm(folder, { recursive: true });
-    }
-}
-
-// Calls test(page, hands) with a board out of the box at the cable; `hands` are what a person has beside the page.
-function outOfTheBox(test) {
-    return withFolder(async (folder) => {
-        const boards = [];
-        // With what is stored under this name.
-        const makeBoard = async (name) => {
-            boards.push(await boardOutOfTheBox(MACHINE, join(folder, `${name}.flash`)));
-            return boards.at(-1);
-        };
-        try {
-            await withBoard(async (page, cable, board) => {
-                await type(page, "Board's time ×", String(SIMULATED_PACE));
-                await test(page, { cable, board, makeBoard, folder });
-            }, () => makeBoard("first"));
-        } finally {
-            boards.forEach((board) => board.end());
-        }
-    });
-}
-
-async function connectTo(page, name, drive = "READY") {
-    await button(page, "Connect").click();
-    await page.locator(".board-name").getByText(name).waitFor();
-    await state(page, drive);
-}
-
-const plate = (page) => page.getByRole("form", { name: "Name plate" });
-const fill = (page, label, text) => plate(page).getByLabel(label).fill(text);
 const problem = (page) => plate(page).locator(".problem");
 
-async function openPlate(page, fields = PLATE) {
-    await button(page, "Measure the motor").click();
-    for (const [label, text] of Object.entries(fields)) {
-        await fill(page, label, text);
-    }
-}
-
 async function begin(page) {
-    await openPlate(page);
-    await button(page, "Next").click();
+    await fillPlate(page);
+    await askToMeasure(page);
     await button(page, "Begin the measurement").click();
     await page.getByText(/^pulses on each phase, the shaft hardly moves/).first().waitFor();
 }
 
-// The newest answer to a line, whole.
+// The answer to a line, whole. What the board says unasked may stand before it.
 async function tell(page, line) {
     const said = () => page.getByRole("log").locator("> *").allInnerTexts();
     const before = (await said()).length;
     await page.getByLabel(/^Command \(/).fill(line);
     await page.keyboard.press("Enter");
-    const all = await until(said, (now) => now.lastIndexOf(`> ${line}`) >= before && now.at(-1) !== `> ${line}`);
-    return all.slice(all.lastIndexOf(`> ${line}`) + 1).join("\n");
+    const answers = (all) => all.slice(Math.max(all.lastIndexOf(`> ${line}`), before) + 1).filter((one) => !one.startsWith("board: "));
+    return answers(await until(said, (all) => answers(all).length > 0)).join("\n");
 }
 
 // Of a motor file: the number behind a key.
@@ -127,6 +77,7 @@ async function measure(page, steps) {
     await page.getByRole("button", { name: /^Download .*toml$/ }).waitFor();
     const rows = await page.locator("table.measured tbody tr").allInnerTexts();
     assert.ok(rows.some((row) => /^R\s+[\d.]+\s+[\d.e-]+\s+ohm$/.test(row)), rows.join("; "));
+    assert.deepEqual(await violations(page), []);
     const file = await steps.do("Download", () => downloaded(page, /^Download .*toml$/));
     await press("Adopt");
     await page.getByText("adopt out_of_the_drawer_measured: ok").waitFor();
@@ -192,7 +143,7 @@ test("a name plate that cannot be gets a line with field, value and range, and n
     outOfTheBox(async (page) => {
         await connectTo(page, /outrunner/i);
         const before = await tell(page, "get");
-        await openPlate(page);
+        await fillPlate(page);
         for (const [label, text, line] of [
             ["Pole pairs", "0", /motor\.pole_pairs = 0: .*; allowed: a whole number, 1 to 50$/],
             ["Pole pairs", "3.5", /motor\.pole_pairs = 3\.5: .*; allowed: a whole number, 1 to 50$/],
@@ -220,8 +171,7 @@ test("a motor file's name plate fills the fields, and Back leaves the board as i
         await button(page, "Measure the motor").click();
         await drop(page, plate(page), "mine.toml", await readFile(EXAMPLE, "utf8"));
         await until(() => plate(page).getByLabel("Pole pairs").inputValue(), (text) => text === "7");
-        await button(page, "Next").click();
-        await page.getByText("The shaft must turn freely").waitFor();
+        await askToMeasure(page, {});
         await button(page, "Back").click();
         await plate(page).waitFor();
         assert.equal(await tell(page, "get"), before);
@@ -244,9 +194,8 @@ test("a motor that runs is not measured, and runs on with what it has", async ()
     outOfTheBox(async (page) => {
         await connectTo(page, /outrunner/i);
         const before = await tell(page, "get");
-        await openPlate(page);
-        await button(page, "Next").click();
-        await page.getByText("The shaft must turn freely").waitFor();
+        await fillPlate(page);
+        await askToMeasure(page);
         await run(page, 1000);
         await button(page, "Begin the measurement").click();
         await page.getByRole("alert").getByText("identify: the motor is asked to run; `stop` first").waitFor();

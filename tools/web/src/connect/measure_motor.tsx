@@ -99,7 +99,7 @@ export function MeasureMotor({ board, schema }: { board: Board; schema: SchemaKe
     const { measuring } = board;
     const Stage = stageOf(measuring);
     return (
-        <aside class="parameters" aria-label="Measure the motor">
+        <aside class="parameters measure" aria-label="Measure the motor">
             <div class="scroll" tabIndex={0} role="group" aria-label="The measurement">
                 <Stage board={board} measuring={measuring} schema={schema} />
             </div>

@@ -39,7 +39,7 @@ export function PlateForm({ board, measuring, schema }: Props) {
     const isFollowed = board.phase === "following";
     return (
         <form
-            class="controls" aria-label="Name plate" noValidate
+            class="controls plate" aria-label="Name plate" noValidate
             onSubmit={(event) => {
                 event.preventDefault();
                 void measuring.check(schema);
