@@ -25,13 +25,13 @@ Json plate(const Json &given)
 {
     const Config known = live_board::commands().plate(path_of(given));
     const identify::Demands demands = identify::demands_of(known);
-    const MotorSettings &motor = known.motor;
-    return {{"name", motor.name},
-            {"pole_pairs", motor.pole_pairs},
-            {"max_speed_rpm", motor.max_speed_rpm},
-            {"continuous_current_a", motor.continuous_current_a},
-            {"max_current_a", motor.max_current_a},
-            {"thermal_time_constant_s", motor.thermal_time_constant_s},
+    const MotorSettings &said = known.motor;
+    return {{"name", said.name},
+            {"pole_pairs", said.pole_pairs},
+            {"max_speed_rpm", said.max_speed_rpm},
+            {"continuous_current_a", said.continuous_current_a},
+            {"max_current_a", said.max_current_a},
+            {"thermal_time_constant_s", said.thermal_time_constant_s},
             {"demands",
              {{"current_a", demands.current_a},
               {"largest_current_a", demands.largest_current_a},
@@ -67,11 +67,17 @@ Json rows_json(const identify::Result &result)
 Json measured(const Json &given)
 {
     (void)given;
-    const live::MeasuredMotor motor = live_board::commands().take_identification();
-    return {{"name", motor.result.motor.name},
-            {"rows", rows_json(motor.result)},
-            {"remarks", motor.result.remarks},
-            {"file", motor.file_text()}};
+    const live::MeasuredMotor found = live_board::commands().take_identification();
+    return {{"name", found.result.motor.name},
+            {"rows", rows_json(found.result)},
+            {"remarks", found.result.remarks},
+            {"file", found.file_text()}};
+}
+
+// A whole motor file, and no name plate.
+Json motor(const Json &given)
+{
+    return load_motor(path_of(given)).motor.name;
 }
 
 // A line of the program with the name of a file.
@@ -98,6 +104,7 @@ const Calls &calls()
     static const Calls all = {{"board.plate", plate},
                               {"board.identify", begin},
                               {"board.measured", measured},
+                              {"board.motor", motor},
                               {"board.dump", dump},
                               {"board.load", load}};
     return all;

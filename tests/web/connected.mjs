@@ -57,3 +57,9 @@ export async function run(page, rpm = SPEED_RPM) {
 export async function setKey(page, key, value) {
     await type(page, `New value of ${key}`, value);
 }
+
+// Of the table of parameters.
+export function valueOf(page, key) {
+    const row = page.getByRole("row").filter({ has: page.getByRole("rowheader", { name: key, exact: true }) });
+    return row.locator("td").first().innerText();
+}

@@ -21,6 +21,11 @@ async function withFolder(act) {
     }
 }
 
+// The board's time is no matter of a person.
+export function atPace(page) {
+    return type(page, "Board's time ×", String(SIMULATED_PACE));
+}
+
 // Calls test(page, hands) with a board out of the box at the cable; `hands` are what a person has beside the page.
 export function outOfTheBox(test) {
     return withFolder(async (folder) => {
@@ -32,7 +37,7 @@ export function outOfTheBox(test) {
         };
         try {
             await withBoard(async (page, cable, board) => {
-                await type(page, "Board's time ×", String(SIMULATED_PACE));
+                await atPace(page);
                 await test(page, { cable, board, makeBoard, folder });
             }, () => makeBoard("first"));
         } finally {

@@ -7,7 +7,7 @@ import { join } from "node:path";
 import { test } from "node:test";
 import { button, downloaded, motorsim, openTab, reading, reads, state, switchOn, until, type, withPage } from "./bench.mjs";
 import { EMULATED_PACE, emulatedBoard, simulatedBoard } from "./board.mjs";
-import { BAUD, connect, connectToReady, run, setKey, SPEED_RPM, withBoard } from "./connected.mjs";
+import { BAUD, connect, connectToReady, run, setKey, SPEED_RPM, valueOf, withBoard } from "./connected.mjs";
 import { otherFirmware, printer } from "./strangers.mjs";
 
 const LOAD_NM = 2;
@@ -26,11 +26,6 @@ function answers(page, line, text) {
 async function tell(page, line) {
     await page.getByLabel(/^Command \(/).fill(line);
     await page.keyboard.press("Enter");
-}
-
-function valueOf(page, key) {
-    const row = page.getByRole("row").filter({ has: page.getByRole("rowheader", { name: key, exact: true }) });
-    return row.locator("td").first().innerText();
 }
 
 test("a page without Web Serial says so, and names the program that connects", async () => withPage(async (page) => {

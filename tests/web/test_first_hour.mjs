@@ -2,13 +2,13 @@
 // A board out of the box and a motor of which only the name plate is known: all that a person does with them in the page, and what
 // the page says to what cannot be.
 import assert from "node:assert/strict";
-import { copyFile, readFile } from "node:fs/promises";
+import { copyFile, readFile, writeFile } from "node:fs/promises";
 import { join } from "node:path";
 import { test } from "node:test";
 import { violations } from "./axe.mjs";
 import { button, downloaded, ROOT, state, until } from "./bench.mjs";
-import { run } from "./connected.mjs";
-import { connectTo, outOfTheBox } from "./out_of_the_box.mjs";
+import { run, valueOf } from "./connected.mjs";
+import { atPace, connectTo, outOfTheBox } from "./out_of_the_box.mjs";
 import { askToMeasure, fill, fillPlate, plate, PLATE } from "./plate.mjs";
 
 const STEPS = 23; // of a person, from Connect to the second board
@@ -224,11 +224,34 @@ test("a file that is no block or no motor gets a line, and changes nothing", asy
             ["photo.jpg", "\xff\xd8\xff", /^photo\.jpg: the file's length: found \d+ bytes, expected \d+/],
             ["empty.nfb", "", /^empty\.nfb: the file's length: found 0 bytes/],
             ["other.nfb", "x".repeat(1000), /^other\.nfb: .*found/],
-            ["plate.toml", '[motor]\nname = "x"\npole_pairs = 7\n', /motor\.\w+.* (is|are) missing/],
-            ["wrong.toml", "[motor]\npole_pairs = 700\n", /motor\.pole_pairs = 700: .*; allowed: a whole number, 1 to 50/],
+            ["plate.toml", '[motor]\nname = "x"\npole_pairs = 7\n', /^plate\.toml:1: .* are missing/],
+            ["wrong.toml", "[motor]\npole_pairs = 700\n", /^wrong\.toml:2: motor\.pole_pairs = 700: .*; allowed: a whole number, 1 to 50/],
         ]) {
             await drop(page, panel, name, text);
             await panel.locator(".problem").getByText(line).waitFor();
         }
         assert.equal(await tell(page, "get"), before);
+    }));
+
+test("a page that is loaded anew follows a board with a motor of its own; its file, chosen before, gives the keys", async () =>
+    outOfTheBox(async (page, { cable, folder }) => {
+        const text = (await readFile(EXAMPLE, "utf8")).replace(/^name = .*$/m, 'name = "mine"');
+        const mine = join(folder, "mine.toml");
+        await writeFile(mine, text);
+        await connectTo(page, /outrunner/i);
+        await button(page, "Parameters").click();
+        await page.getByLabel("Choose a block or a motor file").setInputFiles(mine);
+        await page.locator(".board-name").getByText(/mine/).waitFor();
+        await cable.close();
+        await page.reload();
+        await atPace(page);
+        await connectTo(page, /mine/);
+        await button(page, "Parameters").click();
+        await page.getByText(/no shipped files make the board's "neurofoc: mine, /).waitFor();
+        await button(page, "Disconnect").click();
+        await page.getByText("Files of the board").click();
+        await page.getByLabel("Choose a motor file").setInputFiles(mine);
+        await page.getByText("mine.toml: known until the page is loaded anew").waitFor();
+        await connectTo(page, /mine/);
+        await until(() => valueOf(page, "motor.max_speed_rpm"), (value) => value === "5000");
     }));

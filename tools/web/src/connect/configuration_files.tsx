@@ -20,13 +20,9 @@ async function dump(talk: Talk): Promise<void> {
 // One that the program takes is there for the boards that come, too.
 async function adopt(talk: Talk, file: File): Promise<Said> {
     const name = nameOfFile(file.name);
-    const text = await file.text();
-    await talk.inTurn(file.name, "boardKeep", { motors: { [name]: text } });
-    const answer = await talk.execute(`adopt ${name}`);
-    if (!answer.refused) {
-        keepMotor(name, text);
-    }
-    return answer;
+    await talk.inTurn(file.name, "boardKeep", { name, file: await given(file) });
+    keepMotor(name, await file.text());
+    return talk.execute(`adopt ${name}`);
 }
 
 async function take(talk: Talk, file: File): Promise<Said> {

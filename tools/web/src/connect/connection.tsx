@@ -96,7 +96,7 @@ export function Connection({ board, props }: { board: Board; props: TabProps }) 
     const why = problem || board.problem;
     return (
         <section class="controls" aria-label="Connection">
-            {phase === "away" && <PortSetup names={props.names} settings={shown} setSettings={set} />}
+            {phase === "away" && <PortSetup client={props.client} names={props.names} settings={shown} setSettings={set} />}
             {head !== undefined && phase !== "away" && <Head head={head} rate={board.baud} />}
             {phase === "following" && <TimeOut board={board} />}
             <Buttons board={board} begin={begin} />

@@ -82,7 +82,7 @@ function Refused({ measuring }: StageProps) {
     );
 }
 
-function stageOf({ stage, measured, problem }: Measuring) {
+function stageOf({ stage, measured }: Measuring) {
     switch (stage) {
         case "plate":
             return PlateForm;
@@ -91,7 +91,7 @@ function stageOf({ stage, measured, problem }: Measuring) {
         case "running":
             return Running;
         case "done":
-            return measured === undefined || problem !== "" ? Refused : MeasuredMotor;
+            return measured === undefined ? Refused : MeasuredMotor;
     }
 }
 

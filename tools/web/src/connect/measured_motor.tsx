@@ -66,6 +66,7 @@ export function MeasuredMotor({ board, measuring }: { board: Board; measuring: M
     return (
         <section class="controls" aria-label="What was measured">
             <Next board={board} measuring={measuring} measured={measured} />
+            {measuring.problem !== "" && <p class="problem" role="alert">{measuring.problem}</p>}
             <Values measured={measured} />
             {measured.remarks.map((remark) => <p key={remark} class="note">{remark}</p>)}
             <p class="note">95 of 100 true values lie within their bars.</p>

@@ -108,8 +108,9 @@ export class Measuring {
         try {
             const measured = await this.talk.inTurn("the measurement", "boardMeasured", null);
             this.measured = measured;
+            const file = { name: `${this.fileName}.toml`, bytes: new TextEncoder().encode(measured.file) };
+            await this.talk.inTurn("the motor file", "boardKeep", { name: this.fileName, file });
             keepMotor(this.fileName, measured.file);
-            await this.talk.inTurn("the motor file", "boardKeep", { motors: { [this.fileName]: measured.file } });
             this.end("");
         } catch (error) {
             this.end((error as Error).message);

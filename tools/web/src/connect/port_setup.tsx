@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
 // What a connection is made with.
-import { useId } from "preact/hooks";
+import { useId, useState } from "preact/hooks";
+import type { Client } from "../core/client.ts";
 import type { BoardFiles, Names } from "../core/protocol.ts";
+import { OwnMotorChoice } from "./own_motor_choice.tsx";
+import { ownMotors } from "./own_motors.ts";
 import { type NumberName, NUMBERS, type Settings } from "./settings.ts";
 
 interface Props {
+    client: Client;
     names: Names;
     settings: Settings;
     setSettings(settings: Settings): void;
@@ -12,7 +16,12 @@ interface Props {
 
 const FILES: (keyof BoardFiles)[] = ["motor", "board", "tuning"];
 
-function Field({ name, settings, setSettings }: Omit<Props, "names"> & { name: NumberName }) {
+function namesOf(kind: keyof BoardFiles, names: Names): string[] {
+    const own = kind === "motor" ? Object.keys(ownMotors()) : [];
+    return [...new Set([...names[kind], ...own])];
+}
+
+function Field({ name, settings, setSettings }: Pick<Props, "settings" | "setSettings"> & { name: NumberName }) {
     const id = useId();
     const { label, unit, least, most, empty } = NUMBERS[name];
     const set = (text: string): void => setSettings({ ...settings, numbers: { ...settings.numbers, [name]: text } });
@@ -35,13 +44,14 @@ function FileChoice({ kind, names, settings, setSettings }: Props & { kind: keyo
             <label for={id}>{`${kind} file`}</label>
             <select id={id} value={settings.files[kind]} onChange={(event) => set(event.currentTarget.value)}>
                 <option value="">as the board says</option>
-                {names[kind].map((name) => <option key={name}>{name}</option>)}
+                {namesOf(kind, names).map((name) => <option key={name}>{name}</option>)}
             </select>
         </div>
     );
 }
 
 export function PortSetup(props: Props) {
+    const [, show] = useState(0);
     return (
         <div class="setup">
             <Field {...props} name="baud" />
@@ -49,6 +59,7 @@ export function PortSetup(props: Props) {
             <details class="setup">
                 <summary>Files of the board</summary>
                 {FILES.map((kind) => <FileChoice {...props} key={kind} kind={kind} />)}
+                <OwnMotorChoice client={props.client} changed={() => show((count) => count + 1)} />
             </details>
             <Field {...props} name="pace" />
             <p class="note">Leave this at 1 unless the board is emulated.</p>

@@ -23,8 +23,10 @@ export function boardMeasured(core: Core): Measured {
     return core.call("board.measured", {});
 }
 
-export function boardKeep(core: Core, { motors }: Given<"boardKeep">): null {
-    core.addMotors(motors);
+// One that the program does not take is refused before it stands in another one's place.
+export function boardKeep(core: Core, { name, file }: Given<"boardKeep">): null {
+    core.callWithFile("board.motor", file.name, file.bytes);
+    core.addMotors({ [name]: new TextDecoder().decode(file.bytes) });
     return null;
 }
 

@@ -329,7 +329,7 @@ export interface Requests {
     stepLook: { given: null; back: StepView };
     replayOpen: { given: GivenFile; back: ReplayHead };
     replayHead: { given: null; back: ReplayHead | null };
-    // `motors`: as of boardKeep
+    // `motors`: texts of files by their names, as of boardKeep
     liveOpen: {
         given: { line: SharedArrayBuffer; motors: Record<string, string>; options: LiveOptions; scope: ScopeChoice };
         back: LiveHead;
@@ -345,7 +345,7 @@ export interface Requests {
     boardPlate: { given: GivenFile; back: Plate };
     boardIdentify: { given: { file: GivenFile; stops: number }; back: string }; // of a name plate; `stops` as of liveExecute
     boardMeasured: { given: null; back: Measured };
-    boardKeep: { given: { motors: Record<string, string> }; back: null }; // texts of motor files by their names
+    boardKeep: { given: { name: string; file: GivenFile }; back: null }; // a motor file, as if it was shipped under this name
     boardDump: { given: null; back: { text: string; bytes: Uint8Array<ArrayBuffer> } }; // the block in force
     boardLoad: { given: GivenFile; back: string };
     replayColumns: { given: { signals: string[] }; back: Curves };
