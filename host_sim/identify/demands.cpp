@@ -17,7 +17,8 @@ namespace nf::identify
 namespace
 {
 
-constexpr double SWINGS = 4.0 / 3; // of the speed of the vector: as the firmware says it (identify.c)
+constexpr double SWINGS =
+    4.0 / 3; // of the speed of the vector: as the firmware says it (identify.c)
 
 } // namespace
 

@@ -99,8 +99,8 @@ private:
     std::optional<drive_command_t>
         commanded_; // last, by this session; none: only a part of it is known
     double commanded_s_ = 0;
-    uint64_t commanded_in_ = 0;              // connection; 0: none
-    std::string line_; // of the console, so far
+    uint64_t commanded_in_ = 0; // connection; 0: none
+    std::string line_;          // of the console, so far
     std::optional<Identification> identification_;
     uint64_t identifies_in_ = 0; // connection
     bool dumping_ = false;

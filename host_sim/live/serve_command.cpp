@@ -64,9 +64,10 @@ void describe(CLI::App &command, ServeArguments &arguments)
         ->check(not_empty, "")
         ->type_name("PATH");
     command
-        .add_option("--flash", arguments.flash,
-                    "file of the flash of --simulate: read at the start where it is there, written at the "
-                    "end, as a board keeps what is stored when it is switched off")
+        .add_option(
+            "--flash", arguments.flash,
+            "file of the flash of --simulate: read at the start where it is there, written at the "
+            "end, as a board keeps what is stored when it is switched off")
         ->check(not_empty, "")
         ->type_name("FILE");
 }

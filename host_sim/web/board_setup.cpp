@@ -101,12 +101,9 @@ Json load(const Json &given)
 
 const Calls &calls()
 {
-    static const Calls all = {{"board.plate", plate},
-                              {"board.identify", begin},
-                              {"board.measured", measured},
-                              {"board.motor", motor},
-                              {"board.dump", dump},
-                              {"board.load", load}};
+    static const Calls all = {{"board.plate", plate},       {"board.identify", begin},
+                              {"board.measured", measured}, {"board.motor", motor},
+                              {"board.dump", dump},         {"board.load", load}};
     return all;
 }
 

@@ -515,11 +515,10 @@ Json close(const Json &given)
 
 const Calls &calls()
 {
-    static const Calls all = {{"live.open", open},     {"live.head", head},
-                              {"live.scope", scope},   {"live.signals", signals},
-                              {"live.pass", pass},     {"live.execute", execute},
-                              {"live.keys", keys},     {"live.record", record},
-                              {"live.close", close}};
+    static const Calls all = {
+        {"live.open", open},       {"live.head", head},     {"live.scope", scope},
+        {"live.signals", signals}, {"live.pass", pass},     {"live.execute", execute},
+        {"live.keys", keys},       {"live.record", record}, {"live.close", close}};
     return all;
 }
 
