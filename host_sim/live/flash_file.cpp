@@ -39,7 +39,7 @@ hal_host_flash_t read_flash(const std::string &path, unsigned seed)
         for (uint32_t unit = 0; unit < HAL_STORE_UNITS; unit++) {
             FlashUnit programmed{};
             std::copy_n(from, programmed.size(), programmed.begin());
-            from += programmed.size();
+            from += static_cast<std::ptrdiff_t>(programmed.size());
             (void)hal_host_flash_program(&flash, slot, unit, programmed.data());
         }
     }
