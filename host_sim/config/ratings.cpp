@@ -7,6 +7,8 @@
 #include "speed_margin.h"
 #include "torque_filter_units.h"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 namespace nf
@@ -30,10 +32,50 @@ void note(Config &config, const char *key, double value, const std::string &what
         fmt::format("{}{} = {}: {}", place(config, key), key, value, what));
 }
 
+struct Currents {
+    double d_a;
+    double q_a;
+};
+
+// As the drive divides a current: the most torque of it, or all along q.
+Currents divided(const Config &config, double current_a)
+{
+    const MotorSettings &m = config.motor;
+    const double saliency_h = m.inductance_q_h - m.inductance_d_h;
+    if (config.tuning.most_torque == 0 || saliency_h <= 0) {
+        return {0, current_a};
+    }
+    const double flux = m.flux_linkage_wb;
+    const double twice = std::sqrt(8) * saliency_h * current_a;
+    const double d_a = (flux - std::hypot(flux, twice)) / (4 * saliency_h);
+    return {d_a, std::sqrt(current_a * current_a - d_a * d_a)};
+}
+
+double torque_nm(const MotorSettings &m, const Currents &i)
+{
+    const double saliency_h = m.inductance_q_h - m.inductance_d_h;
+    return 1.5 * m.pole_pairs * (m.flux_linkage_wb - saliency_h * i.d_a) * i.q_a;
+}
+
+// Of rated torque. Reluctance only saves current, so it is between none and that of the flux linkage alone.
+Currents rated_currents(const Config &config)
+{
+    constexpr int HALVINGS = 50;
+    double least = 0;
+    double most = rated_current(config.motor);
+    for (int k = 0; k < HALVINGS; k++) {
+        const double middle = (least + most) / 2;
+        const bool enough =
+            torque_nm(config.motor, divided(config, middle)) >= config.motor.rated_torque_nm;
+        (enough ? most : least) = middle;
+    }
+    return divided(config, most);
+}
+
 void note_torque(Config &config)
 {
     const MotorSettings &m = config.motor;
-    const double largest = 1.5 * m.pole_pairs * m.flux_linkage_wb * m.max_current_a;
+    const double largest = torque_nm(m, divided(config, m.max_current_a));
     if (m.rated_torque_nm > largest) {
         note(config, "motor.rated_torque_nm", m.rated_torque_nm,
              fmt::format("motor.max_current_a = {} makes at most {:.4g} N·m", m.max_current_a,
@@ -41,14 +83,15 @@ void note_torque(Config &config)
     }
 }
 
-// The voltage of rated torque at rated speed, i_d = 0, against the circle that the nominal bus leaves.
+// The voltage of rated torque at rated speed against the circle that the nominal bus leaves.
 void note_rated_point(Config &config)
 {
     const MotorSettings &m = config.motor;
     const double omega = rad_s_from_rpm(m.rated_speed_rpm) * m.pole_pairs;
-    const double current = rated_current(m);
-    const double along_q = m.resistance_ohm * current + omega * m.flux_linkage_wb;
-    const double along_d = omega * m.inductance_q_h * current;
+    const Currents i = rated_currents(config);
+    const double along_q =
+        m.resistance_ohm * i.q_a + omega * (m.flux_linkage_wb + m.inductance_d_h * i.d_a);
+    const double along_d = m.resistance_ohm * i.d_a - omega * m.inductance_q_h * i.q_a;
     const double needed = std::sqrt(along_q * along_q + along_d * along_d);
     const double there = largest_ratio(config.board) * config.board.bus_nominal_v;
     if (needed > there) {

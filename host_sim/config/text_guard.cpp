@@ -53,10 +53,21 @@ private:
     {
         check_ascii(c);
         follow_number(c);
-        dots_ += c == '.' ? 1U : 0U;
+        follow_dot(c);
         if (dots_ > DOTS_MAX) {
             refuse(fmt::format("more than {} dots in a line", DOTS_MAX));
         }
+    }
+
+    // The first dot of a number is no path of a key.
+    void follow_dot(char c)
+    {
+        if (c == '.' && number_ && !has_point_) {
+            has_point_ = true;
+        } else {
+            dots_ += c == '.' ? 1U : 0U;
+        }
+        has_point_ = has_point_ && number_;
     }
 
     void check_ascii(char c) const
@@ -156,8 +167,9 @@ private:
     std::size_t at_ = 0;
     unsigned line_ = 1;
     unsigned dots_ = 0;
-    bool number_ = false;   // this is part of one
-    bool may_begin_ = true; // one, with the next character
+    bool number_ = false;    // this is part of one
+    bool has_point_ = false; // that number has one
+    bool may_begin_ = true;  // one, with the next character
 };
 
 } // namespace

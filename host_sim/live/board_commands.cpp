@@ -182,6 +182,7 @@ Answer BoardCommands::begin_identification(const std::string &file)
     if (taken.outcome != Outcome::done) {
         return taken;
     }
+    (void)follower_.block_in_force(); // a change is taken before the board has made it
     identification_.emplace(known, follower_.now_s());
     identifies_in_ = follower_.connections();
     if (const std::string why = follower_.client().line("identify"); !why.empty()) {

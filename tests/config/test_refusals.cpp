@@ -478,6 +478,30 @@ TEST(what_is_neither_a_value_nor_left_to_a_rule_is_refused)
     }
 }
 
+TEST(a_limit_of_what_goes_back_is_none_or_a_current)
+{
+    const Folder folder;
+    expect_accepted({"board.bus_regeneration_max_a=-1"});
+    expect_begin("--set: board.bus_regeneration_max_a = -0.5: ",
+                 refusal({}, {"board.bus_regeneration_max_a=-0.5"}));
+}
+
+TEST(points_of_numbers_are_no_dots_of_keys)
+{
+    const Folder folder;
+    std::string list;
+    for (int k = 0; k < 100; k++) {
+        list += fmt::format("{{time_s=0.{:03},torque_nm=0.1}},", k);
+    }
+    expect_accepted({"scenario.load=[" + list + "]"});
+    std::string deep = "1";
+    for (int k = 0; k < 100; k++) {
+        deep += ".1";
+    }
+    expect_begin("--set: scenario.load = \"[{1.1.1",
+                 refusal({}, {"scenario.load=[{" + deep + "=1}]"}));
+}
+
 const std::string DOTS(65, '.');
 
 TEST(text_that_is_not_toml_is_named_with_its_line)

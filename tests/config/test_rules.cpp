@@ -334,6 +334,21 @@ TEST(a_rating_that_is_not_reached_is_noted_with_its_line)
     TEST_ASSERT_TRUE(nf::load_scenario("s", {}, {"speed_loop.notch_hz=40"}).scenario.notes.empty());
 }
 
+// L_q − L_d = 28.4 mH: at 6.3 A 3·(0.387 + 0.0284·2.2)·5.9 = 7.98 N·m, and without its reluctance 7.31 of 7.8 N·m.
+TEST(reluctance_counts_for_a_rating_where_the_drive_uses_it)
+{
+    const Folder folder;
+    std::vector<std::string> set = {"motor.inductance_q_h=0.04", "motor.max_current_a=6.3",
+                                    "motor.rated_speed_rpm=1500"};
+    for (const std::string &note : nf::load_scenario("s", {}, set).scenario.notes) {
+        TEST_FAIL_MESSAGE(note.c_str());
+    }
+    set.emplace_back("current_loop.most_torque=0");
+    const nf::Config config = nf::load_scenario("s", {}, set);
+    TEST_ASSERT_EQUAL_size_t(1, config.scenario.notes.size());
+    TEST_ASSERT_TRUE(config.scenario.notes[0].find("7.314 N·m") != std::string::npos);
+}
+
 // 10 kHz; a charge is not shorter than asked for.
 TEST(charge_of_the_bootstrap_supplies_is_the_boards_and_needs_a_start_up)
 {

@@ -78,6 +78,17 @@ TEST(test_it_is_refused_unless_the_drive_is_ready)
     TEST_ASSERT_EQUAL_STRING("", pass());
 }
 
+TEST(test_it_is_refused_while_a_change_waits_for_the_control_interrupt)
+{
+    drive_cfg_t other = cfg;
+
+    app_change(&app, &other);
+    TEST_ASSERT_NOT_NULL(strstr(identify_start(&identify), "ask again"));
+    TEST_ASSERT_FALSE(identify_is_busy(&identify));
+    tick_period();
+    TEST_ASSERT_NULL(identify_start(&identify));
+}
+
 /* Its current could be ten times that of the motor which is connected. */
 TEST(test_it_is_refused_while_nobody_has_said_which_motor_is_connected)
 {
