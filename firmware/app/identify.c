@@ -409,7 +409,8 @@ const char *identify_start(identify_t *identify)
     if (identify_is_busy(identify)) {
         why = "it is under way";
     } else if (app_changes(identify->app)) {
-        why = "the configuration changes in this moment; ask again"; /* its currents are planned by it */
+        why =
+            "the configuration changes in this moment; ask again"; /* its currents are planned by it */
     } else if (identify->about->is_example != 0U) {
         why = "the configuration has an example motor: name the one that is connected, by "
               "`identify PLATE.toml NEW.toml` of motorsim live";
