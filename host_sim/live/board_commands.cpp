@@ -178,7 +178,7 @@ Answer BoardCommands::begin_identification(const std::string &file)
         return refused("identify: the motor is asked to run; `stop` first");
     }
     const Config known = plate(file);
-    const Answer taken = file.empty() ? done() : configuration_.take_plate(known);
+    Answer taken = file.empty() ? done() : configuration_.take_plate(known);
     if (taken.outcome != Outcome::done) {
         return taken;
     }
@@ -243,7 +243,7 @@ Answer BoardCommands::identify(const std::string &files)
 
 Answer BoardCommands::identify(const std::string &plate, OutputFile *file)
 {
-    const Answer begun = begin_identification(plate);
+    Answer begun = begin_identification(plate);
     if (begun.outcome != Outcome::done) {
         return begun;
     }
@@ -343,7 +343,7 @@ void BoardCommands::take_text(const std::string &characters)
 
 void BoardCommands::take_line(const std::string &line)
 {
-    if (measures() && identification_->take(line)) {
+    if (identification_ && measures() && identification_->take(line)) {
         return;
     }
     const bool recorded = dumping_ && line.front() == RECORDER_LINE_MARK;
