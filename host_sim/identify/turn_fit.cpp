@@ -50,6 +50,7 @@ constexpr double APART_SEEN = 1.5;
 constexpr double SWING_UNSURE = 8;
 // Windows of one speed and current: their torques are apart by so much of that of the steepest ramps. Rigid machines: 0.1 at most.
 constexpr double UNLIKE_SEEN = 0.2;
+constexpr double FRICTION_UNLIKE = 0.15; // of friction, from window to window
 constexpr double HIGHEST = 0.99;
 constexpr double FLUX_SCALE = 1e-3; // the voltage is known to, with harmonics of the EMF
 constexpr double EVENLY = 0.95;     // of a range in which all is alike likely: 95 % are within
@@ -418,7 +419,9 @@ double unlike_share(const std::vector<Record> &all, const std::vector<Pair> &ste
         }
     }
     const Pair &pair = steepest.back();
-    return (most - least) / std::abs(torque_a_tick(*pair.up) - torque_a_tick(*pair.down)) * 2;
+    const double friction = std::abs(most + least) / 2;
+    return 2 * std::max(most - least - FRICTION_UNLIKE * friction, 0.0) /
+           std::abs(torque_a_tick(*pair.up) - torque_a_tick(*pair.down));
 }
 
 // Of one steepness, with what a load that swings may add or take.
