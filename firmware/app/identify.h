@@ -40,9 +40,9 @@
 void identify_init(identify_t *identify, app_t *app, const about_t *about);
 
 /*
- * Begin. Returns NULL, or why not: it has begun, a change of the configuration is pending, the motor of the configuration is an example, whose currents and speeds may
- * be far too high for the one that is connected, or the drive is not READY. All other refusals are its last line. A run that
- * was asked for and not taken yet is taken back.
+ * Begin. Returns NULL, or why not: it has begun, a change of the configuration is pending, the drive is not READY, or the
+ * motor of the configuration is an example: its currents and speeds may be far too high for the one that is connected. All
+ * other refusals are its last line. A run that was asked for and not taken yet is taken back.
  */
 const char *identify_start(identify_t *identify);
 

@@ -124,8 +124,8 @@ struct ScenarioSettings {
 // relative to the data folder when they are in it, else the bare file name.
 struct SourceFiles {
     std::string motor;
-    bool motor_is_example =
-        false; // it comes with the project: that says nothing of what is connected
+    // It comes with the project: that says nothing of what is connected.
+    bool motor_is_example = false;
     std::string board;
     std::string tuning;
     std::string scenario; // empty without one

@@ -283,7 +283,8 @@ int32_t regeneration(const BoardSettings &board, const Bases &b)
 {
     const double limit_a = board.bus_regeneration_max_a;
     if (limit_a != -1) {
-        require({"board.bus_regeneration_max_a", limit_a}, 0, 2000, "a current; -1 is no limit");
+        require({"board.bus_regeneration_max_a", limit_a}, 0, HUGE_VAL,
+                "a current; -1 is no limit");
     }
     return limit_a == 0 ? 1 : bus_current(limit_a, {"board.bus_regeneration_max_a", limit_a}, b);
 }

@@ -35,8 +35,8 @@ Flux fit_flux(const Records &records, const Legs &legs, const Inductances &induc
 // J by the impulse of ramps up and down, friction by the speed of coasting and by the torque at constant speed.
 struct Shaft {
     Value inertia_kg_m2;
-    bool swings =
-        false; // ramps of another steepness have another J, or the torque after them is not that of friction
+    // Ramps of another steepness have another J, or the torque after them or at one speed is not that of friction.
+    bool swings = false;
     double swing_kg_m2 = 0; // what a load that swings may add or take; a bound of J where it does
     Value viscous_nm_s;
     Value coulomb_nm;

@@ -2,9 +2,11 @@
 #include "board_files.h"
 
 #include "about_text.h"
+#include "ends_with.h"
 
 #include <algorithm>
 #include <cstddef>
+#include <functional>
 #include <optional>
 
 #include <fmt/format.h>
@@ -26,31 +28,34 @@ std::string name_in_block(const Config &config)
     return about_name(config).substr(0, CONFIG_BLOCK_NAME_BYTES - 1);
 }
 
-bool has_name(const FileChoice &choice, const std::string &name)
-{
-    try {
-        return name_in_block(load(choice)) == name;
-    } catch (const ConfigError &) {
-        return false; // files that do not go together are not those of a block
-    }
-}
-
-std::optional<FileChoice> search(const std::string &block_name, const FileChoice &given)
+// The first of the shipped files, but for those that are given, whose configuration fits.
+std::optional<FileChoice> search(const FileChoice &given, const std::vector<std::string> &motors,
+                                 const std::function<bool(const Config &)> &fits)
 {
     FileChoice choice = given;
-    for (const std::string &motor : candidates(given.motor, list_motors())) {
+    for (const std::string &motor : motors) {
+        choice.motor = motor;
         for (const std::string &board : candidates(given.board, list_boards())) {
+            choice.board = board;
             for (const std::string &tuning : candidates(given.tuning, list_tunings())) {
-                choice.motor = motor;
-                choice.board = board;
                 choice.tuning = tuning;
-                if (has_name(choice, block_name)) {
-                    return choice;
+                try {
+                    if (fits(load(choice))) {
+                        return choice;
+                    }
+                } catch (const ConfigError &) {
+                    continue; // files that do not go together are not those of a block
                 }
             }
         }
     }
     return std::nullopt;
+}
+
+std::optional<FileChoice> search_named(const std::string &block_name, const FileChoice &given)
+{
+    return search(given, candidates(given.motor, list_motors()),
+                  [&](const Config &config) { return name_in_block(config) == block_name; });
 }
 
 // Whether a block's name ends with these names of board and tuning file, whatever its motor is called.
@@ -59,9 +64,7 @@ bool ends_with_names(const std::string &block_name, const Config &config)
     Config nameless = config;
     nameless.motor.name.clear();
     const std::string whole = about_name(nameless);
-    const std::string end = whole.substr(whole.find(','));
-    return block_name.size() >= end.size() &&
-           block_name.compare(block_name.size() - end.size(), end.size(), end) == 0;
+    return debug::ends_with(block_name, whole.substr(whole.find(',')));
 }
 
 // Board and tuning of a block whose motor may be nobody's but the user's. The motor of `given` stays.
@@ -70,23 +73,14 @@ std::optional<FileChoice> search_around_motor(const std::string &block_name,
 {
     FileChoice any = given;
     any.set.clear();
-    for (const std::string &motor : list_motors()) {
-        any.motor = motor;
-        for (const std::string &board : candidates(given.board, list_boards())) {
-            any.board = board;
-            for (const std::string &tuning : candidates(given.tuning, list_tunings())) {
-                any.tuning = tuning;
-                try {
-                    if (ends_with_names(block_name, load(any))) {
-                        return FileChoice{given.motor, board, tuning, given.set};
-                    }
-                } catch (const ConfigError &) {
-                    continue; // these do not go together
-                }
-            }
-        }
+    std::optional<FileChoice> found = search(any, list_motors(), [&](const Config &config) {
+        return ends_with_names(block_name, config);
+    });
+    if (found) {
+        found->motor = given.motor;
+        found->set = given.set;
     }
-    return std::nullopt;
+    return found;
 }
 
 } // namespace
@@ -96,7 +90,7 @@ FileChoice choice_of(const std::string &block_name, const FileChoice &given)
     if (!given.motor.empty() && !given.board.empty() && !given.tuning.empty()) {
         return given;
     }
-    if (const std::optional<FileChoice> found = search(block_name, given)) {
+    if (const std::optional<FileChoice> found = search_named(block_name, given)) {
         return *found;
     }
     throw ConfigError(fmt::format("no shipped files make the board's \"{}\": give its own motor, "
@@ -129,7 +123,7 @@ void check(const std::string &block_name, const FileChoice &given)
     }
     FileChoice files = given;
     files.set.clear();
-    if (std::optional<FileChoice> found = search(block_name, files)) {
+    if (std::optional<FileChoice> found = search_named(block_name, files)) {
         found->set = given.set;
         (void)load(*found);
     } else if (!given.tuning.empty()) {

@@ -7,8 +7,6 @@
 #include "demands.h"
 #include "findings.h"
 
-#include <stdexcept>
-
 namespace nf::web::board_setup
 {
 namespace
@@ -38,18 +36,10 @@ Json plate(const Json &given)
               {"speed_rpm", demands.speed_rpm}}}};
 }
 
-std::string done_or_throw(const debug::Answer &answer)
-{
-    if (answer.outcome == debug::Outcome::refused) {
-        throw std::runtime_error(answer.text);
-    }
-    return answer.text;
-}
-
 // The page follows the board meanwhile: live.pass says how far it is.
 Json begin(const Json &given)
 {
-    return done_or_throw(live_board::commands().begin_identification(path_of(given)));
+    return live_board::said_or_thrown(live_board::commands().begin_identification(path_of(given)));
 }
 
 Json rows_json(const identify::Result &result)
@@ -80,21 +70,14 @@ Json motor(const Json &given)
     return load_motor(path_of(given)).motor.name;
 }
 
-// A line of the program with the name of a file.
-std::string told(const char *word, const Json &given)
-{
-    const std::string file = given.at("file");
-    return done_or_throw(live_board::commands().execute(std::string(word) + ' ' + file));
-}
-
 Json dump(const Json &given)
 {
-    return told("dump", given);
+    return live_board::told("dump", given);
 }
 
 Json load(const Json &given)
 {
-    return told("load", given);
+    return live_board::told("load", given);
 }
 
 } // namespace

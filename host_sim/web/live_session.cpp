@@ -495,12 +495,7 @@ Json keys(const Json &given)
 
 Json record(const Json &given)
 {
-    const std::string file = given.at("file");
-    const Answer answer = open_session().commands().execute("record " + file);
-    if (answer.outcome == Outcome::refused) {
-        throw std::runtime_error(answer.text);
-    }
-    return answer.text;
+    return live_board::told("record", given);
 }
 
 Json close(const Json &given)
@@ -530,6 +525,20 @@ namespace nf::web::live_board
 live::BoardCommands &commands()
 {
     return live_session::open_session().commands();
+}
+
+std::string said_or_thrown(const debug::Answer &answer)
+{
+    if (answer.outcome == debug::Outcome::refused) {
+        throw std::runtime_error(answer.text);
+    }
+    return answer.text;
+}
+
+std::string told(const char *word, const Json &given)
+{
+    const std::string file = given.at("file");
+    return said_or_thrown(commands().execute(std::string(word) + ' ' + file));
 }
 
 } // namespace nf::web::live_board
