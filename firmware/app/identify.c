@@ -184,6 +184,11 @@ static void say_end(identify_t *identify, text_t *text)
         text_add(text, "identify refused: ");
         text_add(text, identify->why);
         text_add(text, identify->detail);
+        if (identify->rest.lag) {
+            text_add(text,
+                     "; the current sensors follow late, as behind a low pass: pulses of twice the "
+                     "time show much more current");
+        }
     }
     if (identify->needed > 0) {
         /* rounded up: a name plate with the current that is said has enough of it */
@@ -491,13 +496,19 @@ static bool runs_away(const identify_t *identify)
 
 static void refuse_runaway(identify_t *identify)
 {
+    const char *const why = identify->rest.lag
+                                ? "more current flows than was asked for"
+                                : "more current flows than was asked for: does a load turn the "
+                                  "rotor, or do the current sensors follow late?";
+
     if (identify_turn_lacks_voltage(identify)) {
         identify_turn_refuse_voltage(identify);
     } else if (identify->turn.slower > 0U) {
         identify_turn_refuse_lost(identify);
+    } else if (identify->phase == IDENTIFY_STILL) {
+        identify_rest_refuse(identify, why);
     } else {
-        identify_aim_refusal(identify,
-                             "more current flows than was asked for: does a load turn the rotor?");
+        identify_aim_refusal(identify, why);
     }
 }
 

@@ -18,9 +18,15 @@
 #define PULSE_TICKS_MOST (64)
 /* An open phase leaves its own axis no current and the two others 3/4; saliency leaves one 0.4 of another at least. */
 #define OPEN_SHARE (8)
+/* A pulse of twice the time with 5/8 of the voltage has 5/4 of the current. 13/8 is more than iron that saturates makes of it. */
+#define LAG_EIGHTHS (13)
+#define LAG_LEAST_SHARE (64) /* of the continuous current: an answer above the converter's noise */
 #define TWO_PI_Q16 (411775)
 #define TOO_SALIENT \
     "L_q is so much larger than L_d that only a current holds the rotor that is too small for this board's sensors, it takes at least "
+
+static const char *const open_phases[IDENTIFY_AXES] = {"phase a is open", "phase b is open",
+                                                       "phase c is open"};
 
 static void aim_axis(identify_t *identify)
 {
@@ -129,6 +135,18 @@ static bool shows_current(const identify_t *identify)
     return largest_answer(&identify->rest) >= (identify_aim_continuous(identify) / 16);
 }
 
+/* Behind a low pass a short pulse seems smaller than a long one. */
+static void note_lag(identify_t *identify)
+{
+    identify_rest_t *const rest = &identify->rest;
+    const bool shows = rest->before >= (identify_aim_continuous(identify) / LAG_LEAST_SHARE);
+    const bool more = (8 * largest_peak(rest)) > (LAG_EIGHTHS * rest->before);
+
+    if (rest->longer && shows && more) {
+        rest->lag = true;
+    }
+}
+
 /* In small steps once a current shows; twice as much before, first of the voltage, then of the time. */
 static void enlarge_pulse(identify_t *identify)
 {
@@ -139,13 +157,14 @@ static void enlarge_pulse(identify_t *identify)
 
     rest->before = peak;
     rest->fine = shows_current(identify) && (more <= most);
+    rest->longer = !rest->fine && ((2 * rest->pulse) > most);
     if (rest->fine) {
         rest->pulse = more;
-    } else if ((2 * rest->pulse) <= most) {
-        rest->pulse *= 2;
-    } else {
+    } else if (rest->longer) {
         rest->pulse = (rest->pulse * 5) / 8;
         rest->quarter *= 2;
+    } else {
+        rest->pulse *= 2;
     }
 }
 
@@ -155,8 +174,6 @@ static void enlarge_pulse(identify_t *identify)
  */
 static const char *find_wrong_phase(const identify_rest_t *rest)
 {
-    static const char *const open[IDENTIFY_AXES] = {"phase a is open", "phase b is open",
-                                                    "phase c is open"};
     static const char *const crossed[IDENTIFY_AXES] = {
         "the wires or the current sensors of phases b and c are exchanged",
         "the wires or the current sensors of phases a and c are exchanged",
@@ -171,7 +188,7 @@ static const char *find_wrong_phase(const identify_rest_t *rest)
         const dq_t peak = rest->peaks[axis];
 
         if ((fx_abs(peak.d) < least) && (fx_abs(peak.q) < least)) {
-            why = open[axis];
+            why = open_phases[axis];
         } else if (fx_abs(peak.q) > peak.d) {
             turned++;
         } else {
@@ -197,6 +214,7 @@ static bool judge_pulses(identify_t *identify)
         rest->fine && (largest_peak(rest) >= (identify_aim_continuous(identify) / 4));
     const char *const why = shows_current(identify) ? find_wrong_phase(rest) : NULL;
 
+    note_lag(identify);
     if (why != NULL) {
         identify_aim_refusal(identify, why);
     } else if (enough) {
@@ -446,6 +464,33 @@ int32_t identify_rest_largest(const identify_t *identify)
     return fx_min(held, 2 * identify_aim_continuous(identify));
 }
 
+/* Along the axis of a phase that is open nothing flows, and along another axis all but in that phase. NULL: each has some. */
+static const char *find_open_phase(const identify_t *identify)
+{
+    const drive_signals_t *const s = &identify->app->drive.signals;
+    const int32_t current[IDENTIFY_AXES] = {s->phase_a, s->phase_b, -s->phase_a - s->phase_b};
+    const int32_t largest =
+        fx_max(fx_max(fx_abs(current[0]), fx_abs(current[1])), fx_abs(current[2]));
+    const char *open = NULL;
+
+    if (largest < (identify_aim_asked_current(identify) / OPEN_SHARE)) {
+        open = open_phases[identify->rest.axis];
+    }
+    for (uint32_t phase = 0U; (open == NULL) && (phase < IDENTIFY_AXES); phase++) {
+        if (fx_abs(current[phase]) < (largest / OPEN_SHARE)) {
+            open = open_phases[phase];
+        }
+    }
+    return open;
+}
+
+void identify_rest_refuse(identify_t *identify, const char *why)
+{
+    const char *const open = find_open_phase(identify);
+
+    identify_aim_refusal(identify, (open != NULL) ? open : why);
+}
+
 /* Down, and up again in between: so a winding that gets warm shows. */
 static void aim_level(identify_t *identify)
 {
@@ -591,7 +636,7 @@ static void note_level(identify_t *identify)
         rest->high_voltage = voltage;
         rest->high_current = current;
         if (current < ((identify_aim_asked_current(identify) * 7) / 8)) {
-            identify_aim_refusal(identify, "the bus voltage is too low for the current");
+            identify_rest_refuse(identify, "the bus voltage is too low for the current");
         }
     } else if (identify->step == LEVEL_FOR_R) {
         const int32_t apart = fx_max(rest->high_current - current, 1);
@@ -669,7 +714,7 @@ static bool are_alike(identify_t *identify)
     if (fx_max(middle - r[low], r[high] - middle) <= most) {
         /* three windings of a kind */
     } else if (identify->rest.unsteady) {
-        identify_aim_refusal(identify, TOO_HEAVY);
+        identify_rest_refuse(identify, TOO_HEAVY);
     } else if ((middle - r[low]) > most) {
         identify_aim_refusal_of(
             identify,

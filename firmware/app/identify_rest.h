@@ -15,6 +15,12 @@
 /* Largest current of STILL, Q15 of I_b: known from the beginning. */
 int32_t identify_rest_largest(const identify_t *identify);
 
+/*
+ * Ends it while a current is imposed along the axis of a phase, with the reason as text that outlives it, or with "phase a is open", or
+ * another one, where a phase carries nothing: along an axis each has its part.
+ */
+void identify_rest_refuse(identify_t *identify, const char *why);
+
 bool identify_rest_plan_pulse(identify_t *identify);
 bool identify_rest_plan_catch(identify_t *identify);
 bool identify_rest_plan_still(identify_t *identify);

@@ -47,10 +47,12 @@ typedef enum {
 /* What PULSE, CATCH and STILL have found, and where they are. */
 typedef struct {
     uint32_t axis;
-    int32_t pulse;             /* V of the pulses */
-    int32_t quarter;           /* and their ticks */
-    bool fine;                 /* they are 5/4 of those before */
-    int32_t before;            /* largest current of those before */
+    int32_t pulse;   /* V of the pulses */
+    int32_t quarter; /* and their ticks */
+    bool fine;       /* they are 5/4 of those before */
+    bool longer;     /* they last twice as long as those before, with 5/8 of the voltage */
+    int32_t before;  /* largest current of those before */
+    bool lag;        /* pulses of twice the time show that the current sensors follow late */
     dq_t peaks[IDENTIFY_AXES]; /* current of the last pulses, in the frame of each axis */
     /* a larger one that is imposed may not hold a salient rotor, Q15 of I_b; 0: the pulses have not ended */
     int32_t stiff_current;

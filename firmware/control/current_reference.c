@@ -79,10 +79,11 @@ int32_t current_reference_d(const current_reference_cfg_t *cfg, const current_lo
 {
     const int32_t wanted = (in->imposed != 0) ? in->imposed : wanted_d(cfg, model, in);
     const int32_t present = in->present.d;
-    const int32_t slope = cfg->slope * in->ticks;
-    const int32_t slower = cfg->slope_down * in->ticks;
+    const int32_t rise = cfg->slope * in->ticks;
+    const int32_t fall = cfg->slope_down * in->ticks;
+    const int32_t lowest = fx_max(present - fx_max(rise, fall), fx_min(present, cfg->floor) - fall);
 
-    return fx_max(fx_towards(present, wanted, slope), fx_min(present, cfg->floor) - slower);
+    return fx_clamp(wanted, lowest, present + rise);
 }
 
 /*

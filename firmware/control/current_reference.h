@@ -47,8 +47,8 @@ typedef struct {
     /* |i_d*| + |i_q*| / 2^floor_shift is at least this where the voltage allows it, 0…16384 */
     int32_t floor;
     uint32_t floor_shift; /* 0…1 */
-    int32_t slope;        /* change of i_d* in a tick, 1…16384 */
-    int32_t slope_down;   /* where it falls below `floor`, 1…16384 */
+    int32_t slope;        /* i_d* rises by this in a tick, 1…16384 */
+    int32_t slope_down;   /* and falls by this below `floor`, 1…16384 */
     uint32_t most_torque; /* 1: MTPA; 0: not */
     int32_t deepest;      /* weakening asks for −i_d* up to this, 0…16384; 0: for none */
 } current_reference_cfg_t;
@@ -70,8 +70,9 @@ typedef struct {
 } current_reference_t;
 
 /*
- * Returns the next i_d* with all voltage there is. It rises by `slope` a tick at most. It falls as fast above `floor`, and by
- * `slope_down` below: the next torque may be gone as soon as the last. model: in force. Two divisions and a root at most.
+ * Returns the next i_d* with all voltage there is. It rises by `slope` a tick at most. It falls by `slope_down` below `floor`, and by
+ * the larger one of both above. A slow fall: the next torque may be gone as soon as the last. A fast one: the flux that a positive i_d
+ * takes from a salient machine is back before its torque needs it. model: in force. Two divisions and a root at most.
  */
 int32_t current_reference_d(const current_reference_cfg_t *cfg, const current_loop_cfg_t *model,
                             const current_reference_in_t *in);

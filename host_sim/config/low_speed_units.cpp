@@ -68,6 +68,9 @@ constexpr double LOST_SHARE = 0.75;
 constexpr double LOST_TIME_S = 0.1;
 // The least current goes so many times more slowly than it comes. A voltage drive takes over without it, and does not wait.
 constexpr int32_t CURRENT_FALL = 32;
+// It goes as fast as a torque comes where it takes more than this share of the flux: with less flux the torque's current would be so
+// much larger, and the estimate has only the flux that is left.
+constexpr double FLUX_TAKEN = 0.125;
 // On the file's J the vector's ramp takes the torque of this share of the current in motion: a load of half the rated torque and
 // three times J still follow.
 constexpr double RAMP_TORQUE = 0.07;
@@ -452,6 +455,18 @@ static void check_most_torque(const MotorSettings &motor)
             "current_loop.most_torque = 0 leaves i_d at 0");
 }
 
+static int32_t current_fall(int32_t slope, double least_a, const MotorSettings &motor,
+                            const TuningSettings &tuning)
+{
+    if (tuning.method == ControlMethod::voltage_phase) {
+        return slope;
+    }
+    if (1 - active_share(least_a, motor) > FLUX_TAKEN) {
+        return static_cast<int32_t>(Q14);
+    }
+    return std::max(slope / CURRENT_FALL, 1);
+}
+
 current_reference_cfg_t make_current_reference(const MotorSettings &motor,
                                                const BoardSettings &board,
                                                const TuningSettings &tuning,
@@ -470,7 +485,7 @@ current_reference_cfg_t make_current_reference(const MotorSettings &motor,
     const bool gives_over = tuning.method == ControlMethod::voltage_phase;
     c.floor_shift = gives_over ? 0 : 1;
     c.slope = hold_slope(motor, board, own, m, b);
-    c.slope_down = gives_over ? c.slope : std::max(c.slope / CURRENT_FALL, 1);
+    c.slope_down = current_fall(c.slope, least, motor, tuning);
     c.most_torque = tuning.most_torque != 0 && !gives_over ? 1 : 0;
     if (c.most_torque != 0) {
         check_most_torque(motor);

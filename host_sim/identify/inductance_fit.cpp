@@ -369,7 +369,7 @@ SensorLag fit_lag(const Records &records, const Legs &legs)
     const SlowOverFast without = slow_over_fast(pairs, legs, 0);
     const double unsure = LAG_SIGMAS * without.std + without.unsure;
     if (-without.mean < unsure) {
-        lag.hidden_s = -without.mean > without.std ? lag_for(0, pairs, legs) : 0;
+        lag.hidden_s = without.mean < without.std ? lag_for(without.std, pairs, legs) : 0;
         return lag;
     }
     lag.s.value = lag_for(0, pairs, legs);

@@ -18,7 +18,8 @@ struct AtCurrent {
 // Of the current sensors' low pass.
 struct SensorLag {
     Value s; // time constant; 0: none shows
-    // One that may be there all the same: what differs between slow and fast pulses is too little to be told from chance.
+    // One that may be there all the same, by a standard deviation more than shows: what differs between slow and fast pulses is too
+    // little to be told from chance.
     double hidden_s = 0;
 };
 

@@ -100,6 +100,16 @@ TEST(test_the_least_current_comes_with_its_slope_and_goes_with_its_own_fall)
     TEST_ASSERT_EQUAL_INT32(2000, next_d(2000, 2000));
 }
 
+/* Of a salient machine: above the least current and below, so that its flux is back before the torque is there. */
+TEST(test_a_fall_that_is_faster_than_the_rise_is_the_same_on_both_sides_of_the_least_current)
+{
+    cfg.slope_down = 100;
+    TEST_ASSERT_EQUAL_INT32(5000 - 1000, next_d(5000, 8000));
+    TEST_ASSERT_EQUAL_INT32(4000 - 1000, next_d(4000, 8000));
+    TEST_ASSERT_EQUAL_INT32(0, next_d(1000, 8000));
+    TEST_ASSERT_EQUAL_INT32(640, next_d(0, 0));
+}
+
 TEST(test_the_least_current_waits_for_its_speed)
 {
     in.floor_speed = 1000001;

@@ -715,7 +715,8 @@ TEST(test_sensors_that_are_too_noisy_are_refused)
 
 /* ---- a current that runs away ---- */
 
-#define RUNS_AWAY "more current flows than was asked for: does a load turn the rotor?"
+#define RUNS_AWAY \
+    "more current flows than was asked for: does a load turn the rotor, or do the current sensors follow late?"
 #define FALLS_OUT "the rotor falls out of step: is the load too large, or does it change?"
 #define LACKS_VOLTAGE "the bus voltage is too low to turn the motor at 1/8 of its highest speed"
 
@@ -787,6 +788,26 @@ TEST(test_pulses_stay_below_the_middle_too)
     TEST_ASSERT_NULL(identify.why);
     flow(middle + 1, 0);
     TEST_ASSERT_EQUAL_STRING(RUNS_AWAY, identify.why);
+}
+
+/* What the pulses have shown is the reason, whatever ends it. */
+TEST(test_sensors_that_follow_late_are_named_with_each_refusal)
+{
+    be_in(IDENTIFY_CATCH, 1U, 0U);
+    identify.rest.lag = true;
+    app.drive.signals.current_frame = (dq_t){cfg.protection.current_max, 0};
+    TEST_ASSERT_EQUAL_STRING(
+        "identify refused: more current flows than was asked for; the current sensors follow late, as "
+        "behind a low pass: pulses of twice the time show much more current\r\n",
+        pass());
+}
+
+TEST(test_a_current_that_runs_away_while_a_phase_is_open_names_the_phase)
+{
+    be_in(IDENTIFY_STILL, 1U, 0U);
+    identify_aim_current(&identify, CONTINUOUS);
+    flow(cfg.protection.current_max, 0);
+    TEST_ASSERT_EQUAL_STRING("phase a is open", identify.why);
 }
 
 TEST(test_a_current_that_runs_away_for_want_of_voltage_says_so)

@@ -197,6 +197,40 @@ TEST(test_the_next_pulse_ends_at_a_quarter_of_the_bus)
     TEST_ASSERT_EQUAL_INT32(7055, identify.rest.pulse);
 }
 
+/* 5644 of the voltage for one tick, then 5/8 of it for two. */
+static bool lags(int32_t fast, int32_t slow)
+{
+    begin_pulses();
+    identify.rest.pulse = 5644;
+    answer_along(fast, fast, fast);
+    TEST_ASSERT_TRUE(identify.rest.longer);
+    answer_along(slow, slow, slow);
+    return identify.rest.lag;
+}
+
+/* 5/4 of the current is right, and 13/8 of it iron's most. 86 is 1/64 of the continuous current: less is no answer. */
+TEST(test_sensors_follow_late_where_a_longer_pulse_has_much_more_current)
+{
+    TEST_ASSERT_FALSE(lags(200, 250));
+    TEST_ASSERT_FALSE(lags(200, 325));
+    TEST_ASSERT_TRUE(lags(200, 326));
+    TEST_ASSERT_TRUE(lags(CONTINUOUS / 64, 200));
+    TEST_ASSERT_FALSE(lags((CONTINUOUS / 64) - 1, 200));
+}
+
+/* A pulse of twice the voltage has twice the current. What was found stays. */
+TEST(test_only_longer_pulses_tell_whether_sensors_follow_late)
+{
+    begin_pulses();
+    answer_along(100, 100, 100);
+    TEST_ASSERT_FALSE(identify.rest.longer);
+    answer_along(200, 200, 200);
+    TEST_ASSERT_FALSE(identify.rest.lag);
+    TEST_ASSERT_TRUE(lags(200, 326));
+    answer_along(340, 340, 340);
+    TEST_ASSERT_TRUE(identify.rest.lag);
+}
+
 /* It has less than 1/8 of the largest current in any direction, and turns those of the others. */
 TEST(test_an_open_phase_is_named)
 {
@@ -550,13 +584,45 @@ TEST(test_a_rotor_that_never_rests_on_the_next_axis_is_refused)
     assert_refused(RESTLESS);
 }
 
+static void carry(int32_t a, int32_t b)
+{
+    app.drive.signals.phase_a = a;
+    app.drive.signals.phase_b = b;
+}
+
 static void first_level(int32_t current)
 {
     begin_still();
     (void)identify_rest_plan_still(&identify);
     TEST_ASSERT_EQUAL_INT32(7343, word(PROBE_CURRENT));
+    carry(7343, -3671);
     sums()->current.d = current * identify.aim.ticks;
     TEST_ASSERT_EQUAL(identify_rest_plan_still(&identify), current >= 6425);
+}
+
+static const char *refusal_at_rest(uint32_t axis, int32_t a, int32_t b)
+{
+    setUp();
+    identify_aim_current(&identify, 8000);
+    identify.rest.axis = axis;
+    carry(a, b);
+    identify_rest_refuse(&identify, "of this");
+    TEST_ASSERT_EQUAL(IDENTIFY_ENDS, identify.phase);
+    return identify.why;
+}
+
+/* Nothing flows along its axis, less than 1/8 of what was asked for; along another one it has less than 1/8 of the largest. */
+TEST(test_a_phase_that_opens_under_a_current_is_the_reason)
+{
+    TEST_ASSERT_EQUAL_STRING("phase a is open", refusal_at_rest(0U, 999, -500));
+    TEST_ASSERT_EQUAL_STRING("of this", refusal_at_rest(0U, 1000, -500));
+    TEST_ASSERT_EQUAL_STRING("phase b is open", refusal_at_rest(1U, 0, -999));
+    TEST_ASSERT_EQUAL_STRING("phase c is open", refusal_at_rest(2U, -500, -499));
+    TEST_ASSERT_EQUAL_STRING("phase a is open", refusal_at_rest(1U, 999, 7999));
+    TEST_ASSERT_EQUAL_STRING("phase b is open", refusal_at_rest(0U, 7999, -998));
+    TEST_ASSERT_EQUAL_STRING("phase c is open", refusal_at_rest(0U, 7500, -6570));
+    TEST_ASSERT_EQUAL_STRING("of this", refusal_at_rest(0U, 7000, -6000));
+    TEST_ASSERT_EQUAL_STRING("of this", refusal_at_rest(0U, 8000, -4000));
 }
 
 /* 7/8 of the largest: the voltage regulates the rest of it no more. */
