@@ -89,24 +89,36 @@ static bool swings_at_limit(const drive_t *drive)
     return drive->fault.value > (whole - (whole / WHOLE_SHARE));
 }
 
+/* Of a swing that the loop answers to, by its frequency. With few pole pairs two causes have the same. */
+static uint32_t forced_signs(int64_t frequency, int64_t shaft, int64_t electric)
+{
+    const bool slow = is_times(2 * frequency, shaft, 1); /* as a four-stroke engine or a belt */
+    const bool turns = is_times(frequency, shaft, 1) || is_times(frequency, shaft, 2) ||
+                       is_times(frequency, shaft, 3);
+    const bool electrical = is_times(frequency, electric, 1) || is_times(frequency, electric, 2);
+    uint32_t signs;
+
+    if ((slow || turns) && electrical) {
+        signs = sign_if(FAULT_SIGN_SHAFT_OR_ELECTRIC, true);
+    } else {
+        signs = sign_if(FAULT_SIGN_SHAFT, slow || turns) |
+                sign_if(FAULT_SIGN_ELECTRIC, electrical) |
+                sign_if(FAULT_SIGN_SIX, is_times(frequency, electric, SIX));
+    }
+    return signs;
+}
+
 static uint32_t swing_signs(const drive_t *drive, uint32_t pole_pairs)
 {
-    const int64_t frequency = swing_step(drive);
     const int64_t electric = (int64_t)fx_abs(drive->speed_loop.reference);
-    const int64_t shaft = electric / (int64_t)pole_pairs;
     const periods_t periods = periods_of(drive);
     const bool fast = is_faster_than_lag(&periods);
     const bool lags = !fast && !is_slower_than_lag(&periods);
     const bool own = lags && swings_at_limit(drive);
-    const bool forced = !fast && !own;
     uint32_t signs = sign_if(FAULT_SIGN_LAG, lags);
 
-    if (forced) { /* the loop answers to it; what is faster it does not */
-        signs |= sign_if(FAULT_SIGN_ONCE_A_TURN,
-                         is_times(frequency, shaft, 1) || is_times(frequency, shaft, 2)) |
-                 sign_if(FAULT_SIGN_ELECTRIC,
-                         is_times(frequency, electric, 1) || is_times(frequency, electric, 2)) |
-                 sign_if(FAULT_SIGN_SIX, is_times(frequency, electric, SIX));
+    if (!fast && !own) { /* what is faster the loop does not answer to */
+        signs |= forced_signs(swing_step(drive), electric / (int64_t)pole_pairs, electric);
     }
     return signs;
 }

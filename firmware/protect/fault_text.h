@@ -30,10 +30,11 @@ typedef enum {
     FAULT_SIGN_DERATED_BUS,   /* in RUN a low bus leaves less than 3/4 of the motoring current */
     FAULT_SIGN_DERATED_OTHER, /* likewise heat, temperature or the limit of the bus current */
     FAULT_SIGN_SWING,         /* in RUN some half-waves of a swing had been seen */
-    FAULT_SIGN_ONCE_A_TURN, /* a swing below the current's limit has the frequency of the shaft, or twice that */
-    FAULT_SIGN_ELECTRIC, /* … of the electrical turn, or twice that */
-    FAULT_SIGN_SIX,      /* … six times that */
-    FAULT_SIGN_LAG,      /* … the one at which the speed loop lags by half a turn */
+    FAULT_SIGN_SHAFT, /* a swing below the current's limit has the frequency of the shaft, half, twice or three times that */
+    FAULT_SIGN_ELECTRIC,          /* … of the electrical turn, or twice that */
+    FAULT_SIGN_SHAFT_OR_ELECTRIC, /* … both, with few pole pairs */
+    FAULT_SIGN_SIX,               /* … six times that */
+    FAULT_SIGN_LAG,               /* … the one at which the speed loop lags by half a turn */
     FAULT_SIGN_NOISE, /* noise of the current sensors at rest is large beside the limit of the start */
     FAULT_SIGN_PROBE,        /* the motor was being measured */
     FAULT_SIGN_ALIGN,        /* the rotor was being aligned, R and L measured */

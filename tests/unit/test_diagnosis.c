@@ -46,9 +46,25 @@ static void swing(double hz, int32_t amplitude)
     drive.fault.value = amplitude;
 }
 
+static uint32_t sign_of(fault_sign_t sign)
+{
+    return (uint32_t)1U << (uint32_t)sign;
+}
+
+/* Those of a swing alone. */
+static uint32_t swing_signs_of(uint32_t pole_pairs)
+{
+    const uint32_t swing_has = sign_of(FAULT_SIGN_SHAFT) | sign_of(FAULT_SIGN_ELECTRIC) |
+                               sign_of(FAULT_SIGN_SHAFT_OR_ELECTRIC) | sign_of(FAULT_SIGN_SIX) |
+                               sign_of(FAULT_SIGN_LAG);
+
+    return diagnosis_signs(&drive, pole_pairs) & swing_has;
+}
+
 static void assert_swing(double hz, int32_t amplitude, fault_sign_t only)
 {
-    static const fault_sign_t all[] = {FAULT_SIGN_ONCE_A_TURN, FAULT_SIGN_ELECTRIC, FAULT_SIGN_SIX,
+    static const fault_sign_t all[] = {FAULT_SIGN_SHAFT, FAULT_SIGN_ELECTRIC,
+                                       FAULT_SIGN_SHAFT_OR_ELECTRIC, FAULT_SIGN_SIX,
                                        FAULT_SIGN_LAG};
 
     swing(hz, amplitude);
@@ -61,11 +77,14 @@ static void assert_swing(double hz, int32_t amplitude, fault_sign_t only)
 TEST(test_each_swing_has_the_sign_of_its_frequency)
 {
     drive.speed_loop.reference = -step_of_hz(12.0);
-    assert_swing(3.0, 2000, FAULT_SIGN_ONCE_A_TURN);
-    assert_swing(6.2, 2000, FAULT_SIGN_ONCE_A_TURN);
+    assert_swing(3.0, 2000, FAULT_SIGN_SHAFT);
+    assert_swing(6.2, 2000, FAULT_SIGN_SHAFT);
+    assert_swing(1.5, 2000, FAULT_SIGN_SHAFT);
+    assert_swing(8.8, 2000, FAULT_SIGN_SHAFT);
+    assert_swing(4.5, 2000, FAULT_SIGN_NONE);
     assert_swing(12.0, 2000, FAULT_SIGN_ELECTRIC);
     assert_swing(23.0, 2000, FAULT_SIGN_ELECTRIC);
-    assert_swing(8.5, 2000, FAULT_SIGN_NONE);
+    assert_swing(10.4, 2000, FAULT_SIGN_NONE);
     assert_swing(95.0, 2000, FAULT_SIGN_LAG);
     assert_swing(130.0, 2000, FAULT_SIGN_LAG);
     assert_swing(50.0, 2000, FAULT_SIGN_NONE);
@@ -74,14 +93,29 @@ TEST(test_each_swing_has_the_sign_of_its_frequency)
     assert_swing(48.0, 2000, FAULT_SIGN_SIX);
 }
 
+/* With three pole pairs a third harmonic of the shaft is once an electrical turn, with one all are the same. */
+TEST(test_with_few_pole_pairs_a_swing_has_two_causes)
+{
+    drive.speed_loop.reference = step_of_hz(12.0);
+    swing(12.0, 2000);
+    TEST_ASSERT_EQUAL_UINT32(sign_of(FAULT_SIGN_SHAFT_OR_ELECTRIC), swing_signs_of(3U));
+    TEST_ASSERT_EQUAL_UINT32(sign_of(FAULT_SIGN_SHAFT_OR_ELECTRIC), swing_signs_of(2U));
+    TEST_ASSERT_EQUAL_UINT32(sign_of(FAULT_SIGN_SHAFT_OR_ELECTRIC), swing_signs_of(1U));
+    swing(6.0, 2000);
+    TEST_ASSERT_EQUAL_UINT32(sign_of(FAULT_SIGN_SHAFT), swing_signs_of(2U));
+    TEST_ASSERT_EQUAL_UINT32(sign_of(FAULT_SIGN_SHAFT), swing_signs_of(1U));
+    swing(24.0, 2000);
+    TEST_ASSERT_EQUAL_UINT32(sign_of(FAULT_SIGN_ELECTRIC), swing_signs_of(2U));
+}
+
 /* A load at 80 Hz that the loop answers to is below the limit; a loop that swings by itself is at it, whatever turns as fast. */
 TEST(test_a_swing_at_the_limit_of_the_current_is_the_loops_own)
 {
     drive.speed_loop.reference = step_of_hz(320.0);
     swing(80.0, 4000);
-    TEST_ASSERT_TRUE(has(FAULT_SIGN_ONCE_A_TURN));
+    TEST_ASSERT_TRUE(has(FAULT_SIGN_SHAFT));
     swing(80.0, WHOLE_CURRENT);
-    TEST_ASSERT_FALSE(has(FAULT_SIGN_ONCE_A_TURN));
+    TEST_ASSERT_FALSE(has(FAULT_SIGN_SHAFT));
     TEST_ASSERT_TRUE(has(FAULT_SIGN_LAG));
 }
 
@@ -89,7 +123,7 @@ TEST(test_without_a_swing_there_is_no_sign_of_one)
 {
     drive.speed_loop.reference = 0;
     drive.oscillation.span = 0U;
-    TEST_ASSERT_FALSE(has(FAULT_SIGN_ONCE_A_TURN));
+    TEST_ASSERT_FALSE(has(FAULT_SIGN_SHAFT));
     TEST_ASSERT_FALSE(has(FAULT_SIGN_ELECTRIC));
     TEST_ASSERT_FALSE(has(FAULT_SIGN_LAG));
     drive.oscillation.halves = 3U;

@@ -43,7 +43,7 @@ TEST(test_every_fault_has_one_line_of_cause_and_next_check_whatever_is_known)
 
 TEST(test_a_sign_changes_the_advice_of_its_faults_only)
 {
-    const uint32_t turn = (uint32_t)1U << (uint32_t)FAULT_SIGN_ONCE_A_TURN;
+    const uint32_t turn = (uint32_t)1U << (uint32_t)FAULT_SIGN_SHAFT;
 
     TEST_ASSERT_NOT_NULL(strstr(fault_advice(FAULT_OSCILLATION, 0U), "notch_hz"));
     TEST_ASSERT_NOT_NULL(strstr(fault_advice(FAULT_OSCILLATION, turn), "pulsates"));
@@ -52,8 +52,8 @@ TEST(test_a_sign_changes_the_advice_of_its_faults_only)
 
 TEST(test_a_derated_torque_goes_before_what_a_swing_looks_like)
 {
-    const uint32_t both = ((uint32_t)1U << (uint32_t)FAULT_SIGN_ONCE_A_TURN) |
-                          (1UL << (uint32_t)FAULT_SIGN_DERATED_BUS);
+    const uint32_t both =
+        ((uint32_t)1U << (uint32_t)FAULT_SIGN_SHAFT) | (1UL << (uint32_t)FAULT_SIGN_DERATED_BUS);
 
     TEST_ASSERT_NOT_NULL(strstr(fault_advice(FAULT_OSCILLATION, both), "low bus"));
 }
