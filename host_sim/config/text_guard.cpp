@@ -172,10 +172,20 @@ private:
     bool may_begin_ = true;  // one, with the next character
 };
 
+// By its mark, or a first character of ASCII with a byte of 0 beside it.
+bool is_utf16(std::string_view text)
+{
+    const std::string_view begin = text.substr(0, 2);
+    return begin == "\xFF\xFE" || begin == "\xFE\xFF" || begin.find('\0') != std::string_view::npos;
+}
+
 } // namespace
 
 void guard_text(const std::string &name, const std::string &text)
 {
+    if (is_utf16(text)) {
+        fail({name, 1}, "", "", "is UTF-16 text", "UTF-8, which an editor's \"save as\" offers");
+    }
     Scanner(name, text).run();
 }
 

@@ -525,6 +525,17 @@ TEST(text_that_is_not_toml_is_named_with_its_line)
     }
 }
 
+// As a shell's redirection or an editor writes it. The mark may be missing.
+TEST(text_in_two_bytes_a_character_is_named_as_that)
+{
+    using namespace std::string_literals;
+    for (const std::string &begin : {"\xFF\xFE[\0"s, "\xFE\xFF\0["s, "[\0"s, "\0["s}) {
+        const Folder folder;
+        folder.edit("motors/m.toml", "[", begin);
+        expect_begin("motors/m.toml:1: is UTF-16 text; allowed: UTF-8", refusal({}, {}));
+    }
+}
+
 TEST(text_of_any_language_is_allowed_in_strings_and_comments)
 {
     for (const char *text : {"\"µ \\\" é\" # ± '", "'µ \" é'", "\"µ\"", "\"\"\"µ\"é\"\"\"\""}) {
