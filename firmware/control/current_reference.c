@@ -80,10 +80,10 @@ int32_t current_reference_d(const current_reference_cfg_t *cfg, const current_lo
     const int32_t wanted = (in->imposed != 0) ? in->imposed : wanted_d(cfg, model, in);
     const int32_t present = in->present.d;
     const int32_t rise = cfg->slope * in->ticks;
-    const int32_t fall = cfg->slope_down * in->ticks;
-    const int32_t lowest = fx_max(present - fx_max(rise, fall), fx_min(present, cfg->floor) - fall);
+    const int32_t drop = cfg->slope_down * in->ticks;
+    const int32_t least = fx_max(present - fx_max(rise, drop), fx_min(present, cfg->floor) - drop);
 
-    return fx_clamp(wanted, lowest, present + rise);
+    return fx_clamp(wanted, least, present + rise);
 }
 
 /*
