@@ -18,6 +18,7 @@ typedef struct {
     uint8_t tag;
     const uint8_t *body;
     uint32_t length; /* of the body */
+    uint32_t crc;    /* of type, tag and body */
 } question_t;
 
 static uint32_t half_at(const uint8_t *bytes)
@@ -294,12 +295,21 @@ static live_config_verdict_t judge_question(link_t *link, const question_t *ques
     return verdict;
 }
 
-/* The same question comes again where its answer was lost: what it asks for is done once. */
+/* What it asks for holds however often it is done. */
+static bool is_stop(const question_t *question)
+{
+    return (question->type == (uint8_t)LINK_COMMAND) && (question->body[0] == 0U);
+}
+
+/*
+ * The same question comes again where its answer was lost: what it asks for is done once. The whole message tells: a tag alone would
+ * take a stop for the run before it. A stop is obeyed each time.
+ */
 static void answer_verdict(link_t *link, const question_t *question)
 {
-    const bool is_again = (link->last.type == question->type) && (link->last.tag == question->tag);
+    const bool is_again = link->last.crc == question->crc;
 
-    if (!is_again) {
+    if (!is_again || is_stop(question)) {
         link->last.verdict = judge_question(link, question);
     }
     put_verdict(&link->out, &link->last.verdict);
@@ -332,8 +342,7 @@ static void answer_question(link_t *link, const question_t *question)
         answer_verdict(link, question);
         break;
     }
-    link->last.type = question->type;
-    link->last.tag = question->tag;
+    link->last.crc = question->crc;
 }
 
 uint8_t link_answer(link_t *link, uint32_t length)
@@ -342,7 +351,8 @@ uint8_t link_answer(link_t *link, uint32_t length)
     const question_t question = {.type = bytes[0],
                                  .tag = bytes[1],
                                  .body = &bytes[LINK_FRAME_HEAD_BYTES],
-                                 .length = length - LINK_FRAME_HEAD_BYTES};
+                                 .length = length - LINK_FRAME_HEAD_BYTES,
+                                 .crc = words_get(&bytes[length])};
     const bool good = is_question(&question);
 
     if (good) {

@@ -12,10 +12,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* The last question, and the verdict on the last one that got a verdict. */
+/* The last question, by the CRC of the whole message, and the verdict on the last one that got a verdict. */
 typedef struct {
-    uint8_t type;
-    uint8_t tag;
+    uint32_t crc;
     live_config_verdict_t verdict;
 } link_answered_t;
 

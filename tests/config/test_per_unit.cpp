@@ -437,6 +437,18 @@ TEST(no_current_along_the_flux_takes_more_than_half_of_the_stiffness)
     }
 }
 
+// A least current of a fifth of the continuous 3.53778 A takes 0.2·3.53778·ΔL of φ = 0.375 Wb: an eighth of it with ΔL = 66.25 mH.
+TEST(a_least_current_that_takes_an_eighth_of_the_flux_falls_at_once)
+{
+    const auto fall = [](const char *inductance_q) {
+        return motor_b({"motor.inductance_d_h=0.03", inductance_q, "current_loop.floor_pct=20",
+                        "board.dead_time_s=1e-6"})
+            .current_reference.slope_down;
+    };
+    expect(1, fall("motor.inductance_q_h=0.0960"));
+    expect(16384, fall("motor.inductance_q_h=0.0965"));
+}
+
 // An eighth of the EMF at 120 rpm over ω_n·ψ/(1.4·3.53778 A) = 1.75541 ohm; at most a fifth of the current, and at least 12 counts of
 // 20 A/2048. A winding of 5.654867 ohm keeps 0.6 of them.
 TEST(a_rotor_rests_with_less_than_a_slip_drives_across)

@@ -633,6 +633,30 @@ TEST(test_a_question_that_comes_again_is_done_once_and_answered_as_before)
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, app.drive.state);
 }
 
+/* A PC that counts its tags wrong, or an old message between two of them. */
+TEST(test_a_stop_with_the_tag_of_the_run_before_it_stops)
+{
+    hello();
+    assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 1000000);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, app.drive.state);
+    tag--;
+    assert_command("", 0U, DRIVE_MODE_SPEED, 0);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_READY, app.drive.state);
+}
+
+/* Whoever has started the motor meanwhile. */
+TEST(test_a_stop_that_comes_again_is_obeyed_again)
+{
+    hello();
+    assert_command("", 0U, DRIVE_MODE_SPEED, 0);
+    command_mailbox_post(&app.mailbox, &(drive_command_t){.request = DRIVE_REQUEST_RUN});
+    passes(SHORT_WHILE);
+    TEST_ASSERT_NOT_EQUAL(DRIVE_STATE_READY, app.drive.state);
+    tag--;
+    assert_command("", 0U, DRIVE_MODE_SPEED, 0);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_READY, app.drive.state);
+}
+
 TEST(test_no_stream_begins_while_a_dump_is_under_way)
 {
     const uint8_t on = 1U;
