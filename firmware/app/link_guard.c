@@ -8,7 +8,6 @@
 void link_guard_heard(link_guard_t *guard, uint32_t tick)
 {
     guard->heard = tick;
-    guard->watching = true;
 }
 
 void link_guard_leave(link_guard_t *guard)
@@ -19,6 +18,7 @@ void link_guard_leave(link_guard_t *guard)
 
 void link_guard_commanded(link_guard_t *guard)
 {
+    guard->watching = true;
     guard->stopping = false;
 }
 

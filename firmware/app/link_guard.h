@@ -3,9 +3,10 @@
  * Watches that the PC is heard: for the line, which goes back to the console after a pause, and for the motor, which is
  * brought to rest when cfg->link.timeout_ticks says so.
  *
- * The motor is watched from a frame on to the end of the link, also when the line has gone back to the console after a
- * pause. When no frame came for timeout_ticks and a run is asked for, the speed becomes 0, and the request ends when the
- * motor is at rest. A measurement of the motor ends at once. Then nothing is watched until the next frame.
+ * The motor is watched from a command of the PC on to the end of the link, also when the line has gone back to the console
+ * after a pause. A PC that only reads is not waited for. When no frame came for timeout_ticks and a run is asked for, the speed
+ * becomes 0, and the request ends when the motor is at rest. A measurement of the motor ends at once. Then nothing is watched
+ * until the next command.
  *
  * Time is that of the control ticks: without ticks nothing runs out, and nothing moves either. Context: background.
  */
@@ -20,8 +21,8 @@
 
 typedef struct {
     uint32_t heard; /* tick of the last frame */
-    bool watching;
-    bool stopping; /* the speed is 0 because the PC was not heard */
+    bool watching;  /* the PC has commanded the drive */
+    bool stopping;  /* the speed is 0 because the PC was not heard */
 } link_guard_t;
 
 /* A good frame came in this tick. */
@@ -30,7 +31,7 @@ void link_guard_heard(link_guard_t *guard, uint32_t tick);
 /* The PC takes its leave: nothing is watched. */
 void link_guard_leave(link_guard_t *guard);
 
-/* Somebody commands the drive: a stop that is under way is given up. */
+/* The PC commands the drive: it is watched, and a stop that is under way is given up. link_guard_heard() of its frame follows. */
 void link_guard_commanded(link_guard_t *guard);
 
 /* Whether the last frame came more than so many ticks ago. */

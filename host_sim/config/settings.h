@@ -133,7 +133,8 @@ enum class OscillationAct {
 // [phase_compensator], [supervision]
 struct TuningSettings {
     std::string name;
-    double command_timeout_s = 0; // without a message of the link: the drive stops; 0: never
+    double command_timeout_s =
+        1; // without a message of a link that has commanded: the drive stops; 0: never
     ControlMethod method = ControlMethod::current;
     AngleSource angle_source = AngleSource::observer;
     double observer_kappa = 0;    // share of the speed error removed per sample

@@ -26,6 +26,7 @@ namespace
 
 // What example_cfg.h takes in place of the tuning `published` and of what follows from the motor.
 const std::vector<std::string> AS_BY_HAND = {
+    "tuning.command_timeout_s=0",
     "motor.continuous_current_a=6.719",
     "startup.current_pct=119.0653", // 8 A
     "supervision.oscillation=fault",
@@ -516,10 +517,11 @@ TEST(flying_start)
            motor_b({"motor.max_current_a=4"}).startup.flying_start.current);
 }
 
-// At 10 kHz; 0.1 of a tick counts as one, or it would mean never.
+// At 10 kHz 1 s where nothing is written; 0.1 of a tick counts as one, or it would mean never.
 TEST(the_time_without_a_message)
 {
-    expect(0, motor_b().link.timeout_ticks);
+    expect(10000, motor_b().link.timeout_ticks);
+    expect(0, motor_b({"tuning.command_timeout_s=0"}).link.timeout_ticks);
     expect(2500, motor_b({"tuning.command_timeout_s=0.25"}).link.timeout_ticks);
     expect(1, motor_b({"tuning.command_timeout_s=1e-5"}).link.timeout_ticks);
 }

@@ -23,6 +23,13 @@ static bool pass(uint32_t at)
     return link_guard_step(&guard, &app, &identify, at, TIMEOUT);
 }
 
+/* A frame of the PC that commands the drive. */
+static void command_at(uint32_t at)
+{
+    link_guard_commanded(&guard);
+    link_guard_heard(&guard, at);
+}
+
 static drive_command_t command(void)
 {
     return command_mailbox_take(&app.mailbox);
@@ -49,7 +56,7 @@ static void turn(step_t speed)
 TEST(test_the_speed_becomes_0_after_the_timeout_and_not_before)
 {
     run((uint8_t)DRIVE_MODE_SPEED);
-    link_guard_heard(&guard, 100U);
+    command_at(100U);
     TEST_ASSERT_FALSE(pass(100U + TIMEOUT));
     TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, command().target);
     TEST_ASSERT_TRUE(pass(101U + TIMEOUT));
@@ -60,7 +67,7 @@ TEST(test_the_speed_becomes_0_after_the_timeout_and_not_before)
 TEST(test_a_position_is_left_for_speed_0)
 {
     run((uint8_t)DRIVE_MODE_POSITION);
-    link_guard_heard(&guard, 100U);
+    command_at(100U);
     TEST_ASSERT_TRUE(pass(101U + TIMEOUT));
     TEST_ASSERT_EQUAL_INT32(0, command().target);
     TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_SPEED, command().mode);
@@ -71,7 +78,7 @@ TEST(test_the_request_ends_when_the_motor_is_at_rest)
     const step_t least = cfg.speed_loop.speed_max / 256;
 
     run((uint8_t)DRIVE_MODE_SPEED);
-    link_guard_heard(&guard, 100U);
+    command_at(100U);
     (void)pass(101U + TIMEOUT);
     turn(-least);
     TEST_ASSERT_FALSE(pass(102U + TIMEOUT));
@@ -85,7 +92,7 @@ TEST(test_the_request_ends_when_the_motor_is_at_rest)
 TEST(test_a_request_that_somebody_else_has_ended_is_not_ended_again)
 {
     run((uint8_t)DRIVE_MODE_SPEED);
-    link_guard_heard(&guard, 100U);
+    command_at(100U);
     (void)pass(101U + TIMEOUT);
     turn(cfg.speed_loop.speed_max / 2);
     commander_stop(&app);
@@ -99,7 +106,7 @@ TEST(test_a_request_that_somebody_else_has_ended_is_not_ended_again)
 TEST(test_a_time_of_0_never_runs_out)
 {
     run((uint8_t)DRIVE_MODE_SPEED);
-    link_guard_heard(&guard, 100U);
+    command_at(100U);
     TEST_ASSERT_FALSE(link_guard_step(&guard, &app, &identify, 100U + 0x7FFFFFFFU, 0U));
     TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, command().target);
 }
@@ -107,7 +114,7 @@ TEST(test_a_time_of_0_never_runs_out)
 TEST(test_the_time_is_counted_across_the_wrap_of_the_ticks)
 {
     run((uint8_t)DRIVE_MODE_SPEED);
-    link_guard_heard(&guard, UINT32_MAX - 10U);
+    command_at(UINT32_MAX - 10U);
     TEST_ASSERT_FALSE(pass(TIMEOUT - 11U));
     TEST_ASSERT_TRUE(pass(TIMEOUT));
 }
@@ -116,42 +123,61 @@ TEST(test_without_a_pc_and_after_its_leave_nothing_is_watched)
 {
     run((uint8_t)DRIVE_MODE_SPEED);
     TEST_ASSERT_FALSE(pass(1000U));
-    link_guard_heard(&guard, 1000U);
+    command_at(1000U);
     link_guard_leave(&guard);
     TEST_ASSERT_FALSE(pass(2000U));
     TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, command().target);
 }
 
-/* A person starts the motor afterwards: nobody promised to be heard. */
-TEST(test_a_stop_comes_once_and_the_next_frame_watches_again)
+/* Somebody looks at a motor that another source runs. */
+TEST(test_a_pc_that_only_reads_is_not_waited_for)
 {
     run((uint8_t)DRIVE_MODE_SPEED);
     link_guard_heard(&guard, 100U);
+    TEST_ASSERT_FALSE(pass(101U + TIMEOUT));
+    TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, command().target);
+}
+
+/* Frames that do not command are heard too. */
+TEST(test_a_pc_that_goes_on_reading_keeps_its_command_alive)
+{
+    run((uint8_t)DRIVE_MODE_SPEED);
+    command_at(100U);
+    link_guard_heard(&guard, 140U);
+    TEST_ASSERT_FALSE(pass(140U + TIMEOUT));
+    TEST_ASSERT_TRUE(pass(141U + TIMEOUT));
+}
+
+/* A person starts the motor afterwards: nobody promised to be heard. */
+TEST(test_a_stop_comes_once_and_the_next_command_watches_again)
+{
+    run((uint8_t)DRIVE_MODE_SPEED);
+    command_at(100U);
     (void)pass(101U + TIMEOUT);
     turn(0);
     (void)pass(102U + TIMEOUT);
     run((uint8_t)DRIVE_MODE_SPEED);
     TEST_ASSERT_FALSE(pass(1000U));
     TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, command().target);
-    link_guard_heard(&guard, 1000U);
+    command_at(1000U);
     TEST_ASSERT_TRUE(pass(1001U + TIMEOUT));
 }
 
 TEST(test_a_command_gives_a_stop_up)
 {
     run((uint8_t)DRIVE_MODE_SPEED);
-    link_guard_heard(&guard, 100U);
+    command_at(100U);
     (void)pass(101U + TIMEOUT);
-    link_guard_commanded(&guard);
+    command_at(102U + TIMEOUT);
     turn(0);
-    TEST_ASSERT_FALSE(pass(102U + TIMEOUT));
+    TEST_ASSERT_FALSE(pass(103U + TIMEOUT));
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, command().request);
 }
 
 TEST(test_a_drive_that_is_not_asked_to_run_is_left_alone)
 {
     commander_set_speed(&app, EXAMPLE_SPEED_STEP);
-    link_guard_heard(&guard, 100U);
+    command_at(100U);
     TEST_ASSERT_FALSE(pass(101U + TIMEOUT));
     TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, command().target);
     TEST_ASSERT_EQUAL_UINT8(0U, command().request);
@@ -160,7 +186,7 @@ TEST(test_a_drive_that_is_not_asked_to_run_is_left_alone)
 TEST(test_a_measurement_of_the_motor_ends_at_once)
 {
     TEST_ASSERT_NULL(identify_start(&identify));
-    link_guard_heard(&guard, 100U);
+    command_at(100U);
     TEST_ASSERT_TRUE(pass(101U + TIMEOUT));
     TEST_ASSERT_FALSE(identify_is_busy(&identify));
     TEST_ASSERT_EQUAL_UINT8(0U, command().request);
