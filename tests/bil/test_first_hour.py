@@ -52,8 +52,9 @@ def converse(lines, options=(), flashed=()):
 
 
 def in_force(said):
-    """The answer to the last `get`."""
-    return said.rpartition("> get\n")[2]
+    """The answer to the last `get`. What the board's state is comes when it comes."""
+    lines = said.rpartition("> get\n")[2].splitlines()
+    return "\n".join(line for line in lines if not line.startswith("board: "))
 
 
 class FirstHour(unittest.TestCase):

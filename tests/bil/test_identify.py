@@ -132,7 +132,7 @@ class Wrong(Case):
             if not bench.gates_on():
                 break
         bench.load_nm = 0.0
-        self.assertEqual(bench.end(), "refused: more current flows than was asked for: does a load turn the rotor?")
+        self.assertIn("more current flows than was asked for: does a load turn the rotor", bench.end())
         self.assert_safe(bench)
 
 
