@@ -444,6 +444,9 @@ bool identify_rest_plan_catch(identify_t *identify)
 #define LEVEL_FOR_R (5U) /* with the first one it gives R: half of its current */
 #define UNSTEADY_SHARE \
     (8) /* 1/8 of R·i is more than a winding warms up by, and a share of what tells phases apart */
+#define UNSTEADY_ONE (256)
+/* R of a phase is off by twice as much as that of its axis, which comes of two levels 0.6 of the current apart */
+#define UNSTEADY_TIMES (4)
 #define TOO_HEAVY \
     "the rotor swings too slowly for this current: take inertia off, or allow more continuous current"
 #define LEVEL_SETTLE_MS (20)
@@ -664,7 +667,9 @@ static void note_twice(identify_t *identify)
         } else if (identify->step == (uint32_t)pairs[k][1]) {
             const int32_t apart = fx_abs(voltage - rest->first_voltage[k]);
 
-            rest->unsteady = rest->unsteady || (apart > (resistive / UNSTEADY_SHARE));
+            const int32_t share = (apart * UNSTEADY_ONE) / fx_max(resistive, 1);
+
+            rest->unsteady = fx_max(rest->unsteady, fx_min(share, UNSTEADY_ONE));
         } else {
             /* another level */
         }
@@ -694,6 +699,14 @@ static int32_t phase_resistance(const identify_rest_t *rest, uint32_t phase)
     return (2 * rest->resistance_q13[phase]) - (sum / 3);
 }
 
+/* A rotor that moves under the levels may be why a phase is off by so much. A shorted phase moves it too, by less than that. */
+static bool is_by_motion(const identify_rest_t *rest, int32_t middle, int32_t off)
+{
+    const int32_t explained = (UNSTEADY_TIMES * rest->unsteady * middle) / UNSTEADY_ONE;
+
+    return (rest->unsteady > (UNSTEADY_ONE / UNSTEADY_SHARE)) && (explained >= off);
+}
+
 /* Refuses a phase whose R is far from that in the middle. */
 static bool are_alike(identify_t *identify)
 {
@@ -703,6 +716,7 @@ static bool are_alike(identify_t *identify)
     int32_t r[IDENTIFY_AXES];
     int32_t middle;
     int32_t most;
+    int32_t off;
 
     for (uint32_t phase = 0U; phase < IDENTIFY_AXES; phase++) {
         r[phase] = phase_resistance(&identify->rest, phase);
@@ -711,9 +725,10 @@ static bool are_alike(identify_t *identify)
     }
     middle = (r[0] + r[1] + r[2]) - (r[low] + r[high]);
     most = (middle / UNLIKE_SHARE) + 1;
-    if (fx_max(middle - r[low], r[high] - middle) <= most) {
+    off = fx_max(middle - r[low], r[high] - middle);
+    if (off <= most) {
         /* three windings of a kind */
-    } else if (identify->rest.unsteady) {
+    } else if (is_by_motion(&identify->rest, middle, off)) {
         identify_rest_refuse(identify, TOO_HEAVY);
     } else if ((middle - r[low]) > most) {
         identify_aim_refusal_of(
