@@ -89,20 +89,19 @@ static bool swings_at_limit(const drive_t *drive)
     return drive->fault.value > (whole - (whole / WHOLE_SHARE));
 }
 
-/* Of a swing that the loop answers to, by its frequency. With few pole pairs two causes have the same. */
+/* The cause of a swing that the loop answers to, by its frequency. With few pole pairs two causes have the same frequency. */
 static uint32_t forced_signs(int64_t frequency, int64_t shaft, int64_t electric)
 {
-    const bool slow = is_times(2 * frequency, shaft, 1); /* as a four-stroke engine or a belt */
-    const bool turns = is_times(frequency, shaft, 1) || is_times(frequency, shaft, 2) ||
-                       is_times(frequency, shaft, 3);
+    /* half: as a four-stroke engine or a belt */
+    const bool turns = is_times(2 * frequency, shaft, 1) || is_times(frequency, shaft, 1) ||
+                       is_times(frequency, shaft, 2) || is_times(frequency, shaft, 3);
     const bool electrical = is_times(frequency, electric, 1) || is_times(frequency, electric, 2);
     uint32_t signs;
 
-    if ((slow || turns) && electrical) {
+    if (turns && electrical) {
         signs = sign_if(FAULT_SIGN_SHAFT_OR_ELECTRIC, true);
     } else {
-        signs = sign_if(FAULT_SIGN_SHAFT, slow || turns) |
-                sign_if(FAULT_SIGN_ELECTRIC, electrical) |
+        signs = sign_if(FAULT_SIGN_SHAFT, turns) | sign_if(FAULT_SIGN_ELECTRIC, electrical) |
                 sign_if(FAULT_SIGN_SIX, is_times(frequency, electric, SIX));
     }
     return signs;

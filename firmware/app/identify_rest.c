@@ -445,7 +445,7 @@ bool identify_rest_plan_catch(identify_t *identify)
 #define UNSTEADY_SHARE \
     (8) /* 1/8 of R·i is more than a winding warms up by, and a share of what tells phases apart */
 #define UNSTEADY_ONE (256)
-/* R of a phase is off by twice as much as that of its axis, which comes of two levels 0.6 of the current apart */
+/* A voltage that is off by a share makes R of an axis off by 1.7 of it, by two levels 0.59 of the current apart; R of a phase by twice that. */
 #define UNSTEADY_TIMES (4)
 #define TOO_HEAVY \
     "the rotor swings too slowly for this current: take inertia off, or allow more continuous current"
@@ -467,7 +467,7 @@ int32_t identify_rest_largest(const identify_t *identify)
     return fx_min(held, 2 * identify_aim_continuous(identify));
 }
 
-/* Along the axis of a phase that is open nothing flows, and along another axis all but in that phase. NULL: each has some. */
+/* Along the axis of an open phase no current flows; along another axis it flows in the other two phases. NULL: each phase has some. */
 static const char *find_open_phase(const identify_t *identify)
 {
     const drive_signals_t *const s = &identify->app->drive.signals;
@@ -666,7 +666,6 @@ static void note_twice(identify_t *identify)
             rest->first_voltage[k] = voltage;
         } else if (identify->step == (uint32_t)pairs[k][1]) {
             const int32_t apart = fx_abs(voltage - rest->first_voltage[k]);
-
             const int32_t share = (apart * UNSTEADY_ONE) / fx_max(resistive, 1);
 
             rest->unsteady = fx_max(rest->unsteady, fx_min(share, UNSTEADY_ONE));
@@ -699,7 +698,7 @@ static int32_t phase_resistance(const identify_rest_t *rest, uint32_t phase)
     return (2 * rest->resistance_q13[phase]) - (sum / 3);
 }
 
-/* A rotor that moves under the levels may be why a phase is off by so much. A shorted phase moves it too, by less than that. */
+/* Whether a rotor that moves under the levels explains that a phase is off by so much. A shorted phase moves it too, but by less. */
 static bool is_by_motion(const identify_rest_t *rest, int32_t middle, int32_t off)
 {
     const int32_t explained = (UNSTEADY_TIMES * rest->unsteady * middle) / UNSTEADY_ONE;

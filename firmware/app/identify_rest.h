@@ -16,8 +16,8 @@
 int32_t identify_rest_largest(const identify_t *identify);
 
 /*
- * Ends it while a current is imposed along the axis of a phase, with the reason as text that outlives it, or with "phase a is open", or
- * another one, where a phase carries nothing: along an axis each has its part.
+ * Ends it while a current is imposed along the axis of a phase. The reason is `why`, a text that outlives it. Where a phase carries no
+ * current, the reason is that this phase is open.
  */
 void identify_rest_refuse(identify_t *identify, const char *why);
 

@@ -72,8 +72,7 @@ typedef struct {
     int32_t high_voltage;   /* means at the largest current of this axis */
     int32_t high_current;
     int32_t first_voltage[IDENTIFY_TWICE]; /* means at the levels that come twice, the first time */
-    int32_t
-        unsteady; /* the most by which one of them took another voltage the second time, 1/256 of R·i, 0…256 */
+    int32_t unsteady; /* largest change of their voltage the second time, 1/256 of R·i, 0…256 */
     int32_t resistance_q13[IDENTIFY_AXES]; /* U_b/I_b */
     int32_t loss;                          /* of the voltage at no current, Q15 of U_b */
 } identify_rest_t;

@@ -295,7 +295,7 @@ static live_config_verdict_t judge_question(link_t *link, const question_t *ques
     return verdict;
 }
 
-/* What it asks for holds however often it is done. */
+/* A command that asks for no run: to obey it twice does no harm. */
 static bool is_stop(const question_t *question)
 {
     return (question->type == (uint8_t)LINK_COMMAND) && (question->body[0] == 0U);

@@ -68,8 +68,8 @@ constexpr double LOST_SHARE = 0.75;
 constexpr double LOST_TIME_S = 0.1;
 // The least current goes so many times more slowly than it comes. A voltage drive takes over without it, and does not wait.
 constexpr int32_t CURRENT_FALL = 32;
-// It goes as fast as a torque comes where it takes more than this share of the flux: with less flux the torque's current would be so
-// much larger, and the estimate has only the flux that is left.
+// Of a salient machine the least current takes φ − (L_q − L_d)·i_d down. Where it takes more than this share of φ it goes as fast as a
+// torque comes: the torque, and the estimate of the angle, have only the flux that is left.
 constexpr double FLUX_TAKEN = 0.125;
 // On the file's J the vector's ramp takes the torque of this share of the current in motion: a load of half the rated torque and
 // three times J still follow.

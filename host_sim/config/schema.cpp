@@ -136,7 +136,7 @@ const std::vector<Field> FIELDS = {
     {"hal", "bus_divider", "", 1e-4, 1, OPTIONAL, hal<&H::bus_divider>, "bus voltage to converter"},
 
     {"tuning", "name", "", 1, NAME_CHARS_MAX, NEEDED, tuning<&T::name>, "what it is called in reports"},
-    {"tuning", "command_timeout_s", "s", 0, 3600, OPTIONAL, tuning<&T::command_timeout_s>, "on a link that has commanded, the drive ramps to a stop when no message has come for so long; 0: it never does"},
+    {"tuning", "command_timeout_s", "s", 0, 3600, OPTIONAL, tuning<&T::command_timeout_s>, "the drive ramps to a stop when a PC that has commanded it by the link sends no message for so long; 0: it never does"},
     {"drive", "method", "", 0, 0, OPTIONAL, tuning<&T::method>, "what controls the motor in RUN"},
     {"drive", "angle_source", "", 0, 0, OPTIONAL, tuning<&T::angle_source>, "where the rotor's angle is from; with a sensor there is no start-up"},
     {"observer", "kappa", "", 0, 0.5, NEEDED, tuning<&T::observer_kappa>, "κ = η·(φ/L)²/(1−α): speed error removed per sample; 0: by rule", WITH_OBSERVER},

@@ -133,8 +133,8 @@ enum class OscillationAct {
 // [phase_compensator], [supervision]
 struct TuningSettings {
     std::string name;
-    double command_timeout_s =
-        1; // without a message of a link that has commanded: the drive stops; 0: never
+    // So long without a message of a PC that has commanded, and the drive stops; 0: it never does.
+    double command_timeout_s = 1;
     ControlMethod method = ControlMethod::current;
     AngleSource angle_source = AngleSource::observer;
     double observer_kappa = 0;    // share of the speed error removed per sample

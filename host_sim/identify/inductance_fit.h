@@ -18,8 +18,7 @@ struct AtCurrent {
 // Of the current sensors' low pass.
 struct SensorLag {
     Value s; // time constant; 0: none shows
-    // One that may be there all the same, by a standard deviation more than shows: what differs between slow and fast pulses is too
-    // little to be told from chance.
+    // The longest one that chance may hide: what slow and fast pulses show, and a standard deviation more.
     double hidden_s = 0;
 };
 

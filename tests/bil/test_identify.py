@@ -132,7 +132,8 @@ class Wrong(Case):
             if not bench.gates_on():
                 break
         bench.load_nm = 0.0
-        self.assertIn("more current flows than was asked for: does a load turn the rotor", bench.end())
+        self.assertEqual(bench.end(), "refused: more current flows than was asked for: does a load turn the rotor, or do the "
+                                      "current sensors follow late?")
         self.assert_safe(bench)
 
 

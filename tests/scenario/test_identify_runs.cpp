@@ -386,7 +386,7 @@ TEST(test_a_phase_that_opens_meanwhile_is_refused_with_its_name)
     expect_open_phase_named("phase c is open", 2, 3, machines(1));
 }
 
-// By four periods of the PWM: the control of no current holds that.
+// By four periods of the PWM: no control of the current is stable with that.
 TEST(test_sensors_that_are_far_too_late_are_the_reason_of_the_refusal)
 {
     constexpr double late_periods = 4;
@@ -404,10 +404,11 @@ TEST(test_sensors_that_are_far_too_late_are_the_reason_of_the_refusal)
 // braked by that before it is of any importance.
 TEST(test_a_rotor_that_turns_already_is_refused)
 {
-    expect_refused(
-        "does a load turn the rotor", {ALL[0], ALL[1], ALL[3]}, [](const nf::Config &config) {
-            return fmt::format("scenario.initial_speed_rpm={}", 0.5 * config.motor.rated_speed_rpm);
-        });
+    expect_refused("does a load turn the rotor, or do the current sensors follow late?",
+                   {ALL[0], ALL[1], ALL[3]}, [](const nf::Config &config) {
+                       return fmt::format("scenario.initial_speed_rpm={}",
+                                          0.5 * config.motor.rated_speed_rpm);
+                   });
 }
 
 // ---- before it begins ----

@@ -576,7 +576,7 @@ TEST(test_a_rotor_that_moves_is_the_reason_only_as_far_as_its_motion_explains)
     assert_refused(SHORTED);
 }
 
-/* Level 1 and 5 give 2000/8192·8192 = 2000 for R: at a current of 4000 a level takes 976. */
+/* R is 2000/8192: at a current of 4000 a level takes 976. */
 TEST(test_a_level_that_comes_again_with_another_voltage_shows_that_the_rotor_moves)
 {
     begin_still();
