@@ -196,6 +196,27 @@ TEST(test_a_fault_ends_it_with_a_line)
     assert_ended();
 }
 
+/* A rotor that the vector holds gives power back. At rest the bus is too high by itself. */
+TEST(test_an_overvoltage_names_braking_in_each_phase_that_may_brake)
+{
+    static const struct {
+        identify_phase_t phase;
+        bool brakes;
+    } phases[] = {{IDENTIFY_PULSE, false}, {IDENTIFY_CATCH, true}, {IDENTIFY_STILL, false},
+                  {IDENTIFY_SPIN, true},   {IDENTIFY_RAMP, true},  {IDENTIFY_COAST, true}};
+
+    for (uint32_t k = 0U; k < (sizeof phases / sizeof phases[0]); k++) {
+        setUp();
+        begin();
+        identify.phase = phases[k].phase;
+        identify.said = phases[k].phase;
+        app.drive.fault.id = FAULT_OVERVOLTAGE;
+        app.drive.state = DRIVE_STATE_FAULT;
+        TEST_ASSERT_EQUAL(phases[k].brakes, strstr(pass(), "by braking") != NULL);
+        assert_ended();
+    }
+}
+
 /* The clear comes before the next line: the name is that of the fault that has ended it. */
 TEST(test_a_fault_that_is_cleared_meanwhile_has_ended_it)
 {
@@ -627,6 +648,21 @@ TEST(test_a_vector_that_does_not_arrive_is_caught_twice_and_then_refused)
                              "large, or does it change?\r\n",
                              pass());
     assert_ended();
+}
+
+/* On a ramp with a bus that takes no braking power the reason is the bus, before the vector is caught again. */
+TEST(test_a_ramp_that_waits_for_the_bus_too_long_names_the_bus)
+{
+    for (uint32_t high = 0U; high < 2U; high++) {
+        setUp();
+        experiment(100000, 1);
+        (void)ticks_to(IDENTIFY_MOVING);
+        identify.phase = IDENTIFY_RAMP;
+        app.drive.signals.bus = (high != 0U) ? FX_Q15_MAX : 0;
+        have_moved((5000U * (uint32_t)MS) + 1U);
+        TEST_ASSERT_EQUAL((high != 0U) ? IDENTIFY_ENDS : IDENTIFY_CATCH, identify.phase);
+    }
+    TEST_ASSERT_EQUAL_STRING_LEN("the bus stays too high for braking", identify.why, 34U);
 }
 
 /* One that arrives late has arrived. */

@@ -253,6 +253,14 @@ TEST(test_an_open_phase_is_named)
     expect_verdict(names[2], (dq_t){1400, 2000}, (dq_t){1400, -2000}, (dq_t){0, 0});
 }
 
+/* Means of 933 with a spread as large: no current is small enough for such a rotor. */
+TEST(test_a_rotor_that_only_a_current_below_the_sensors_would_hold_is_refused)
+{
+    expect_verdict("L_q is so much larger than L_d that only a current holds the rotor that is too "
+                   "small for this board's sensors, it takes at least ",
+                   (dq_t){1400, 800}, (dq_t){1400, -800}, (dq_t){0, 800});
+}
+
 /* A salient rotor turns the current of two axes by up to 1.25/2.25: 45 degrees are straight. */
 TEST(test_two_exchanged_phases_are_named)
 {
@@ -334,6 +342,20 @@ TEST(test_a_rotor_at_rest_goes_on_and_one_that_never_rests_is_refused)
     identify.turn.slower = 1U; /* it was lost, and goes on turning */
     TEST_ASSERT_EQUAL_UINT32(10U + 1U, looks_at(0));
     TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
+}
+
+/* With half as much current again, where it is caught first. One that was lost in the experiments has been tried. */
+TEST(test_a_salient_rotor_is_tried_once)
+{
+    identify.rest.unlike = 500;
+    identify.rest.mean = 1000;
+    identify.rest.stiff_current = CONTINUOUS;
+    identify.turn.slower = 1U;
+    TEST_ASSERT_EQUAL_UINT32(10U + 1U, looks_at(0));
+    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
+    identify.turn.slower = 0U;
+    TEST_ASSERT_EQUAL_UINT32(10U + 2U, looks_at(0));
+    TEST_ASSERT_EQUAL(IDENTIFY_STILL, identify.phase);
 }
 
 /* After a look of 100 ms at 5504 of current with this largest i_q and this mean of it. */

@@ -633,6 +633,18 @@ TEST(test_a_question_that_comes_again_is_done_once_and_answered_as_before)
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, app.drive.state);
 }
 
+TEST(test_a_line_that_comes_again_is_typed_once)
+{
+    hello();
+    assert_line("speed 30");
+    commander_set_speed(&app, 77);
+    tag--;
+    assert_line("speed 30");
+    TEST_ASSERT_EQUAL_INT32(77, command_mailbox_take(&app.mailbox).target);
+    assert_line("speed 30");
+    TEST_ASSERT_NOT_EQUAL_INT32(77, command_mailbox_take(&app.mailbox).target);
+}
+
 /* A PC that counts its tags wrong, or an old message between two of them. */
 TEST(test_a_stop_with_the_tag_of_the_run_before_it_stops)
 {
