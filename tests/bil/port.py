@@ -11,6 +11,7 @@ import time
 import tty
 from pathlib import Path
 
+import digital
 import machine
 
 SCENARIO = "s1_robust"  # motor A
@@ -73,9 +74,28 @@ class Port(machine.Bench):
 
 
 class ReadPort(Port):
-    """Its time stands while its reader, a process, is behind: nothing is lost on a machine that has much else to do."""
+    """Its time stands while its reader, a process, is behind: nothing is lost on a machine that has much else to do.
+
+    pace: it is no faster than so many seconds of the board in one of this machine. A reader that is told so waits and asks in
+    its seconds, and the board has to wait for it in the same ones.
+    """
 
     reader = None
+    pace = None
+
+    ahead_since = None  # the board's time less that of this machine, both in seconds of this machine
+
+    def tick(self, ticks=1):
+        super().tick(ticks)
+        if self.pace:
+            self.wait(self.board.chip.now / digital.CLOCK_HZ / self.pace)
+
+    def wait(self, board_s):
+        """What a slow machine has lost is not made up for."""
+        ahead = board_s - time.monotonic()
+        self.ahead_since = ahead if self.ahead_since is None else min(self.ahead_since, ahead)
+        if ahead > self.ahead_since + WAITS_S:
+            time.sleep(ahead - self.ahead_since)
 
     def hear(self):
         said = bytes(self.board.chip.usart.said)

@@ -2,7 +2,8 @@
 """target.loop.first_hour: a name plate, a motor and the image as it is flashed; all the rest at the line of `motorsim live`.
 
 test_first_hour.py IMAGE BOARD CLOCK BIL_MOTOR MOTORSIM: the image has the example motor of its board, the machine is another one.
-An emulated second of the board takes a core 2.2 to 3 s; the identification is some 20 s of the board.
+An emulated second of the board takes a core 2.2 to 3 s; the identification is some 20 s of the board. The board is no faster than the
+pace that live is told: it stops its motor where nobody is heard for a second, and that second is the board's.
 """
 
 import math
@@ -29,12 +30,13 @@ max_speed_rpm = 5000
 continuous_current_a = 15
 max_current_a = 30
 """
-PACE = 0.05  # seconds of the board in a second: as slow as a machine is with much else to do
+PACE = 0.2  # seconds of the board in a second
 
 
 def converse(lines, options=(), flashed=()):
     """A board from its power-up on. What was said to these lines, and what is in its flash afterwards."""
     port = ReadPort(IMAGE, BOARD, CLOCK, BIL_MOTOR, MACHINE, flashed)
+    port.pace = PACE
     try:
         live = subprocess.Popen([MOTORSIM, "live", port.name, "--script", "-", "--pace", str(PACE), *options],
                                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)

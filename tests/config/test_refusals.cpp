@@ -4,6 +4,8 @@
 
 #include "testing.h"
 
+#include <fmt/format.h>
+
 using test::Folder;
 using test::refusal;
 

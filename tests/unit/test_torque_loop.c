@@ -50,6 +50,13 @@ TEST(test_the_torque_begins_with_the_one_that_acts)
     TEST_ASSERT_FALSE(loop.bound);
 }
 
+TEST(test_a_start_knows_of_no_end_of_the_window)
+{
+    loop.end = (uint8_t)SPEED_END_UPPER;
+    torque_loop_start(&loop, FLUX, 0);
+    TEST_ASSERT_EQUAL_UINT8(SPEED_END_NONE, loop.end);
+}
+
 TEST(test_the_torque_follows_on_its_slope_in_the_fewest_periods)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
@@ -286,6 +293,21 @@ TEST(test_without_a_torque_the_slope_ends_at_standstill)
     }
     TEST_ASSERT_EQUAL_INT32(0, in.reference);
     TEST_ASSERT_TRUE(loop.bound);
+}
+
+/* A rotor that the end of the window holds just below the lowest speed, either way, and one at that speed that nothing holds. */
+TEST(test_without_a_torque_the_slope_begins_with_the_speed_of_the_rotor)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        torque_loop_start(&loop, FLUX, 0);
+        loop.end = (sign < 0) ? (uint8_t)SPEED_END_UPPER : (uint8_t)SPEED_END_LOWER;
+        in.reference = sign * LOWEST;
+        in.speed = sign * (LOWEST - 1);
+        TEST_ASSERT_EQUAL_INT32(sign * (LOWEST - 1 - RAMP), torque_loop_plan(&loop, &cfg, &in));
+        torque_loop_start(&loop, FLUX, 0);
+        in.speed = sign * LOWEST;
+        TEST_ASSERT_EQUAL_INT32(in.speed, torque_loop_plan(&loop, &cfg, &in));
+    }
 }
 
 /* The load is larger than the torque: it goes no further down, and the torque stays free. */
