@@ -21,6 +21,9 @@ typedef struct {
     recorder_t *recorder; /* NULL: none */
     /* a configuration that the background has posted and the interrupt has not taken yet; NULL: none */
     const drive_cfg_t *volatile change;
+    /* Background only: */
+    uint32_t ticket; /* of the next command of a PC, commander.h */
+    bool failed;     /* as commander_step() has seen the drive last */
 } app_t;
 
 /*

@@ -3,23 +3,72 @@
 
 #include "barrier.h"
 
-void command_mailbox_init(command_mailbox_t *box)
+#define REQUEST_SHIFT (8U)
+#define SEED (0xA5A50000UL) /* a slot of zeros is not whole */
+
+/* Each bit of the command flips one bit of it. */
+static uint32_t check_of(const drive_command_t *command)
 {
-    *box = (command_mailbox_t){.in_force = 0U};
+    const uint32_t rest = command->mode | ((uint32_t)command->request << REQUEST_SHIFT);
+
+    return fx_unsigned(command->target) ^ rest ^ SEED;
 }
 
-/* The barriers keep the slot's stores between this store of the index and the one before. */
+static bool is_whole(const command_slot_t *slot)
+{
+    return slot->check == check_of(&slot->command);
+}
+
+static command_slot_t slot_of(const drive_command_t *command)
+{
+    return (command_slot_t){.command = *command, .check = check_of(command)};
+}
+
+void command_mailbox_init(command_mailbox_t *box)
+{
+    const drive_command_t none = {.target = 0, .mode = (uint8_t)DRIVE_MODE_SPEED, .request = 0U};
+
+    box->slots[0] = slot_of(&none);
+    box->slots[1] = slot_of(&none);
+    box->in_force = 0U;
+}
+
+/* The barriers keep the stores of each slot on their side of the store of the index. */
 void command_mailbox_post(command_mailbox_t *box, const drive_command_t *command)
 {
-    const uint32_t next = (box->in_force + 1U) % COMMAND_MAILBOX_SLOTS;
+    const command_slot_t slot = slot_of(command);
+    const uint32_t before = box->in_force % COMMAND_MAILBOX_SLOTS;
+    const uint32_t next = 1U - before;
 
-    box->slots[next] = *command;
+    box->slots[next] = slot;
     barrier_compiler();
     box->in_force = next;
     barrier_compiler();
+    box->slots[before] = slot;
 }
 
 drive_command_t command_mailbox_take(const command_mailbox_t *box)
 {
-    return box->slots[box->in_force];
+    const uint32_t first = box->in_force % COMMAND_MAILBOX_SLOTS;
+    const command_slot_t *slot = &box->slots[first];
+    drive_command_t command = {.target = 0, .mode = (uint8_t)DRIVE_MODE_SPEED, .request = 0U};
+
+    if (!is_whole(slot)) {
+        slot = &box->slots[1U - first];
+    }
+    if (is_whole(slot)) {
+        command = slot->command;
+    }
+    return command;
+}
+
+void command_mailbox_mend(command_mailbox_t *box)
+{
+    const bool same = box->slots[0].check == box->slots[1].check;
+
+    if (!same || !is_whole(&box->slots[0]) || !is_whole(&box->slots[1])) {
+        const drive_command_t command = command_mailbox_take(box);
+
+        command_mailbox_post(box, &command);
+    }
 }

@@ -6,6 +6,10 @@
  * writes into the slot that is not in force, and one aligned store then puts that slot in force. The interrupt sees
  * either the old command or the whole new one, never a mixture.
  *
+ * Between two posts both slots hold the same command, each with a check word. So a bit that flips by itself in this memory
+ * changes no command: the other slot counts, and the next command_mailbox_mend() repairs the one that is damaged. Where both are,
+ * nothing is asked for.
+ *
  * One background posts and one interrupt on the same core takes. The background must not interrupt the interrupt.
  * No function waits or fails. The interrupt takes once a slow period. Of two commands posted between two takes, the later
  * one counts.
@@ -20,8 +24,13 @@
 #define COMMAND_MAILBOX_SLOTS (2U)
 
 typedef struct {
-    drive_command_t slots[COMMAND_MAILBOX_SLOTS];
-    volatile uint32_t in_force; /* index, 0 or 1; written by the background only */
+    drive_command_t command;
+    uint32_t check; /* of the command */
+} command_slot_t;
+
+typedef struct {
+    command_slot_t slots[COMMAND_MAILBOX_SLOTS];
+    volatile uint32_t in_force; /* its lowest bit is an index; written by the background only */
 } command_mailbox_t;
 
 /* Puts speed 0 without a request in force. Call before the control interrupt is enabled. */
@@ -32,5 +41,8 @@ void command_mailbox_post(command_mailbox_t *box, const drive_command_t *command
 
 /* Returns the command in force. Context: the interrupt, and the background that posts. */
 drive_command_t command_mailbox_take(const command_mailbox_t *box);
+
+/* Repairs what has changed by itself. Call once per pass of the background. */
+void command_mailbox_mend(command_mailbox_t *box);
 
 #endif

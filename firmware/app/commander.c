@@ -6,12 +6,33 @@
 #define LATCHED "a fault is latched; clear it first"
 #define NO_FAULT "there is no fault to clear"
 
+uint32_t commander_ticket(const app_t *app)
+{
+    return app->ticket;
+}
+
+void commander_renew_ticket(app_t *app, uint32_t salt)
+{
+    app->ticket += 1U + salt;
+}
+
+bool commander_take_ticket(app_t *app, uint32_t ticket)
+{
+    const bool counts = ticket == app->ticket;
+
+    if (counts) {
+        commander_renew_ticket(app, 0U);
+    }
+    return counts;
+}
+
 static void request(app_t *app, uint8_t what)
 {
     drive_command_t command = command_mailbox_take(&app->mailbox);
 
     command.request = what;
     command_mailbox_post(&app->mailbox, &command);
+    commander_renew_ticket(app, 0U);
 }
 
 const char *commander_run(app_t *app)
@@ -106,31 +127,35 @@ static const char *target_refused(const app_t *app, const drive_command_t *comma
 }
 
 /* Why there is no such request now; NULL: there is. */
-static const char *request_refused(const app_t *app, uint8_t what)
+static const char *request_refused(const app_t *app, uint8_t what, bool counts)
 {
     const bool failed = app->drive.state == DRIVE_STATE_FAULT;
-    const char *why = NULL;
+    const char *why = counts ? NULL : COMMANDER_STALE;
 
-    if (what == DRIVE_REQUEST_RUN) {
-        why = failed ? LATCHED : NULL;
-    } else if (what == DRIVE_REQUEST_CLEAR) {
-        why = failed ? NULL : NO_FAULT;
-    } else if (what != 0U) {
+    if (what == 0U) {
+        why = NULL; /* a stop is always taken */
+    } else if (what > DRIVE_REQUEST_CLEAR) {
         why = "the requests are 0, stop, 1, run, and 2, clear";
+    } else if (failed && (what == DRIVE_REQUEST_RUN)) {
+        why = LATCHED;
+    } else if (!failed && (what == DRIVE_REQUEST_CLEAR)) {
+        why = NO_FAULT;
     } else {
-        /* a stop is always taken */
+        /* there is, unless it comes late */
     }
     return why;
 }
 
-const char *commander_command(app_t *app, const drive_command_t *command, step_t speed_max)
+const char *commander_command(app_t *app, const drive_command_t *command, bool counts,
+                              step_t speed_max)
 {
     const char *why = target_refused(app, command, speed_max);
 
     if (why == NULL) {
-        why = request_refused(app, command->request);
+        why = request_refused(app, command->request, counts);
         if (why == NULL) {
             command_mailbox_post(&app->mailbox, command);
+            commander_renew_ticket(app, 0U);
         }
     } else if (command->request == 0U) {
         commander_stop(app); /* a motor that has to stop does so, whatever else the message says */
@@ -155,6 +180,7 @@ void commander_begin_anew(app_t *app)
     const drive_command_t none = {.target = 0, .mode = (uint8_t)DRIVE_MODE_SPEED, .request = 0U};
 
     command_mailbox_post(&app->mailbox, &none);
+    commander_renew_ticket(app, 0U);
 }
 
 bool commander_is_at_rest(const app_t *app)
@@ -167,9 +193,18 @@ bool commander_is_at_rest(const app_t *app)
 
 void commander_step(app_t *app)
 {
-    const drive_command_t command = command_mailbox_take(&app->mailbox);
+    const bool failed = app->drive.state == DRIVE_STATE_FAULT;
+    const uint8_t over = failed ? DRIVE_REQUEST_RUN : DRIVE_REQUEST_CLEAR;
+    drive_command_t command;
 
-    if ((command.request == DRIVE_REQUEST_CLEAR) && (app->drive.state != DRIVE_STATE_FAULT)) {
-        request(app, 0U);
+    command_mailbox_mend(&app->mailbox);
+    command = command_mailbox_take(&app->mailbox);
+    if (command.request == over) {
+        command.request = 0U; /* the ticket stays: whoever has cleared goes on */
+        command_mailbox_post(&app->mailbox, &command);
     }
+    if (failed && !app->failed) {
+        commander_renew_ticket(app, 0U);
+    }
+    app->failed = failed;
 }

@@ -4,7 +4,11 @@
  * of the command in force, and leaves the rest of it. The last one asked for counts, whoever asked.
  *
  * Context: background. No function waits. The drive takes the command once a slow period. Of two changes between two takes
- * it sees the later one. A request to clear stays in force until the next take.
+ * it sees the later one. A request to clear stays in force until the next take. A request to run ends with a fault.
+ *
+ * What a PC has sent may come late, twice, or in another order. So each of its messages that may command carries a ticket, a number
+ * that is good once. Each such message, each command, each fault and whatever else ends what was asked for makes a new ticket. What
+ * was sent before then carries an old one, and does not count, however late it comes.
  */
 #ifndef COMMANDER_H
 #define COMMANDER_H
@@ -12,6 +16,18 @@
 #include "app.h"
 
 #include <stdbool.h>
+
+/* Why a command does not count: its ticket is an old one. */
+#define COMMANDER_STALE "the drive has been commanded or has stopped since; ask again"
+
+/* The ticket that counts now. */
+uint32_t commander_ticket(const app_t *app);
+
+/* Whether a ticket counts. It is spent by that. */
+bool commander_take_ticket(app_t *app, uint32_t ticket);
+
+/* The tickets before this one do not count from now on. salt: any number; of a PC, another one for each of its sessions. */
+void commander_renew_ticket(app_t *app, uint32_t salt);
 
 /* Close the loop. Returns NULL, or why it is refused: a fault is latched. */
 const char *commander_run(app_t *app);
@@ -32,11 +48,13 @@ void commander_set_torque(app_t *app, int32_t torque_q28);
 int32_t commander_torque_max(const app_t *app);
 
 /*
- * A whole command. speed_max: of the motor, electrical, either way. Returns NULL, or why it is refused, and then the command in
- * force stays: a request or a mode that there is not, a run in FAULT, a clear without a fault, a speed beyond speed_max, a torque beyond
- * commander_torque_max(). A stop is never refused: with such a mode or target it leaves those in force.
+ * A whole command of a PC. speed_max: of the motor, electrical, either way. Returns NULL, or why it is refused, and then the
+ * command in force stays: a request or a mode that there is not, a run in FAULT, a clear without a fault, a speed beyond speed_max, a
+ * torque beyond commander_torque_max(), a ticket that does not count. A stop is never refused: whatever its ticket, and with such a
+ * mode or target it leaves those in force.
  */
-const char *commander_command(app_t *app, const drive_command_t *command, step_t speed_max);
+const char *commander_command(app_t *app, const drive_command_t *command, bool counts,
+                              step_t speed_max);
 
 /* In speed mode the target in force stays within ±speed_max from now on, electrical. */
 void commander_limit_speed(app_t *app, step_t speed_max);
@@ -48,8 +66,8 @@ void commander_begin_anew(app_t *app);
 bool commander_is_at_rest(const app_t *app);
 
 /*
- * Takes a clear back once the fault is left: kept, it would clear the next fault unseen. Call once per pass of the
- * background.
+ * Takes a clear back once the fault is left: kept, it would clear the next fault unseen. Takes a run back once there is a fault:
+ * kept, whatever left FAULT would start the motor. Call once per pass of the background.
  */
 void commander_step(app_t *app);
 

@@ -223,15 +223,24 @@ static void do_other_line(console_t *console)
     }
 }
 
+/* A line that changes what is asked of the drive; stop is none: it always counts. */
+static bool is_command(const char *line)
+{
+    return (text_after(line, "speed ") != NULL) || (text_after(line, "torque ") != NULL) ||
+           same(line, "run") || same(line, "clear") || same(line, "identify");
+}
+
 /* Whether it commands the drive. */
-static bool do_line(console_t *console)
+static bool do_line(console_t *console, bool counts)
 {
     const char *const line = console->line;
     const char *const speed = text_after(line, "speed ");
     const char *const torque = text_after(line, "torque ");
     bool commands = false;
 
-    if (speed != NULL) {
+    if (!counts && is_command(line)) {
+        commands = answer(console, COMMANDER_STALE);
+    } else if (speed != NULL) {
         commands = set_speed(console, speed);
     } else if (torque != NULL) {
         commands = set_torque(console, torque);
@@ -250,7 +259,7 @@ static bool do_line(console_t *console)
     return commands;
 }
 
-bool console_take(console_t *console, uint8_t byte)
+bool console_take(console_t *console, uint8_t byte, bool counts)
 {
     const bool ends = (byte == (uint8_t)'\r') || (byte == (uint8_t)'\n');
     bool commands = false;
@@ -258,7 +267,7 @@ bool console_take(console_t *console, uint8_t byte)
     if (ends && (console->length > 0U)) {
         console->line[console->length] = '\0';
         console->length = 0U;
-        commands = do_line(console);
+        commands = do_line(console, counts);
     } else if (ends) {
         /* nothing was typed */
     } else if (console->length < CONSOLE_LINE_MAX) {
@@ -293,7 +302,6 @@ void console_init(console_t *console, app_t *app, hal_t *hal, const about_t *abo
 
 void console_step(console_t *console)
 {
-    commander_step(console->app);
     announce(console);
     go_on_dumping(console);
     identify_step(&console->identify, &console->out);

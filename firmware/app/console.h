@@ -52,9 +52,10 @@ void console_say(console_t *console, const char *line);
 
 /*
  * Takes a byte that was typed. A line ends with CR, LF or both and is done at once; an empty one is none. True when it ended
- * a line that commands the drive, and was not refused.
+ * a line that commands the drive, and was not refused. counts: false for a line that comes late, see commander.h; then a
+ * command other than stop is refused.
  */
-bool console_take(console_t *console, uint8_t byte);
+bool console_take(console_t *console, uint8_t byte, bool counts);
 
 /* A line that was begun is forgotten. */
 void console_forget(console_t *console);

@@ -14,6 +14,8 @@ const char *app_init(app_t *app, hal_t *hal, const drive_cfg_t *cfg)
     app->in = (drive_in_t){0};
     app->out = (drive_out_t){0};
     app->recorder = NULL;
+    app->ticket = 0U;
+    app->failed = false;
     app->change = NULL;
     return drive_init(&app->drive, cfg);
 }

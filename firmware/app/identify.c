@@ -448,6 +448,14 @@ void identify_stop(identify_t *identify)
     }
 }
 
+void identify_refuse(identify_t *identify, const char *why)
+{
+    if (identify_is_busy(identify) && (identify->phase != IDENTIFY_ENDS)) {
+        identify_aim_refusal(identify, why);
+        give_back(identify); /* its line may have to wait */
+    }
+}
+
 /* The scales, then the first plan_next: its words are for a drive in PROBE. */
 static void start_probing(identify_t *identify, text_t *text)
 {

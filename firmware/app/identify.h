@@ -52,6 +52,9 @@ bool identify_is_busy(const identify_t *identify);
 /* End it: the gates open, and the speed that was asked for before is so again. Nothing happens when it is not busy. */
 void identify_stop(identify_t *identify);
 
+/* End it with a reason, which its last line says. The gates open at once. Nothing happens when it is not busy, or has its reason. */
+void identify_refuse(identify_t *identify, const char *why);
+
 /*
  * One pass of the background, once a tick or less often. It says at most one line, and only in a `text` that is empty: it
  * waits until the lines before are sent, and none is lost. After 2 minutes it ends all the same, with open gates.

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "link.h"
 
+#include "commander.h"
 #include "link_answers.h"
 
 #include <stddef.h>
@@ -54,6 +55,7 @@ static void return_line(link_t *link)
 {
     link_stream_end(&link->stream);
     live_config_forget(link->live);
+    commander_renew_ticket(link->live->app, 0U);
     link->is_linked = false;
     link->is_framing = false;
 }
@@ -83,7 +85,7 @@ static void take_byte(link_t *link, uint8_t byte)
 {
     if (link->is_linked || link->is_framing || (byte == LINK_FRAME_DELIMITER)) {
         take_framed(link, byte);
-    } else if (console_take(&link->console, byte)) {
+    } else if (console_take(&link->console, byte, true)) {
         link_guard_leave(&link->guard); /* the motor is that person's from now on */
     } else {
         /* more of a line, or one that leaves the drive alone */
@@ -227,6 +229,7 @@ static void link_send(link_t *link)
 void link_step(link_t *link)
 {
     count_still(link);
+    commander_step(link->live->app); /* a fault is older than the bytes that come in now */
     link_receive(link);
     answer_waiting(link);
     live_config_step(link->live);

@@ -11,6 +11,7 @@
 #define LOAD_MAX (100U)
 #define DUMP_FIRST "a dump is under way; ask again when it has ended"
 #define TAKES_WORDS (3U) /* bytes before the words of LINK_WRITE */
+#define TAKES_LINE (4U)  /* bytes before the characters of LINK_LINE */
 
 /* A question in the buffer of what comes in. */
 typedef struct {
@@ -37,9 +38,11 @@ static uint32_t length_of(const question_t *question)
     uint32_t length = 0U; /* BYE, PING, STORE, DEFAULTS */
 
     switch (question->type) {
-    case LINK_HELLO:
     case LINK_STREAM:
         length = 1U;
+        break;
+    case LINK_HELLO:
+        length = 5U;
         break;
     case LINK_READ:
         length = 3U;
@@ -48,14 +51,14 @@ static uint32_t length_of(const question_t *question)
         length = 4U;
         break;
     case LINK_COMMAND:
-        length = 6U;
+        length = 10U;
         break;
     case LINK_STATE:
     case LINK_AGAIN:
         length = 7U;
         break;
     case LINK_LINE:
-        length = question->length;
+        length = (question->length < TAKES_LINE) ? TAKES_LINE : question->length;
         break;
     case LINK_WRITE:
         length = TAKES_WORDS;
@@ -75,8 +78,11 @@ static bool is_question(const question_t *question)
            (question->length == length_of(question));
 }
 
-static void put_verdict(link_out_t *out, const live_config_verdict_t *verdict)
+static void put_verdict(link_t *link, const live_config_verdict_t *verdict)
 {
+    link_out_t *const out = &link->out;
+
+    link_out_word(out, commander_ticket(link->live->app));
     if (verdict->path != NULL) {
         link_out_text(out, verdict->path);
         link_out_text(out, " ");
@@ -107,6 +113,7 @@ static void put_identity(link_t *link)
     for (uint32_t k = 0U; k < RECORDER_BUILD_WORDS; k++) {
         link_out_word(out, (about->build == NULL) ? 0U : about->build[k]);
     }
+    link_out_word(out, commander_ticket(link->live->app));
 }
 
 static void put_health(link_t *link)
@@ -119,6 +126,7 @@ static void put_health(link_t *link)
     link_out_half(out, health.adc_ic);
     link_out_word(out, health.late_ticks);
     link_out_word(out, link->stream.lost);
+    link_out_word(out, commander_ticket(link->live->app));
 }
 
 /* A stop ends a measurement of the motor; while it is measured nothing else is taken: the command's target is a word of the probe. */
@@ -126,6 +134,7 @@ static const char *do_command(link_t *link, const uint8_t *body)
 {
     const drive_command_t command = {
         .target = (int32_t)words_get(&body[2]), .mode = body[1], .request = body[0]};
+    const bool counts = commander_take_ticket(link->live->app, words_get(&body[6]));
     const about_t *const about = &link->live->about;
     identify_t *const identify = &link->console.identify;
     const char *why = NULL;
@@ -134,7 +143,7 @@ static const char *do_command(link_t *link, const uint8_t *body)
         why = CONSOLE_MEASURING;
     } else {
         identify_stop(identify);
-        why = commander_command(link->live->app, &command,
+        why = commander_command(link->live->app, &command, counts,
                                 units_step(&about->rotation, about->speed_max_rpm));
     }
     if (why == NULL) {
@@ -143,20 +152,22 @@ static const char *do_command(link_t *link, const uint8_t *body)
     return why;
 }
 
-static void take_character(link_t *link, uint8_t byte)
+static void take_character(link_t *link, uint8_t byte, bool counts)
 {
-    if (console_take(&link->console, byte)) {
+    if (console_take(&link->console, byte, counts)) {
         link_guard_commanded(&link->guard);
     }
 }
 
 static void take_line(link_t *link, const question_t *question)
 {
+    const bool counts = commander_take_ticket(link->live->app, words_get(question->body));
+
     console_forget(&link->console);
-    for (uint32_t k = 0U; k < question->length; k++) {
-        take_character(link, question->body[k]);
+    for (uint32_t k = TAKES_LINE; k < question->length; k++) {
+        take_character(link, question->body[k], counts);
     }
-    take_character(link, (uint8_t)'\n');
+    take_character(link, (uint8_t)'\n', counts);
 }
 
 /* As many words as there are from `first` on, and `count` at most. */
@@ -295,10 +306,39 @@ static live_config_verdict_t judge_question(link_t *link, const question_t *ques
     return verdict;
 }
 
-/* A command that asks for no run: to obey it twice does no harm. */
+static bool is_typed_stop(const question_t *question)
+{
+    static const uint8_t stop[] = {(uint8_t)'s', (uint8_t)'t', (uint8_t)'o', (uint8_t)'p'};
+    bool same = question->length == (TAKES_LINE + sizeof stop);
+
+    for (uint32_t k = 0U; same && (k < sizeof stop); k++) {
+        same = question->body[TAKES_LINE + k] == stop[k];
+    }
+    return same;
+}
+
+/* To obey it twice does no harm. */
 static bool is_stop(const question_t *question)
 {
-    return (question->type == (uint8_t)LINK_COMMAND) && (question->body[0] == 0U);
+    bool stop = false;
+
+    if (question->type == (uint8_t)LINK_COMMAND) {
+        stop = question->body[0] == 0U;
+    } else if (question->type == (uint8_t)LINK_LINE) {
+        stop = is_typed_stop(question);
+    } else {
+        /* it changes something else */
+    }
+    return stop;
+}
+
+/* One that comes again begins no other session: its first answer may be on its way. */
+static void answer_hello(link_t *link, const question_t *question)
+{
+    if (link->last.crc != question->crc) {
+        commander_renew_ticket(link->live->app, words_get(&question->body[1]));
+    }
+    put_identity(link);
 }
 
 /*
@@ -312,7 +352,7 @@ static void answer_verdict(link_t *link, const question_t *question)
     if (!is_again || is_stop(question)) {
         link->last.verdict = judge_question(link, question);
     }
-    put_verdict(&link->out, &link->last.verdict);
+    put_verdict(link, &link->last.verdict);
 }
 
 static void answer_question(link_t *link, const question_t *question)
@@ -321,7 +361,7 @@ static void answer_question(link_t *link, const question_t *question)
 
     switch (question->type) {
     case LINK_HELLO:
-        put_identity(link);
+        answer_hello(link, question);
         break;
     case LINK_BYE:
         break;

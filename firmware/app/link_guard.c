@@ -52,10 +52,11 @@ static bool begin_stopping(link_guard_t *guard, app_t *app, identify_t *identify
     const bool measures = identify_is_busy(identify);
     const bool runs = !measures && run_is_asked_for(app);
 
-    identify_stop(identify);
+    identify_refuse(identify, "the link is silent");
     if (runs) {
         commander_set_speed(app, 0);
     }
+    commander_renew_ticket(app, 0U); /* a run that comes late does not end this */
     guard->stopping = runs;
     guard->watching = false;
     return measures || runs;

@@ -15,7 +15,7 @@
 
 #include <stdint.h>
 
-#define LINK_VERSION (1U)
+#define LINK_VERSION (2U)
 #define LINK_MESSAGE_BYTES_MAX (160U) /* type, tag, body */
 #define LINK_CRC_BYTES (4U)
 
@@ -25,12 +25,14 @@
 
 /* Questions. */
 typedef enum {
-    LINK_HELLO =
-        1, /* version u8. Switches the line from the console to the link. Answer: link identity, below */
-    LINK_BYE,     /* switches back to the console. Answer: nothing behind type and tag */
-    LINK_PING,    /* keeps link and command alive. Answer: health, below */
-    LINK_COMMAND, /* request u8, mode u8, target s32: as drive_command_t. Answer: verdict */
-    LINK_LINE, /* a line for the console, without its end. Answer: verdict; what the console says comes as LINK_TEXT */
+    /* version u8, salt u32: another number for each session of a PC. Switches the line from the console to the link. Answer: identity,
+     * below */
+    LINK_HELLO = 1,
+    LINK_BYE,  /* switches back to the console. Answer: nothing behind type and tag */
+    LINK_PING, /* keeps link and command alive. Answer: health, below */
+    LINK_COMMAND, /* request u8, mode u8, target s32: as drive_command_t; ticket u32. Answer: verdict */
+    /* ticket u32, a line for the console, without its end. Answer: verdict; what the console says comes as LINK_TEXT */
+    LINK_LINE,
     LINK_READ, /* first word u16, words u8: of the block in force. Answer: first u16, words u8, words u32 each */
     LINK_WRITE, /* first word u16, words u8, words u32 each: into the block that is prepared. Answer: verdict */
     LINK_APPLY, /* crc u32 of the configuration in the block that is prepared: it becomes the one in force. Answer: verdict */
@@ -44,7 +46,10 @@ typedef enum {
     LINK_AGAIN /* segment u32, first entry u16, entries u8: answer: as LINK_FRAMES, those or fewer */
 } link_question_t;
 
-/* A verdict is a text: empty when it is done, else why not, as a person reads it. */
+/*
+ * A verdict is ticket u32 and a text: empty when it is done, else why not, as a person reads it. The ticket is the one that the next
+ * command has to carry (commander.h).
+ */
 
 /* What the board says unasked. */
 typedef enum {
@@ -60,17 +65,17 @@ typedef enum {
  * Identity, the answer to LINK_HELLO:
  *     version u8, capabilities u8 (LINK_CAN_…), state words u16, block words u16, entries of a segment u16,
  *     schema u32, board u32 (config_identity_t), tick u32 in ps, baud rate u32, current full scale u32 in µA,
- *     bus full scale u32 in µV, build-id 20 bytes
+ *     bus full scale u32 in µV, build-id 20 bytes, ticket u32
  */
 #define LINK_CAN_STREAM (0x01U) /* it has a recorder */
 #define LINK_CAN_STORE (0x02U)
-#define LINK_IDENTITY_BYTES (52U)
+#define LINK_IDENTITY_BYTES (56U)
 
 /*
  * Health, the answer to LINK_PING: hal_health_t and the room of the link
- *     load u8 in %, tick lost u8, adc_ic u16, late ticks u32, frames lost by the line's reader u32
+ *     load u8 in %, tick lost u8, adc_ic u16, late ticks u32, frames lost by the line's reader u32, ticket u32
  */
-#define LINK_HEALTH_BYTES (12U)
+#define LINK_HEALTH_BYTES (16U)
 
 /*
  * A segment (LINK_SEGMENT): number u32, tick of its first frame u32, hash of the state before it u32 (drive_words_hash),

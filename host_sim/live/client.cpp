@@ -4,6 +4,7 @@
 #include "line_rate.h"
 
 #include <algorithm>
+#include <random>
 #include <utility>
 
 extern "C" {
@@ -198,12 +199,19 @@ Bytes Client::ask(const Question &question)
 
 std::string Client::verdict(link_question_t type, const Bytes &body)
 {
-    return text_of(ask(patient(type, body)));
+    const Bytes answer = ask(patient(type, body));
+    BodyReader reader(answer);
+    ticket_ = reader.u32();
+    if (!reader.is_good()) {
+        refuse_answer(type);
+    }
+    return text_of(reader.rest());
 }
 
 Identity Client::hello()
 {
-    const Bytes body = ask(patient(LINK_HELLO, BodyWriter().u8(LINK_VERSION).body()));
+    const uint32_t salt = std::random_device{}();
+    const Bytes body = ask(patient(LINK_HELLO, BodyWriter().u8(LINK_VERSION).u32(salt).body()));
     BodyReader reader(body);
     Identity identity{};
     identity.version = reader.u8();
@@ -217,6 +225,7 @@ Identity Client::hello()
     identity.current_full_scale_ua = reader.u32();
     identity.bus_full_scale_uv = reader.u32();
     std::generate(identity.build.begin(), identity.build.end(), [&] { return reader.u8(); });
+    ticket_ = reader.u32();
     // Another version may have more or less in it: the caller says so.
     if (body.empty() || (identity.version == LINK_VERSION && !reader.is_done())) {
         refuse_answer(LINK_HELLO);
@@ -237,24 +246,31 @@ std::optional<Health> Client::ping()
     }
     BodyReader reader(*body);
     const Health health = {reader.u8(), reader.u8() != 0, reader.u16(), reader.u32(), reader.u32()};
+    const uint32_t ticket = reader.u32();
     if (!reader.is_done()) {
         refuse_answer(LINK_PING);
     }
+    ticket_ = ticket;
     return health;
 }
 
+// A fault is seen before the ticket that it has made: a clear is of the one that is there now.
 std::string Client::command(const drive_command_t &command)
 {
+    if (command.request == DRIVE_REQUEST_CLEAR) {
+        (void)ping();
+    }
     return verdict(LINK_COMMAND, BodyWriter()
                                      .u8(command.request)
                                      .u8(command.mode)
                                      .u32(static_cast<uint32_t>(command.target))
+                                     .u32(ticket_)
                                      .body());
 }
 
 std::string Client::line(const std::string &text)
 {
-    return verdict(LINK_LINE, BodyWriter().text(text).body());
+    return verdict(LINK_LINE, BodyWriter().u32(ticket_).text(text).body());
 }
 
 Words Client::read(uint16_t first, uint8_t words)

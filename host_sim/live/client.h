@@ -94,7 +94,8 @@ public:
     // Takes what comes in; waits up to `wait_s` for a first byte. Throws ChannelError, as all below.
     void poll(double wait_s);
 
-    // All throw LinkError. A verdict is why not, empty when it is done.
+    // All throw LinkError. A verdict is why not, empty when it is done. command() and line() carry the ticket of the last answer, see
+    // commander.h: what the board has done or met since then makes it refuse them.
     Identity hello();
     void bye();
     // Asked once: nothing when no answer comes.
@@ -191,6 +192,7 @@ private:
     bool answered_ = false;
     bool refused_ = false;
     std::bitset<256> given_up_; // tags whose answer is not waited for any more
+    uint32_t ticket_ = 0;       // of the next command
 };
 
 } // namespace nf::live

@@ -36,6 +36,7 @@ constexpr double S_PER_PS = 1e-12;
 
 // The ring has a segment for the time of so many more, at least: within it the entries have to come.
 constexpr double COME_WITHIN = RECORDER_SEGMENTS - 1;
+constexpr double PINGS_OF_TIMEOUT = 4; // in the time after which the board stops its motor
 
 constexpr int BLOCK_TRIES = 10; // a block that is changed meanwhile is read again
 
@@ -196,6 +197,7 @@ void Follower::take_over(const config_block_t &block)
 {
     about_ = block.about;
     bases_ = known_.at(block.cfg.crc).bases;
+    timeout_s_ = block.cfg.link.timeout_ticks * (identity_.tick_ps * S_PER_PS);
 }
 
 // Asks the board where it has to.
@@ -261,7 +263,9 @@ void Follower::lose(const std::string &why)
 void Follower::keep_alive()
 {
     const double now_s = client_.now_s();
-    if (now_s - pinged_s_ < options_.ping_s) {
+    const double often_s =
+        timeout_s_ > 0 ? std::min(options_.ping_s, timeout_s_ / PINGS_OF_TIMEOUT) : options_.ping_s;
+    if (now_s - pinged_s_ < often_s) {
         return;
     }
     pinged_s_ = now_s;

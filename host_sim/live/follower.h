@@ -41,7 +41,7 @@ struct Reporter {
 struct FollowerOptions {
     Timing timing;
     double keep_s = 10;  // for the stepper
-    double ping_s = 0.2; // how often the board hears that somebody is there
+    double ping_s = 0.2; // between two signs of life for the board, at most
     double silent_s = 1; // without a frame of it: it is asked anew who it is
 };
 
@@ -186,6 +186,7 @@ private:
     std::vector<Gap> gaps_;
     Health health_{};
     double pinged_s_ = 0;
+    double timeout_s_ = 0;     // after it a silent PC stops the motor; 0: never
     double heard_s_ = 0;       // when a frame came in last
     uint64_t heard_ = 0;       // and how many by then
     bool careful_ = false;     // the line spoils long messages

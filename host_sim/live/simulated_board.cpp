@@ -99,19 +99,19 @@ void SimulatedBoard::greet()
     link_say(&link_, "");
 }
 
-// Whoever commands writes into the slot of the mailbox that is not in force. A request that there is not, put there before, is
-// gone then.
+// What is taken back of the script's requests is so before the line is heard: whatever is posted then is a user's. A post puts the
+// other slot in force; two of them have the same one, and another command.
 void SimulatedBoard::background()
 {
-    constexpr uint8_t NO_REQUEST = 0xFF;
     app_t &app = run_.sim().app();
-    drive_command_t &spare = app.mailbox.slots[(app.mailbox.in_force + 1) % COMMAND_MAILBOX_SLOTS];
-    const bool clears = command_mailbox_take(&app.mailbox).request == DRIVE_REQUEST_CLEAR;
-    spare.request = NO_REQUEST;
+    commander_step(&app);
+    const uint32_t in_force = app.mailbox.in_force;
+    const drive_command_t before = command_mailbox_take(&app.mailbox);
     recorder_service(&recorder_, &app.drive);
     link_step(&link_);
-    // The console takes back a clear of the script.
-    if (spare.request != NO_REQUEST && (!clears || app.drive.state == DRIVE_STATE_FAULT)) {
+    const drive_command_t after = command_mailbox_take(&app.mailbox);
+    if (app.mailbox.in_force != in_force || after.request != before.request ||
+        after.mode != before.mode || after.target != before.target) {
         run_.leave_to_user();
     }
 }

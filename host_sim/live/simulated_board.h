@@ -12,6 +12,7 @@
 #include "scripted_run.h"
 
 extern "C" {
+#include "commander.h"
 #include "link.h"
 }
 

@@ -17,7 +17,6 @@ from rig import BOARD, CLOCK, IMAGE, MIDDLE
 GDB = Path(sys.argv[4])
 COMMAND = struct.Struct("<iBB2x")  # target, mode, request; as gdb is asked below
 RUN = 1
-NOBODYS = COMMAND.pack(-123456789, 1, 3)
 TYPED = b"speed 1000\rrun\r"
 COARSE = 32  # instructions, more than a post has: what a tick could find amiss lies as near to a change
 
@@ -43,12 +42,11 @@ class Command(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         app = address_of("app")
-        taken, slots, in_force, *layout = offsets(
-            "(int)&((app_t *)0)->in.command", "(int)&((app_t *)0)->mailbox.slots",
-            "(int)&((app_t *)0)->mailbox.in_force", "sizeof(drive_command_t)",
+        taken, *layout = offsets(
+            "(int)&((app_t *)0)->in.command", "sizeof(drive_command_t)",
             "(int)&((drive_command_t *)0)->mode", "(int)&((drive_command_t *)0)->request")
         assert layout == [COMMAND.size, 4, 5], layout
-        cls.taken, cls.slots, cls.in_force = app + taken, app + slots, app + in_force
+        cls.taken = app + taken
 
     def setUp(self):
         self.board = board.Board(IMAGE, BOARD, CLOCK)
@@ -66,8 +64,6 @@ class Command(unittest.TestCase):
 
     def tick_after(self, instructions):
         """The commands `speed` and `run` in one pass, and a tick that comes upon it after so many instructions."""
-        in_force, = struct.unpack("<I", self.memory(self.in_force, 4))
-        self.board.core.uc.mem_write(self.slots + COMMAND.size * (1 - in_force), NOBODYS)
         self.board.chip.usart.FIFO = len(TYPED)  # both lines in one pass
         self.board.tick_to_take()
         self.board.tick(board.SLOW_TICKS - 1)  # one more tick, then the one that takes

@@ -4,6 +4,7 @@
  *
  * The input is steps of two bytes and what belongs to them: see step().
  */
+#include "commander.h"
 #include "console.h"
 #include "drive_config.h"
 #include "fuzzed.h"
@@ -123,7 +124,7 @@ static void receive(input_t *input, size_t count)
 static void type(void)
 {
     while (line.in_left > 0U) {
-        console_take(&console, line.in[0]);
+        console_take(&console, line.in[0], true);
         line.in++;
         line.in_left--;
     }
@@ -153,6 +154,7 @@ static void tick(void)
     control_isr(&app);
     recorder_service(&recorder, &app.drive);
     type();
+    commander_step(&app);
     console_step(&console);
     send();
 }

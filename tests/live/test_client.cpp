@@ -59,10 +59,29 @@ public:
     double now = 0;
 };
 
-Message answer_to(const Message &question, const std::string &verdict)
+Message answer_to(const Message &question, const std::string &verdict, uint32_t ticket = 0)
 {
     return {static_cast<uint8_t>(question.type + LINK_ANSWER), question.tag,
-            Bytes(verdict.begin(), verdict.end())};
+            nf::live::BodyWriter().u32(ticket).text(verdict).body()};
+}
+
+std::string refusal(const std::function<void()> &ask)
+{
+    try {
+        ask();
+    } catch (const LinkError &error) {
+        return error.what();
+    }
+    return "";
+}
+
+// Where a command carries its ticket, and a line.
+uint32_t ticket_of(const Message &question)
+{
+    const std::size_t at = question.type == LINK_COMMAND ? 6 : 0;
+    const Bytes ticket(question.body.begin() + static_cast<std::ptrdiff_t>(at),
+                       question.body.end());
+    return nf::live::BodyReader(ticket).u32();
 }
 
 TEST(a_frame_has_no_zero_within_and_is_read_back)
@@ -186,6 +205,47 @@ TEST(a_question_that_the_board_does_not_know_is_said)
         TEST_ASSERT_EQUAL_STRING("the board does not know `store`: another firmware?",
                                  error.what());
     }
+}
+
+TEST(a_command_carries_the_ticket_of_the_last_answer)
+{
+    FakeBoard board;
+    uint32_t ticket = 100;
+    board.answer = [&](const Message &question) { board.say(answer_to(question, "", ++ticket)); };
+    Client client(board, TIMING, {});
+    (void)client.store();
+    (void)client.command({1000, DRIVE_MODE_SPEED, DRIVE_REQUEST_RUN});
+    (void)client.line("status");
+    TEST_ASSERT_EQUAL(101, ticket_of(board.questions[1]));
+    TEST_ASSERT_EQUAL(102, ticket_of(board.questions[2]));
+}
+
+// A fault is seen before its ticket is known.
+TEST(a_clear_asks_for_the_ticket_first)
+{
+    FakeBoard board;
+    board.answer = [&](const Message &question) {
+        const bool pings = question.type == LINK_PING;
+        const Bytes health = nf::live::BodyWriter().u32(0).u32(0).u32(0).u32(77).body();
+        board.say(pings ? Message{LINK_PING + LINK_ANSWER, question.tag, health}
+                        : answer_to(question, ""));
+    };
+    Client client(board, TIMING, {});
+    (void)client.command({0, DRIVE_MODE_SPEED, DRIVE_REQUEST_CLEAR});
+    TEST_ASSERT_EQUAL(2, board.questions.size());
+    TEST_ASSERT_EQUAL(77, ticket_of(board.questions[1]));
+}
+
+TEST(a_verdict_without_a_ticket_is_none)
+{
+    FakeBoard board;
+    board.answer = [&](const Message &question) {
+        board.say({static_cast<uint8_t>(question.type + LINK_ANSWER), question.tag, {'o', 'k'}});
+    };
+    Client client(board, TIMING, {});
+    TEST_ASSERT_EQUAL_STRING(
+        "the board's answer to `store` is none of this link: another firmware?",
+        refusal([&] { (void)client.store(); }).c_str());
 }
 
 TEST(a_piece_of_the_ring_is_asked_for_once)

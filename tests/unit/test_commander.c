@@ -111,15 +111,79 @@ TEST(test_a_stop_is_taken_and_leaves_the_target_where_its_own_is_none)
         {.target = INT32_MIN, .mode = (uint8_t)DRIVE_MODE_SPEED},
         {.target = INT32_MAX, .mode = (uint8_t)DRIVE_MODE_TORQUE},
         {.target = 0, .mode = 3U},
-        {.target = INT32_MAX, .mode = 255U}};
+        {.target = INT32_MAX, .mode = 255U},
+        {.target = 77, .mode = (uint8_t)DRIVE_MODE_SPEED}};
 
     for (uint32_t k = 0U; k < (sizeof stops / sizeof stops[0]); k++) {
         commander_set_speed(&app, 77);
         TEST_ASSERT_NULL(commander_run(&app));
         TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, taken().request);
-        TEST_ASSERT_NULL(commander_command(&app, &stops[k], EXAMPLE_SPEED_STEP));
+        TEST_ASSERT_NULL(commander_command(&app, &stops[k], false, EXAMPLE_SPEED_STEP));
         TEST_ASSERT_EQUAL_UINT8(0U, taken().request);
         TEST_ASSERT_EQUAL_INT32(77, taken().target);
         TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_SPEED, taken().mode);
     }
+}
+
+/* RUN as a PC asks for it, with this ticket. */
+static const char *run_with(uint32_t ticket)
+{
+    const drive_command_t run = {
+        .target = 77, .mode = (uint8_t)DRIVE_MODE_SPEED, .request = (uint8_t)DRIVE_REQUEST_RUN};
+
+    return commander_command(&app, &run, commander_take_ticket(&app, ticket), EXAMPLE_SPEED_STEP);
+}
+
+/* Whatever ends what was asked for. */
+TEST(test_a_ticket_is_good_once_and_until_the_drive_is_commanded_or_fails)
+{
+    uint32_t ticket = commander_ticket(&app);
+
+    TEST_ASSERT_NULL(run_with(ticket));
+    TEST_ASSERT_EQUAL_STRING(COMMANDER_STALE, run_with(ticket));
+    for (uint32_t k = 0U; k < 5U; k++) {
+        ticket = commander_ticket(&app);
+        if (k == 0U) {
+            commander_stop(&app);
+        } else if (k == 1U) {
+            TEST_ASSERT_NULL(commander_run(&app));
+        } else if (k == 2U) {
+            commander_begin_anew(&app);
+        } else if (k == 3U) {
+            commander_renew_ticket(&app, 0xFFFFFFFEU);
+        } else {
+            TEST_ASSERT_NULL(commander_run(&app));
+            ticket = commander_ticket(&app);
+            app.drive.state = DRIVE_STATE_FAULT;
+            commander_step(&app);
+            app.drive.state = DRIVE_STATE_READY;
+        }
+        TEST_ASSERT_EQUAL_STRING(COMMANDER_STALE, run_with(ticket));
+        TEST_ASSERT_NULL(run_with(commander_ticket(&app)));
+    }
+}
+
+/* Whatever leaves FAULT then, nothing asks for a run. */
+TEST(test_a_run_ends_with_a_fault)
+{
+    TEST_ASSERT_NULL(commander_run(&app));
+    app.drive.state = DRIVE_STATE_FAULT;
+    commander_step(&app);
+    TEST_ASSERT_EQUAL_UINT8(0U, taken().request);
+    TEST_ASSERT_NULL(commander_clear(&app));
+    commander_step(&app);
+    TEST_ASSERT_EQUAL_UINT8_MESSAGE(DRIVE_REQUEST_CLEAR, taken().request, "until it is taken");
+}
+
+/* Who has cleared a fault goes on without another answer. */
+TEST(test_a_clear_that_is_taken_back_leaves_the_ticket)
+{
+    app.drive.state = DRIVE_STATE_FAULT;
+    TEST_ASSERT_NULL(commander_clear(&app));
+    const uint32_t ticket = commander_ticket(&app);
+
+    app.drive.state = DRIVE_STATE_READY;
+    commander_step(&app);
+    TEST_ASSERT_EQUAL_UINT8(0U, taken().request);
+    TEST_ASSERT_NULL(run_with(ticket));
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The console: what it answers to each line, what the drive gets of it. */
+#include "commander.h"
 #include "console.h"
 #include "example_app.h"
 #include "testing.h"
@@ -38,14 +39,17 @@ static void send(void)
     }
 }
 
+static bool counts; /* what is typed does not come late */
+
 /* What the console says to this, with nothing said before. */
 static const char *said_to(const char *typed)
 {
     memset(line.said, 0, sizeof line.said);
     line.length = 0U;
     for (const char *at = typed; *at != '\0'; at++) {
-        console_take(&console, (uint8_t)*at);
+        console_take(&console, (uint8_t)*at, counts);
     }
+    commander_step(&app);
     console_step(&console);
     send();
     return line.said;
@@ -87,6 +91,22 @@ void setUp(void)
     power_on();
     TEST_ASSERT_NULL(recorder_init(&recorder, entries, RECORDER_ENTRIES_MIN, 8U));
     console_init(&console, &app, &hardware, &ABOUT);
+    counts = true;
+}
+
+TEST(test_what_comes_late_commands_nothing_unless_it_is_a_stop)
+{
+    static const char *const refused[] = {"run\n", "clear\n", "speed 100\n", "torque 0.1\n",
+                                          "identify\n"};
+
+    tick(EXAMPLE_CALIBRATION_TICKS);
+    counts = false;
+    for (uint32_t k = 0U; k < (sizeof refused / sizeof refused[0]); k++) {
+        TEST_ASSERT_NOT_NULL(strstr(said_to(refused[k]), "error: " COMMANDER_STALE "\r\n"));
+        TEST_ASSERT_EQUAL_UINT8(0U, command_mailbox_take(&app.mailbox).request);
+    }
+    TEST_ASSERT_NOT_NULL(strstr(said_to("status\n"), "READY"));
+    TEST_ASSERT_EQUAL_STRING("ok\r\n", said_to("stop\n"));
 }
 
 TEST(test_each_speed_within_the_boards_limit_reaches_the_drive)

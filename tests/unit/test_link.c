@@ -89,11 +89,12 @@ static const line_message_t *ask(uint8_t type, const void *body, uint32_t length
     return answer;
 }
 
+static const uint8_t HELLO[] = {LINK_VERSION, 0x78U, 0x56U, 0x34U, 0x12U};
+
 /* The answer. */
 static const line_message_t *hello(void)
 {
-    const uint8_t version = LINK_VERSION;
-    const line_message_t *const answer = ask(LINK_HELLO, &version, 1U);
+    const line_message_t *const answer = ask(LINK_HELLO, HELLO, sizeof HELLO);
 
     TEST_ASSERT_NOT_NULL(answer);
     TEST_ASSERT_TRUE(serial.is_linked);
@@ -114,8 +115,9 @@ static const char *verdict_on(uint8_t type)
     const line_message_t *const answer = line_find((uint8_t)(type + LINK_ANSWER));
 
     TEST_ASSERT_NOT_NULL(answer);
-    memcpy(text, &answer->bytes[2], answer->length - 2U);
-    text[answer->length - 2U] = '\0';
+    TEST_ASSERT_EQUAL_HEX32(commander_ticket(&app), words_get(&answer->bytes[2]));
+    memcpy(text, &answer->bytes[6], answer->length - 6U);
+    text[answer->length - 6U] = '\0';
     return text;
 }
 
@@ -125,16 +127,18 @@ static void assert_verdict(const char *expected, uint8_t type, const void *body,
     TEST_ASSERT_EQUAL_STRING(expected, verdict_on(type));
 }
 
-static void put_command(uint8_t body[6], uint8_t request, uint8_t mode, int32_t target)
+/* With the ticket that counts. */
+static void put_command(uint8_t body[10], uint8_t request, uint8_t mode, int32_t target)
 {
     body[0] = request;
     body[1] = mode;
     words_put(&body[2], (uint32_t)target);
+    words_put(&body[6], commander_ticket(&app));
 }
 
 static void assert_command(const char *expected, uint8_t request, uint8_t mode, int32_t target)
 {
-    uint8_t body[6];
+    uint8_t body[10];
 
     put_command(body, request, mode, target);
     assert_verdict(expected, LINK_COMMAND, body, sizeof body);
@@ -145,9 +149,32 @@ static void assert_stream(const char *expected, uint8_t on)
     assert_verdict(expected, LINK_STREAM, &on, 1U);
 }
 
+#define LINE_BODY (LINK_MESSAGE_BYTES_MAX)
+
+/* The ticket that counts, and a line. Returns its length. */
+static uint32_t put_line(uint8_t body[LINE_BODY], const char *typed)
+{
+    const uint32_t length = (uint32_t)strlen(typed);
+
+    words_put(body, commander_ticket(&app));
+    memcpy(&body[4], typed, length);
+    return length + 4U;
+}
+
+static void ask_line(uint8_t with_tag, const char *typed)
+{
+    uint8_t body[LINE_BODY];
+    const uint32_t length = put_line(body, typed);
+
+    line_ask(LINK_LINE, with_tag, body, length);
+}
+
 static void assert_line(const char *typed)
 {
-    assert_verdict("", LINK_LINE, typed, (uint32_t)strlen(typed));
+    uint8_t body[LINE_BODY];
+    const uint32_t length = put_line(body, typed);
+
+    assert_verdict("", LINK_LINE, body, length);
 }
 
 static void assert_text(const char *expected, const char *typed)
@@ -196,6 +223,7 @@ TEST(test_a_hello_makes_the_line_the_pcs_and_is_answered_with_the_identity)
     for (uint32_t k = 0U; k < 20U; k++) {
         TEST_ASSERT_EQUAL_UINT8(k, body[32U + k]);
     }
+    TEST_ASSERT_EQUAL_HEX32(commander_ticket(&app), words_get(&body[52]));
 }
 
 TEST(test_a_board_without_recorder_and_build_id_says_so)
@@ -330,7 +358,7 @@ TEST(test_a_frame_of_the_pc_that_stops_half_way_for_longer_is_whole_all_the_same
 
 TEST(test_a_frame_that_is_broken_leaves_the_console_as_it_is)
 {
-    static const uint8_t message[] = {LINK_HELLO, 1U, LINK_VERSION};
+    static const uint8_t message[] = {LINK_HELLO, 1U, LINK_VERSION, 0U, 0U, 0U, 0U};
 
     begin();
     line_frame(message, sizeof message, 1U);
@@ -351,6 +379,7 @@ TEST(test_a_ping_is_answered_with_the_health)
     TEST_ASSERT_EQUAL_UINT8(1U, body[1]);
     TEST_ASSERT_EQUAL_HEX32(0x03041234U, words_get(&body[2]));
     TEST_ASSERT_EQUAL_HEX32(0x0C0D0102U, words_get(&body[6]));
+    TEST_ASSERT_EQUAL_HEX32(commander_ticket(&app), words_get(&body[12]));
 }
 
 TEST(test_a_message_of_a_wrong_length_or_no_type_is_refused_and_does_nothing)
@@ -358,11 +387,11 @@ TEST(test_a_message_of_a_wrong_length_or_no_type_is_refused_and_does_nothing)
     static const struct {
         uint8_t type;
         uint8_t length;
-    } right[] = {{LINK_HELLO, 1U},    {LINK_BYE, 0U},    {LINK_PING, 0U},  {LINK_COMMAND, 6U},
+    } right[] = {{LINK_HELLO, 5U},    {LINK_BYE, 0U},    {LINK_PING, 0U},  {LINK_COMMAND, 10U},
                  {LINK_READ, 3U},     {LINK_WRITE, 7U},  {LINK_APPLY, 4U}, {LINK_STORE, 0U},
                  {LINK_DEFAULTS, 0U}, {LINK_STREAM, 1U}, {LINK_STATE, 7U}, {LINK_AGAIN, 7U}};
     static const uint8_t none[] = {0U, LINK_AGAIN + 1U, 0x7FU, 0x80U, 0xC0U, 0xFFU};
-    uint8_t body[10] = {1U, 0U, 1U};
+    uint8_t body[11] = {1U, 0U, 1U};
 
     for (uint32_t k = 0U; k < (sizeof right / sizeof right[0]); k++) {
         for (uint32_t length = 0U; length < sizeof body; length++) {
@@ -373,6 +402,9 @@ TEST(test_a_message_of_a_wrong_length_or_no_type_is_refused_and_does_nothing)
                 TEST_ASSERT_EQUAL_UINT8(right[k].type, line_find(LINK_REFUSED)->bytes[2]);
             }
         }
+    }
+    for (uint32_t length = 0U; length < 4U; length++) {
+        TEST_ASSERT_NULL_MESSAGE(ask(LINK_LINE, body, length), "a line without a ticket");
     }
     for (uint32_t k = 0U; k < sizeof none; k++) {
         line_ask(none[k], 1U, NULL, 0U);
@@ -612,10 +644,79 @@ TEST(test_a_recording_of_a_fault_is_kept_and_no_stream_begins_before_it_is_given
     TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, app.drive.state);
 }
 
+/* A run, some other message, and what comes between them; then the run once more, as a line that delays makes of it. */
+static void assert_late_run(const char *between)
+{
+    uint8_t body[10];
+
+    put_command(body, DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 1000000);
+    assert_verdict("", LINK_COMMAND, body, sizeof body);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, app.drive.state);
+    if (between != NULL) {
+        assert_line(between);
+    } else {
+        assert_command("", 0U, DRIVE_MODE_SPEED, 0);
+    }
+    TEST_ASSERT_EQUAL(DRIVE_STATE_READY, app.drive.state);
+    assert_verdict(COMMANDER_STALE, LINK_COMMAND, body, sizeof body);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_READY, app.drive.state);
+}
+
+TEST(test_a_run_that_comes_again_behind_a_stop_starts_nothing)
+{
+    assert_late_run(NULL);
+    assert_late_run("stop");
+}
+
+TEST(test_a_run_of_before_a_hello_starts_nothing)
+{
+    uint8_t body[10];
+
+    put_command(body, DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 1000000);
+    hello();
+    assert_verdict(COMMANDER_STALE, LINK_COMMAND, body, sizeof body);
+    (void)ask(LINK_BYE, NULL, 0U);
+    hello();
+    assert_verdict(COMMANDER_STALE, LINK_COMMAND, body, sizeof body);
+}
+
+/* The first answer may still come, with a ticket that has to count. */
+TEST(test_a_hello_that_comes_again_makes_no_other_ticket)
+{
+    hello();
+    const uint32_t ticket = commander_ticket(&app);
+
+    tag--;
+    hello();
+    TEST_ASSERT_EQUAL_HEX32(ticket, commander_ticket(&app));
+    hello();
+    TEST_ASSERT_NOT_EQUAL_HEX32(ticket, commander_ticket(&app));
+}
+
+TEST(test_a_line_that_comes_late_commands_nothing_unless_it_is_a_stop)
+{
+    static const char *const commands[] = {"run", "speed 30", "torque 0.1", "clear", "identify"};
+    uint8_t body[LINE_BODY];
+    uint32_t length;
+
+    for (uint32_t k = 0U; k < (sizeof commands / sizeof commands[0]); k++) {
+        length = put_line(body, commands[k]);
+        assert_line("stop");
+        assert_verdict("", LINK_LINE, body, length);
+        TEST_ASSERT_EQUAL_STRING("error: " COMMANDER_STALE "\r\n", line_said());
+        TEST_ASSERT_EQUAL(DRIVE_STATE_READY, app.drive.state);
+    }
+    length = put_line(body, "stop");
+    assert_line("run");
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, app.drive.state);
+    assert_verdict("", LINK_LINE, body, length);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_READY, app.drive.state);
+}
+
 /* Its answer was lost: the PC asks again with the same tag. */
 TEST(test_a_question_that_comes_again_is_done_once_and_answered_as_before)
 {
-    uint8_t body[6];
+    uint8_t body[10];
 
     fail();
     passes(SHORT_WHILE);
@@ -624,6 +725,7 @@ TEST(test_a_question_that_comes_again_is_done_once_and_answered_as_before)
     TEST_ASSERT_NOT_EQUAL(DRIVE_STATE_FAULT, app.drive.state);
     tag--;
     assert_verdict("", LINK_COMMAND, body, sizeof body);
+    put_command(body, DRIVE_REQUEST_CLEAR, DRIVE_MODE_SPEED, 0);
     assert_verdict("there is no fault to clear", LINK_COMMAND, body, sizeof body);
     tag--;
     assert_verdict("there is no fault to clear", LINK_COMMAND, body, sizeof body);
@@ -635,11 +737,13 @@ TEST(test_a_question_that_comes_again_is_done_once_and_answered_as_before)
 
 TEST(test_a_line_that_comes_again_is_typed_once)
 {
-    hello();
-    assert_line("speed 30");
+    uint8_t body[LINE_BODY];
+    const uint32_t length = put_line(body, "speed 30");
+
+    assert_verdict("", LINK_LINE, body, length);
     commander_set_speed(&app, 77);
     tag--;
-    assert_line("speed 30");
+    assert_verdict("", LINK_LINE, body, length);
     TEST_ASSERT_EQUAL_INT32(77, command_mailbox_take(&app.mailbox).target);
     assert_line("speed 30");
     TEST_ASSERT_NOT_EQUAL_INT32(77, command_mailbox_take(&app.mailbox).target);
@@ -674,7 +778,7 @@ TEST(test_no_stream_begins_while_a_dump_is_under_way)
     const uint8_t on = 1U;
 
     line.room = 0U;
-    line_ask(LINK_LINE, 1U, "dump", 4U);
+    ask_line(1U, "dump");
     passes(SHORT_WHILE);
     line.room = 300U;
     line_ask(LINK_STREAM, 2U, &on, 1U);
@@ -693,7 +797,7 @@ TEST(test_no_block_is_changed_while_a_dump_is_under_way)
 
     words_put(crc, live.in_force->cfg.crc);
     words_put(&word[3], config_block_word(live.in_force, 30U));
-    line_ask(LINK_LINE, 1U, "dump", 4U);
+    ask_line(1U, "dump");
     line_ask(LINK_WRITE, 2U, word, sizeof word);
     line_ask(LINK_APPLY, 3U, crc, sizeof crc);
     line_ask(LINK_DEFAULTS, 4U, NULL, 0U);
@@ -777,16 +881,16 @@ TEST(test_a_silent_pc_brings_the_motor_to_rest_when_the_configuration_says_so)
 
 TEST(test_without_a_timeout_a_motor_runs_on_when_the_pc_is_gone)
 {
-    assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 1000000);
+    assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 0);
     passes(2U * TICKS_OF_PAUSE);
-    TEST_ASSERT_EQUAL_INT32(1000000, command_mailbox_take(&app.mailbox).target);
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, command_mailbox_take(&app.mailbox).request);
 }
 
+/* At speed 0: no motor turns behind these inputs, and another one would be a fault. */
 static void lose_the_pc_in_run(void)
 {
     with_timeout(TICKS_OF_PAUSE + 5000U);
-    assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 1000000);
+    assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 0);
     hear(TICKS_OF_PAUSE + SHORT_WHILE);
     TEST_ASSERT_FALSE(serial.is_linked);
 }
@@ -795,10 +899,8 @@ static void lose_the_pc_in_run(void)
 TEST(test_a_person_who_commands_the_drive_ends_the_watching_for_the_pc)
 {
     lose_the_pc_in_run();
-    assert_text("ok\r\n", "speed 100\n");
+    assert_text("ok\r\n", "speed 0\n");
     passes(6000U);
-    TEST_ASSERT_EQUAL_INT32(units_step(&ABOUT.rotation, 100),
-                            command_mailbox_take(&app.mailbox).target);
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, command_mailbox_take(&app.mailbox).request);
 }
 
@@ -808,7 +910,7 @@ TEST(test_a_line_that_does_not_command_the_drive_leaves_it_watched)
     lose_the_pc_in_run();
     line_type("status\nspeed 999999\nx\n");
     passes(6000U);
-    TEST_ASSERT_EQUAL_INT32(0, command_mailbox_take(&app.mailbox).target);
+    TEST_ASSERT_EQUAL_UINT8(0U, command_mailbox_take(&app.mailbox).request);
 }
 
 TEST(test_a_question_waits_while_a_frame_is_on_its_way)
@@ -847,9 +949,9 @@ TEST(test_a_board_that_does_not_start_is_asked_why_all_the_same)
 {
     start_without_ticks();
     link_say(&serial, "cannot start:");
-    line_ask(LINK_HELLO, 1U, &(const uint8_t){LINK_VERSION}, 1U);
+    line_ask(LINK_HELLO, 1U, HELLO, sizeof HELLO);
     line_ask(LINK_PING, 2U, NULL, 0U);
-    line_ask(LINK_LINE, 3U, "status", 6U);
+    ask_line(3U, "status");
     line_ask(LINK_DEFAULTS, 4U, NULL, 0U);
     passes_without_ticks(SHORT_WHILE);
     TEST_ASSERT_NOT_NULL(line_find(LINK_HELLO + LINK_ANSWER));
@@ -875,7 +977,7 @@ TEST(test_without_ticks_a_zero_does_not_keep_a_person_away_for_ever)
 TEST(test_without_ticks_a_pc_that_is_gone_gives_the_line_back_and_one_that_asks_keeps_it)
 {
     start_without_ticks();
-    line_ask(LINK_HELLO, 1U, &(const uint8_t){LINK_VERSION}, 1U);
+    line_ask(LINK_HELLO, 1U, HELLO, sizeof HELLO);
     passes_without_ticks(PASSES_PAUSE - SHORT_WHILE);
     line_ask(LINK_PING, 2U, NULL, 0U);
     passes_without_ticks(PASSES_PAUSE - SHORT_WHILE);

@@ -9,6 +9,7 @@
 
 static link_guard_t guard;
 static identify_t identify;
+static text_t text;
 
 void setUp(void)
 {
@@ -186,8 +187,15 @@ TEST(test_a_drive_that_is_not_asked_to_run_is_left_alone)
 TEST(test_a_measurement_of_the_motor_ends_at_once)
 {
     TEST_ASSERT_NULL(identify_start(&identify));
+    identify_step(&identify, &text);
     command_at(100U);
+    tick_period();
+    TEST_ASSERT_EQUAL(DRIVE_STATE_PROBE, app.drive.state);
     TEST_ASSERT_TRUE(pass(101U + TIMEOUT));
-    TEST_ASSERT_FALSE(identify_is_busy(&identify));
     TEST_ASSERT_EQUAL_UINT8(0U, command().request);
+    text.length = 0U;
+    identify_step(&identify, &text);
+    TEST_ASSERT_EQUAL_STRING_LEN("identify refused: the link is silent\r\n", text.characters,
+                                 text.length);
+    TEST_ASSERT_FALSE(identify_is_busy(&identify));
 }
