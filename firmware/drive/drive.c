@@ -6,6 +6,7 @@
 #include "estimate.h"
 #include "frame.h"
 #include "inlining.h"
+#include "monitor.h"
 #include "open_loop.h"
 #include "probing.h"
 #include "run.h"
@@ -171,14 +172,6 @@ static void count_late(drive_t *drive)
     }
 }
 
-/* A count at an end of the converter range says nothing about the current. */
-static bool is_saturated(const drive_t *drive, const drive_in_t *in)
-{
-    const uint32_t shift = drive->cfg->sampling.current_shift;
-
-    return protection_saturated(in->adc_ia, shift) || protection_saturated(in->adc_ib, shift);
-}
-
 static protection_in_t measured_of(const drive_t *drive)
 {
     return (protection_in_t){
@@ -199,7 +192,7 @@ static void watch(drive_t *drive, const drive_in_t *in)
     const fault_id_t id = protection_check(&drive->limits, &measured, &fault);
 
     if (id != FAULT_NONE) {
-        if ((id == FAULT_OVERCURRENT) && is_saturated(drive, in)) {
+        if ((id == FAULT_OVERCURRENT) && monitor_is_saturated(drive, in)) {
             fault.id = FAULT_ADC_SATURATED;
         }
         fail(drive, &fault);

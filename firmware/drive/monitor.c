@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "monitor.h"
 
-#include "io.h"
 #include "run.h"
 
 #include "trig.h"
@@ -164,17 +163,47 @@ static fault_id_t check_oscillation(drive_t *drive, fault_t *fault)
     return id;
 }
 
-fault_id_t monitor_next_check(drive_t *drive, uint16_t adc_temperature, fault_t *fault)
+bool monitor_is_saturated(const drive_t *drive, const drive_in_t *in)
+{
+    const uint32_t shift = drive->cfg->sampling.current_shift;
+
+    return protection_saturated(in->adc_ia, shift) || protection_saturated(in->adc_ib, shift);
+}
+
+/*
+ * A current heats the winding whoever drives it: also that of a short circuit, and that which a fast rotor drives through the diodes.
+ * One that the converter cannot measure counts as the largest. Before the calibration nobody knows the zero of the sensors.
+ */
+static dq_t heating_current(const drive_t *drive, const drive_in_t *in)
+{
+    const drive_signals_t *const s = &drive->signals;
+    dq_t current = s->current;
+
+    if (drive->state < DRIVE_STATE_READY) {
+        current = (dq_t){0, 0};
+    } else if (drive_is_controlled(drive->state)) {
+        /* as it is controlled */
+    } else if (monitor_is_saturated(drive, in)) {
+        current = (dq_t){FX_Q15_MAX, FX_Q15_MAX};
+    } else {
+        const ab_t measured = transforms_clarke(s->phase_a, s->phase_b);
+
+        current = (dq_t){measured.alpha, measured.beta};
+    }
+    return current;
+}
+
+fault_id_t monitor_next_check(drive_t *drive, const drive_in_t *in, fault_t *fault)
 {
     const uint32_t step = drive->supervision.step;
     const bool controlled = drive_is_controlled(drive->state);
-    const dq_t current = controlled ? drive->signals.current : (dq_t){0, 0};
+    const dq_t current = heating_current(drive, in);
     fault_id_t id = FAULT_NONE;
 
     drive->supervision.step = (step + 1U) % SUPERVISION_STEPS;
     if (step == 0U) {
-        id =
-            derating_step(&drive->derating, &drive->cfg->derating, current, adc_temperature, fault);
+        id = derating_step(&drive->derating, &drive->cfg->derating, current, in->adc_temperature,
+                           fault);
     } else if (step == 1U) {
         supervision_forget_late(&drive->supervision, &drive->cfg->supervision);
         id = config_guard_step(&drive->guard, drive->cfg, fault);

@@ -52,7 +52,7 @@ drive_event_t schedule_step(drive_t *drive, const drive_in_t *in, slot_t slot, b
         event = event_of(monitor_phases(drive, fault));
         break;
     case SLOT_CHECKS:
-        event = event_of(monitor_next_check(drive, in->adc_temperature, fault));
+        event = event_of(monitor_next_check(drive, in, fault));
         break;
     case SLOT_LIMITS:
         monitor_limits(drive);

@@ -1243,6 +1243,21 @@ static int32_t heat_after_one_look(drive_state_t state)
     drive.derating.heat_q24 = 1000000;
     drive.supervision.step = 0U;
     drive.signals.current = (dq_t){STALE_CURRENT, 0};
+    drive.signals.phase_a = 0;
+    drive.signals.phase_b = 0;
+    slot(SLOT_CHECKS);
+    return drive.derating.heat_q24;
+}
+
+/* The same with these phase currents: as in a short circuit, or through the diodes. */
+static int32_t heat_of_phases(drive_state_t state, int32_t a, int32_t b)
+{
+    enter(state);
+    drive.derating.heat_q24 = 1000000;
+    drive.supervision.step = 0U;
+    drive.signals.current = (dq_t){0, 0};
+    drive.signals.phase_a = a;
+    drive.signals.phase_b = b;
     slot(SLOT_CHECKS);
     return drive.derating.heat_q24;
 }
@@ -1270,13 +1285,47 @@ TEST(test_at_rest_half_of_what_the_imposed_current_lacks_counts_and_nothing_of_w
 
 TEST(test_at_rest_the_motor_cools_whatever_current_was_measured_last)
 {
-    in.adc_temperature = 0U;
+    calibrate((drive_command_t){0});
     TEST_ASSERT_TRUE(heat_after_one_look(DRIVE_STATE_RUN) > 1000000);
     TEST_ASSERT_TRUE(heat_after_one_look(DRIVE_STATE_HOLD) > 1000000);
     TEST_ASSERT_TRUE(heat_after_one_look(DRIVE_STATE_ALIGN) > 1000000);
     TEST_ASSERT_TRUE(heat_after_one_look(DRIVE_STATE_READY) < 1000000);
     TEST_ASSERT_TRUE(heat_after_one_look(DRIVE_STATE_FAULT) < 1000000);
     TEST_ASSERT_TRUE(heat_after_one_look(DRIVE_STATE_OFFSET_CAL) < 1000000);
+}
+
+TEST(test_a_current_that_nothing_controls_heats_as_one_that_is_controlled)
+{
+    calibrate((drive_command_t){0});
+    enter(DRIVE_STATE_RUN);
+    drive.derating.heat_q24 = 1000000;
+    drive.supervision.step = 0U;
+    drive.signals.current = (dq_t){0, 8000};
+    slot(SLOT_CHECKS);
+    const int32_t controlled = drive.derating.heat_q24;
+
+    TEST_ASSERT_EQUAL_INT32(controlled, heat_of_phases(DRIVE_STATE_READY, 8000, -4000));
+    TEST_ASSERT_EQUAL_INT32(controlled, heat_of_phases(DRIVE_STATE_FAULT, -8000, 4000));
+    TEST_ASSERT_EQUAL_INT32(controlled, heat_of_phases(DRIVE_STATE_FLYING_START, 8000, -4000));
+    TEST_ASSERT_TRUE(heat_of_phases(DRIVE_STATE_OFFSET_CAL, 8000, -4000) < 1000000);
+}
+
+/* 4 times the continuous current is a heat of 16: the largest that a look can bring. */
+TEST(test_a_current_beyond_the_range_of_its_converter_heats_as_the_largest)
+{
+    static const uint16_t ends[] = {0U, 4095U};
+
+    calibrate((drive_command_t){0});
+    const int32_t measured = heat_of_phases(DRIVE_STATE_FAULT, 16000, -8000);
+
+    for (uint32_t k = 0U; k < 2U; k++) {
+        in.adc_ia = ends[k];
+        in.adc_ib = 2048U;
+        TEST_ASSERT_TRUE(heat_of_phases(DRIVE_STATE_FAULT, 100, 100) > measured);
+        in.adc_ia = 2048U;
+        in.adc_ib = ends[k];
+        TEST_ASSERT_TRUE(heat_of_phases(DRIVE_STATE_READY, 100, 100) > measured);
+    }
 }
 
 static void look_at_phases(uint32_t count)
