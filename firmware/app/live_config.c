@@ -79,7 +79,7 @@ void live_config_forget(live_config_t *live)
 static live_config_verdict_t block_verdict(const live_config_t *live)
 {
     const config_block_verdict_t found =
-        config_block_check(live->prepared, &live->about_of_image->identity);
+        stored_config_check(live->prepared, live->about_of_image, live->cfg_of_image);
 
     return (live_config_verdict_t){.path = found.setting, .why = stored_config_reason(found.fault)};
 }

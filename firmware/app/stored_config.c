@@ -2,12 +2,27 @@
 #include "stored_config.h"
 
 #include "commander.h"
+#include "config_ceiling.h"
 
 #include <stddef.h>
 
-static bool is_good(stored_config_t *stored, const config_identity_t *identity)
+/* With an example motor in the image nobody has said what the motor bears. */
+config_block_verdict_t stored_config_check(const config_block_t *block, const about_t *about,
+                                           const drive_cfg_t *cfg)
 {
-    stored->verdict = config_block_check(&stored->block, identity);
+    config_block_verdict_t verdict = config_block_check(block, &about->identity);
+
+    if (verdict.fault == CONFIG_BLOCK_GOOD) {
+        verdict.setting = config_ceiling_crossed(cfg, &block->cfg, about->is_example == 0U);
+        verdict.fault =
+            (verdict.setting == NULL) ? CONFIG_BLOCK_GOOD : CONFIG_BLOCK_ABOVE_CEILING;
+    }
+    return verdict;
+}
+
+static bool is_good(stored_config_t *stored, const about_t *about, const drive_cfg_t *cfg)
+{
+    stored->verdict = stored_config_check(&stored->block, about, cfg);
     return stored->verdict.fault == CONFIG_BLOCK_GOOD;
 }
 
@@ -34,7 +49,7 @@ void stored_config_load(stored_config_t *stored, hal_t *hal, const drive_cfg_t *
     stored->verdict = (config_block_verdict_t){.fault = CONFIG_BLOCK_GOOD};
     store_find(&stored->store, hal);
     stored->is_stored =
-        store_read(&stored->store, &stored->block) && is_good(stored, &about->identity);
+        store_read(&stored->store, &stored->block) && is_good(stored, about, cfg);
     if (!stored->is_stored) {
         stored_config_of_image(&stored->block, about, cfg);
     }
@@ -59,6 +74,9 @@ const char *stored_config_reason(config_block_fault_t fault)
         break;
     case CONFIG_BLOCK_OTHER_BOARD:
         text = "the block was made for another board";
+        break;
+    case CONFIG_BLOCK_ABOVE_CEILING:
+        text = "protects less than the files that this image was made from; a new image sets another limit";
         break;
     default: /* CONFIG_BLOCK_BAD_SETTING */
         text = "the block has a setting that the drive does not take";

@@ -2,7 +2,8 @@
 /*
  * The configuration that the drive runs with: the stored block where it is good for this image, else that of the image.
  *
- * A start takes a block that is whole, of this schema and of this board, and whose settings pass config_check.h. It is
+ * A start takes a block that is whole, of this schema and of this board, whose settings pass config_check.h, and that protects no less
+ * than the image (config_ceiling.h). It is
  * copied to the RAM: a block that is stored later acts from the next start on, and the drive that runs keeps its own.
  */
 #ifndef STORED_CONFIG_H
@@ -36,6 +37,10 @@ void stored_config_of_image(config_block_t *block, const about_t *about, const d
 
 /* Sets the name and the facts of the motor of `about` to those of a block, which outlives it. Context: background. */
 void stored_config_about(const config_block_t *block, about_t *about);
+
+/* Whether this image may run with a block: config_block_check(), then the ceilings of the image. `about` and `cfg` are the image's. */
+config_block_verdict_t stored_config_check(const config_block_t *block, const about_t *about,
+                                           const drive_cfg_t *cfg);
 
 /* Why an image does not take a block, as a constant text; NULL for CONFIG_BLOCK_GOOD. */
 const char *stored_config_reason(config_block_fault_t fault);

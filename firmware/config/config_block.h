@@ -68,7 +68,8 @@ typedef enum {
     CONFIG_BLOCK_BROKEN, /* the CRC */
     CONFIG_BLOCK_OTHER_SCHEMA,
     CONFIG_BLOCK_OTHER_BOARD,
-    CONFIG_BLOCK_BAD_SETTING /* out of its range, or against a rule of config_check.h */
+    CONFIG_BLOCK_BAD_SETTING, /* out of its range, or against a rule of config_check.h */
+    CONFIG_BLOCK_ABOVE_CEILING /* it protects less than the image, see config_ceiling.h; config_block_check() does not ask that */
 } config_block_fault_t;
 
 /* What is wrong with a block. found and expected: of a bad setting both are 0, and `setting` is its path, else NULL. */

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: MIT */
+#include "config_ceiling.h"
+
+#include <stddef.h>
+
+#define RATE_SHIFT_MAX (30U)
+#define ROUNDING (1024U) /* a mantissa has 14 bits at least: a rate may be rounded down by less than one of so many */
+
+typedef struct {
+    const char *path;
+    bool crossed;
+} row_t;
+
+static const char *first_crossed(const row_t *rows, uint32_t count)
+{
+    const char *path = NULL;
+
+    for (uint32_t k = 0U; (k < count) && (path == NULL); k++) {
+        if (rows[k].crossed) {
+            path = rows[k].path;
+        }
+    }
+    return path;
+}
+
+/* Whether nothing is left at a later point, or on the other side. A gain of 0 never takes anything. */
+static bool ends_later(const fade_t *image, const fade_t *fade)
+{
+    bool later = false;
+
+    if (image->gain > 0) {
+        later = (fade->gain <= 0) || (fade->zero > image->zero);
+    } else if (image->gain < 0) {
+        later = (fade->gain >= 0) || (fade->zero < image->zero);
+    } else {
+        /* the image takes nothing either */
+    }
+    return later;
+}
+
+/* Rates and times are in slow periods, which are as long as the tuning makes them. */
+static uint64_t rate_of(const drive_cfg_t *cfg)
+{
+    const derating_cfg_t *const heat = &cfg->derating;
+
+    return (uint64_t)(uint32_t)heat->heat_rate << (RATE_SHIFT_MAX - heat->heat_rate_shift);
+}
+
+/* Whether the winding of `cfg` warms more slowly: rate / slow_ticks, both sides multiplied. */
+static bool warms_later(const drive_cfg_t *image, const drive_cfg_t *cfg)
+{
+    const uint64_t found = rate_of(cfg) * (uint64_t)image->slow_ticks;
+    const uint64_t least = rate_of(image) * (uint64_t)cfg->slow_ticks;
+
+    return (found * ROUNDING) < (least * (ROUNDING - 1U));
+}
+
+/* A time is rounded up to whole periods. */
+static bool waits_longer(const drive_cfg_t *image, const drive_cfg_t *cfg)
+{
+    const uint64_t found = (uint64_t)cfg->derating.temperature_periods * cfg->slow_ticks;
+    const uint64_t most = ((uint64_t)image->derating.temperature_periods + 1U) * image->slow_ticks;
+
+    return found > most;
+}
+
+static uint64_t heat_of(const derating_cfg_t *cfg)
+{
+    return (uint64_t)(uint32_t)cfg->heat_gain << cfg->heat_shift;
+}
+
+static const char *board_crossed(const drive_cfg_t *image, const drive_cfg_t *cfg)
+{
+    const protection_cfg_t *const limits = &image->protection;
+    const derating_cfg_t *const hot = &image->derating;
+    const derating_cfg_t *const derating = &cfg->derating;
+    const row_t rows[] = {
+        {"protection.current_max", cfg->protection.current_max > limits->current_max},
+        {"protection.bus_max", cfg->protection.bus_max > limits->bus_max},
+        {"protection.offset_max", cfg->protection.offset_max > limits->offset_max},
+        {"derating.temperature", ends_later(&hot->temperature, &derating->temperature)},
+        {"derating.temperature_lowest", derating->temperature_lowest < hot->temperature_lowest},
+        {"derating.temperature_highest", derating->temperature_highest > hot->temperature_highest},
+        {"derating.temperature_periods", waits_longer(image, cfg)},
+    };
+
+    return first_crossed(rows, (uint32_t)(sizeof(rows) / sizeof(rows[0])));
+}
+
+static const char *motor_crossed(const drive_cfg_t *image, const drive_cfg_t *cfg)
+{
+    const derating_cfg_t *const limits = &image->derating;
+    const derating_cfg_t *const derating = &cfg->derating;
+    const row_t rows[] = {
+        {"derating.current_max", derating->current_max > limits->current_max},
+        {"derating.current_continuous", derating->current_continuous > limits->current_continuous},
+        {"derating.heat_gain", heat_of(derating) < heat_of(limits)},
+        {"derating.heat_rate", warms_later(image, cfg)},
+        {"derating.heat_max_q14", derating->heat_max_q14 > limits->heat_max_q14},
+        {"derating.heat", ends_later(&limits->heat, &derating->heat)},
+    };
+
+    return first_crossed(rows, (uint32_t)(sizeof(rows) / sizeof(rows[0])));
+}
+
+const char *config_ceiling_crossed(const drive_cfg_t *image, const drive_cfg_t *cfg,
+                                   bool with_motor)
+{
+    const char *path = board_crossed(image, cfg);
+
+    if ((path == NULL) && with_motor) {
+        path = motor_crossed(image, cfg);
+    }
+    return path;
+}
