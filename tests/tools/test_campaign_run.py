@@ -174,9 +174,9 @@ class GoingOn(MineTest):
             self.assert_refused(self.run_mine(), r"runs\.jsonl: another campaign writes there")
             holder.stdin.close()
 
-    def test_ctrl_c_leaves_what_can_be_gone_on_with(self):
-        self.file(runs=5000)
-        words = ["run", self.mine, "--motorsim", MOTORSIM, "--out", self.folder / "out"]
+    def stopped_of(self, asked_for, *more):
+        """Ends the campaign by Ctrl-C once some runs are there: it says of how many, and no more."""
+        words = ["run", self.mine, "--motorsim", MOTORSIM, "--out", self.folder / "out", *more]
         path = self.folder / "out" / "runs.jsonl"
         with subprocess.Popen([sys.executable, "-B", TOOLS / "campaign", *words],
                               stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as started:
@@ -186,12 +186,21 @@ class GoingOn(MineTest):
             started.send_signal(signal.SIGINT)
             out, err = started.communicate(timeout=PATIENCE_S)
         self.assertEqual((started.returncode, out), (130, ""))
-        self.assertRegex(err.splitlines()[-1], r"^campaign: stopped after \d+ of 5000 runs; the same")
         self.assertNotIn("Traceback", err)
+        done = sum(row["run"] < asked_for for row in self.rows())
+        self.assertEqual(err.splitlines()[-1], f"campaign: stopped after {done} of {asked_for} runs; the same command goes on")
+
+    def test_ctrl_c_leaves_what_can_be_gone_on_with(self):
+        self.file(runs=5000)
+        self.stopped_of(5000)
         count = len(self.rows())
         self.assertGreaterEqual(count, RUNS)
         self.run_mine("--runs", count)
         self.assertEqual([row["run"] for row in self.rows()][:RUNS], list(range(RUNS)))
+
+    def test_ctrl_c_names_the_runs_that_were_asked_for(self):
+        self.file(runs=5000)
+        self.stopped_of(4000, "--runs", "4000")
 
 
 class Again(MineTest):

@@ -133,23 +133,29 @@ def run_command(args):
     wanted = range(min(args.runs or campaign.runs, campaign.runs))
     head = results.head_of(campaign, simulator.fingerprint(program, campaign))
     with results.Store(folder_of(args, campaign), head, args.fresh) as store:
-        done = {row["run"] for row in store.rows}
-        missing = [run for run in wanted if run not in done]
         try:
-            if missing:
-                run_missing(args, campaign, program, missing, store)
+            run_missing(args, campaign, program, wanted, store)
         except KeyboardInterrupt:
-            print(f"campaign: stopped after {len(store.rows)} of {campaign.runs} runs; the same "
-                  "command goes on", file=sys.stderr)
+            print(f"campaign: stopped after {len(of_these(store, wanted))} of {len(wanted)} runs; "
+                  "the same command goes on", file=sys.stderr)
             return INTERRUPTED
         rows = sorted(store.rows, key=lambda row: row["run"])
     return finish(args, campaign, rows)
 
 
-def run_missing(args, campaign, program, missing, store):
+def of_these(store, wanted):
+    """The rows of those runs. An earlier command may have asked for more."""
+    return [row for row in store.rows if row["run"] in wanted]
+
+
+def run_missing(args, campaign, program, wanted, store):
+    before = of_these(store, wanted)
+    done = {row["run"] for row in before}
+    missing = [run for run in wanted if run not in done]
+    if not missing:
+        return
     from . import execute
-    total = len(store.rows) + len(missing)
-    with progress.shown(Console(stderr=True), campaign.name, total, store.rows) as add:
+    with progress.shown(Console(stderr=True), campaign.name, len(wanted), before) as add:
         execute.execute(campaign, program, missing, store, args.scheduler, args.jobs, add)
 
 
