@@ -54,8 +54,10 @@ OutputFile::OutputFile(const std::string &path) : path_(path), target_(path)
     if (!is_written_in_place(path, there)) {
         beside_ = fmt::format("{}.{}.part", target_.string(), getpid());
     }
-    file_.reset(beside_.empty() ? std::fopen(target_.c_str(), "wb")
-                                : std::fopen(beside_.c_str(), "wbx"));
+    if (!beside_.empty()) {
+        unfinished_.emplace(beside_);
+    }
+    file_.reset(unfinished_ ? unfinished_->file() : std::fopen(target_.c_str(), "wb"));
     if (!file_) {
         const int error = errno;
         beside_.clear(); // it is none of this

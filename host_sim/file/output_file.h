@@ -2,9 +2,12 @@
 // A file of results: under its name it is there whole, or not at all.
 #pragma once
 
+#include "unfinished.h"
+
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -17,8 +20,9 @@ struct OutputError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-// Writes to a new file beside `path` and gives it that name in close(). Until then a file that was there under that name
-// stays as it is; without close(), after an exception, too. What is no file, as a pipe or a device, is written to itself.
+// Writes to a new file beside `path` and gives it that name in close(). Until then a file that was
+// there under that name stays as it is. So it does without close(), after an exception or a signal
+// that ends the program. What is no file, as a pipe or a device, is written to itself.
 class OutputFile
 {
 public:
@@ -43,9 +47,10 @@ private:
     };
     [[noreturn]] void fail(int error) const;
 
-    std::string path_;             // as the user wrote it
-    std::filesystem::path target_; // behind all links
-    std::filesystem::path beside_; // empty: `target_` itself is written
+    std::string path_;                         // as the user wrote it
+    std::filesystem::path target_;             // behind all links
+    std::filesystem::path beside_;             // empty: `target_` itself is written
+    std::optional<UnfinishedFile> unfinished_; // of that name
     std::unique_ptr<std::FILE, Closer> file_;
 };
 

@@ -11,12 +11,14 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
 PROGRAMS = {Path(program).name: program for program in sys.argv[1:]}
 MOTORSIM, NFCONFIG, GAINDESIGN = "motorsim", "nfconfig", "gaindesign"
 DONE, LIMIT_BROKEN, BAD_INPUT = 0, 1, 2
+PATIENCE_S = 30
 ROOM = 100  # bytes of a file, in place of a disk that is full; each result is longer
 
 SHORT = ("s1", "--set", "scenario.duration_s=0.01", "--set", "scenario.evaluate_from_s=0",
@@ -170,6 +172,41 @@ class Outputs(unittest.TestCase):
     def test_a_pipe_gets_the_result(self):
         done = run(MOTORSIM, "run", *SHORT, "--trace", "/dev/stderr", stdout=subprocess.DEVNULL)
         self.assertTrue(done.stderr.startswith("time_s,"), done.stderr[:80])
+
+
+    def assert_removed_by(self, number):
+        """While it is written, the file has another name. The program ends by the signal as it would without a file."""
+        long = (*SHORT, "--set", "scenario.duration_s=1000")
+        with subprocess.Popen((PROGRAMS[MOTORSIM], "run", *long, "--trace", self.file, "--vcd", self.folder / "other"),
+                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as started:
+            end = time.monotonic() + PATIENCE_S
+            while time.monotonic() < end and len(list(self.folder.glob("*.part"))) < 2:
+                time.sleep(0.01)
+            self.assertEqual(len(list(self.folder.glob("*.part"))), 2)
+            started.send_signal(number)
+            self.assertEqual(started.wait(PATIENCE_S), -number)
+
+    @of_motorsim
+    def test_a_signal_that_ends_the_program_leaves_the_file_of_before_and_nothing_else(self):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            with self.subTest(number):
+                self.file.write_text("of yesterday")
+                self.assert_removed_by(number)
+                self.assertEqual(list(self.folder.iterdir()), [self.file])
+                self.assertEqual(self.file.read_text(), "of yesterday")
+
+    @of_motorsim
+    def test_a_signal_that_is_ignored_does_not_end_it(self):
+        def ignores():
+            signal.signal(signal.SIGHUP, signal.SIG_IGN)  # as nohup does
+
+        with subprocess.Popen((PROGRAMS[MOTORSIM], "run", *SHORT, "--trace", self.file), preexec_fn=ignores,
+                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as started:
+            while started.poll() is None:
+                started.send_signal(signal.SIGHUP)
+                time.sleep(0.001)
+        self.assertIn(started.returncode, (DONE, LIMIT_BROKEN))
+        self.assertEqual(list(self.folder.iterdir()), [self.file])
 
 
 class FullOutput(unittest.TestCase):

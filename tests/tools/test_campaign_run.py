@@ -105,6 +105,20 @@ class Running(MineTest):
         self.assertEqual(table.read_text(encoding="utf-8"), "of yesterday")
         self.assertEqual(list(self.folder.glob("*.part")), [])
 
+    def test_a_signal_in_the_middle_of_a_file_leaves_the_one_before(self):
+        table = self.folder / "runs.csv"
+        table.write_text("of yesterday", encoding="utf-8")
+        writes = ("import sys; sys.path.insert(0, sys.argv[1]); from whole_file import whole_file\n"
+                  "with whole_file(sys.argv[2]) as file: file.write('half'); print('open', flush=True); sys.stdin.read()")
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            with self.subTest(number), subprocess.Popen([sys.executable, "-B", "-c", writes, TOOLS, table], stdin=subprocess.PIPE,
+                                                        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as started:
+                started.stdout.readline()
+                started.send_signal(number)
+                self.assertEqual(started.wait(PATIENCE_S), -number)
+            self.assertEqual(table.read_text(encoding="utf-8"), "of yesterday")
+            self.assertEqual(list(self.folder.glob("*.part")), [])
+
     def test_exit_status_is_of_the_acceptance(self):
         for accept, status in (("locked_pct = 100", 1), ("locked_pct = 1", 0),
                                ("uncontrolled = 0", 0), ("", 0)):
