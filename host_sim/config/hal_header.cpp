@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "hal_header.h"
 
+#include "limit.h"
 #include "schema.h"
 
 #include <cmath>
@@ -106,7 +107,7 @@ void check_chip(const Config &config)
          "is not what this chip's converters have", fmt::format("{} bit", G431_ADC_BITS));
     need(dead_time_ticks(board) <= G431_DEAD_TIME_TICKS, config, "board.dead_time_s",
          board.dead_time_s, "is longer than this chip's timer makes",
-         fmt::format("at most {:.4g} s", G431_DEAD_TIME_TICKS / G431_CLOCK_HZ));
+         fmt::format("at most {} s", limit_number({true, G431_DEAD_TIME_TICKS / G431_CLOCK_HZ})));
     need(std::ceil(hal.adc_sampling_ns) <= G431_SAMPLING_NS, config, "hal.adc_sampling_ns",
          hal.adc_sampling_ns, "is longer than this chip samples",
          fmt::format("at most {:g} ns, 47.5 cycles of its converters", G431_SAMPLING_NS));
@@ -130,7 +131,7 @@ void check_line(const Config &config)
          fmt::format("170e6/n bit/s, within {:g} %", 100 * G431_BAUD_ERROR));
     need(baud <= most, config, "board.baud", baud,
          "brings more bytes in a control tick than the receiver of this chip holds",
-         fmt::format("at most {:.0f} bit/s at board.pwm_frequency_hz = {:g}", most,
+         fmt::format("at most {:.0f} bit/s at board.pwm_frequency_hz = {:g}", std::floor(most),
                      config.board.pwm_frequency_hz));
 }
 
@@ -142,7 +143,7 @@ void check_timing(const Config &config)
     const std::string window = fmt::format(
         "{:.0f} ns, half of the shortest low-side on-time at board.duty_margin_pct = {:g} and "
         "board.pwm_frequency_hz = {:g}",
-        half, config.board.duty_margin_pct, config.board.pwm_frequency_hz);
+        std::floor(half), config.board.duty_margin_pct, config.board.pwm_frequency_hz);
     need(dead_ns >= DEAD_TIME_MIN_NS, config, "board.dead_time_s", config.board.dead_time_s,
          "lets both switches of a leg conduct", fmt::format("at least {:g} ns", DEAD_TIME_MIN_NS));
     need(dead_ns < half, config, "board.dead_time_s", config.board.dead_time_s,
@@ -150,7 +151,7 @@ void check_timing(const Config &config)
     need(dead_ns + hal.adc_settling_ns <= half, config, "hal.adc_settling_ns", hal.adc_settling_ns,
          "does not fit into the low-side on-time",
          fmt::format("at most {:.0f} ns: with board.dead_time_s = {:g} it has to end within {}",
-                     half - dead_ns, config.board.dead_time_s, window));
+                     std::floor(half - dead_ns), config.board.dead_time_s, window));
     need(hal.adc_sampling_ns <= half, config, "hal.adc_sampling_ns", hal.adc_sampling_ns,
          "does not fit into the low-side on-time", "at most " + window);
 }
@@ -217,7 +218,7 @@ void check_trip(const Config &config)
     const double rise_per_ampere = rise_per_ampere_v(hal);
     need(trip_a * rise_per_ampere >= RISE_MIN_V, config, "board.trip_a", trip_a,
          "is within offset and hysteresis of the comparator",
-         fmt::format("at least {:.3g} A", RISE_MIN_V / rise_per_ampere));
+         fmt::format("at least {} A", limit_number({false, RISE_MIN_V / rise_per_ampere})));
     const double largest = hal.adc_reference_v * (DAC_COUNTS - 1) / DAC_COUNTS;
     need(level > 0 && level <= largest, config, "board.trip_a", trip_a,
          fmt::format("needs a comparator level of {:.4g} V", level),
@@ -231,9 +232,9 @@ void check_early_trip(const Config &config)
     const double early_a = G431_TRIP_EARLY_V / rise_per_ampere_v(config.hal);
     need(config.hal.chip == Chip::other || trip_a >= max_a + early_a, config, "board.trip_a",
          trip_a, "lets a comparator trip while the motor takes what it may",
-         fmt::format("at least {:.4g} A: motor.max_current_a = {:g}, and {:.3g} A for the "
+         fmt::format("at least {} A: motor.max_current_a = {:g}, and {:.3g} A for the "
                      "comparator's offset",
-                     max_a + early_a, max_a, early_a));
+                     limit_number({false, max_a + early_a}), max_a, early_a));
 }
 
 // Where one of many chips trips.

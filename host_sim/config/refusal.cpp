@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "refusal.h"
 
+#include "limit.h"
 #include "numbers.h"
 #include "rules.h"
 #include "schema.h"
@@ -95,21 +96,10 @@ std::string written_key(const Config &config, const std::string &key)
     return key;
 }
 
-// With four digits, rounded to where it is still allowed.
-double rounded(const SettingLimit &limit)
-{
-    if (std::abs(limit.value) > 0) {
-        const double digit = std::pow(10.0, std::floor(std::log10(std::abs(limit.value))) - 3);
-        const double digits = limit.value / digit;
-        return (limit.at_most ? std::floor(digits) : std::ceil(digits)) * digit;
-    }
-    return 0;
-}
-
 std::string limit_text(const SettingError &error)
 {
     return with_unit(
-        fmt::format("at {} {:.10g}", error.limit.at_most ? "most" : "least", rounded(error.limit)),
+        fmt::format("at {} {}", error.limit.at_most ? "most" : "least", limit_number(error.limit)),
         *find_field(error.key));
 }
 

@@ -2,6 +2,7 @@
 #include "commands.h"
 
 #include "diff.h"
+#include "limit.h"
 #include "set.h"
 #include "stages.h"
 #include "suggest.h"
@@ -29,6 +30,7 @@ namespace
 {
 
 constexpr std::size_t NEAR_COUNT = 3;
+constexpr int TIME_DIGITS = 10; // an hour in steps of a microsecond
 
 // What is wrong with a command, as the line for the user.
 struct Refusal : std::runtime_error {
@@ -138,8 +140,9 @@ std::string go_to(Session &session, const std::string &rest)
         const bool whole = end != rest.c_str() && trimmed(end) == "s";
         const bool inside = time_s >= first - period / 2 && time_s < last + period / 2;
         if (!whole || !inside) {
-            throw Refusal(
-                fmt::format("a time is from {:g}s to {:g}s, found '{}'", first, last, rest));
+            throw Refusal(fmt::format("a time is from {}s to {}s, found '{}'",
+                                      limit_number({false, first}, TIME_DIGITS),
+                                      limit_number({true, last}, TIME_DIGITS), rest));
         }
         tick = timeline.run().tick_at(time_s);
     } else {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "set.h"
 
+#include "limit.h"
 #include "state_check.h"
 #include "trimmed.h"
 #include "vocabulary.h"
@@ -21,6 +22,8 @@ namespace nf::debug
 {
 namespace
 {
+
+constexpr int SHOWN_DIGITS = 10; // of a limit: no word of 32 bits has more
 
 struct Change {
     Timeline::Act act;
@@ -115,8 +118,9 @@ Change change_word(const SignalInfo &signal, int64_t raw, const ScriptedRun &run
 [[noreturn]] void refuse_value(const char *name, double value, double lowest, double highest,
                                const char *unit)
 {
-    throw std::runtime_error(fmt::format("{} is from {:.10g} to {:.10g}{}{}, found {}", name,
-                                         lowest, highest, *unit == '\0' ? "" : " ", unit, value));
+    throw std::runtime_error(fmt::format("{} is from {}{}{}, found {}", name,
+                                         limits_text(lowest, highest, SHOWN_DIGITS),
+                                         *unit == '\0' ? "" : " ", unit, value));
 }
 
 bool is_within(double value, double lowest, double highest)

@@ -7,6 +7,7 @@
 #include "fault_line.h"
 #include "findings.h"
 #include "found_fault.h"
+#include "limit.h"
 #include "names.h"
 #include "numbers.h"
 #include "output_file.h"
@@ -35,6 +36,7 @@ using debug::Outcome;
 
 constexpr double Q16 = 65536.0;
 constexpr double Q28 = 268435456.0;
+constexpr int POSITION_DIGITS = 9; // a step of the command is no smaller
 constexpr int DUMP_TRIES = 5;
 constexpr double PASS_S = 0.02;         // between two looks at what has come
 constexpr int DUMP_PASSES = 6000;       // 120 s: all its lines at 9600 baud
@@ -264,7 +266,7 @@ Answer BoardCommands::speed(const std::string &value)
     const int32_t most = follower_.about().speed_max_rpm;
     if (!rpm || std::abs(*rpm) > most) {
         return refused(
-            fmt::format("speed takes rpm, at most {} either way, found \"{}\"", most, value));
+            fmt::format("speed takes rpm, {} to {}, found \"{}\"", -most, most, value));
     }
     return amend([&](drive_command_t &wanted) {
         wanted.mode = DRIVE_MODE_SPEED;
@@ -276,13 +278,12 @@ Answer BoardCommands::position(const std::string &value)
 {
     const bool degrees = debug::ends_with(value, "deg");
     const std::optional<double> found = number(degrees ? value.substr(0, value.size() - 3) : value);
-    const double rad = found ? *found * TWO_PI / (degrees ? 360.0 : 1.0) : 0;
-    const double target = follower_.bases().turns_from_mech_rad(rad) * Q16;
-    if (!found || std::abs(target) > INT32_MAX) {
-        return refused(
-            fmt::format("position takes turns, or degrees as 90deg, at most {:.0f} turns "
-                        "either way, found \"{}\"",
-                        INT32_MAX / Q16 / follower_.bases().pole_pairs, value));
+    const double one = follower_.bases().pole_pairs * Q16 / (degrees ? 360.0 : 1.0);
+    const double target = std::round(found.value_or(0) * one);
+    if (!found || target < INT32_MIN || target > INT32_MAX) {
+        return refused(fmt::format("position takes turns, or degrees as 90deg, {}{}, found \"{}\"",
+                                   limits_text(INT32_MIN / one, INT32_MAX / one, POSITION_DIGITS),
+                                   degrees ? " degrees" : " turns", value));
     }
     return amend([&](drive_command_t &wanted) {
         wanted.mode = DRIVE_MODE_POSITION;
@@ -303,8 +304,8 @@ Answer BoardCommands::torque(const std::string &value)
     const std::optional<double> found = number(value);
     const double most = torque_max_nm();
     if (!found || std::abs(*found) > most) {
-        return refused(
-            fmt::format("torque takes N·m, at most {:.4g} either way, found \"{}\"", most, value));
+        return refused(fmt::format("torque takes N·m, {}, found \"{}\"", limits_text(-most, most),
+                                   value));
     }
     return amend([&](drive_command_t &wanted) {
         wanted.mode = DRIVE_MODE_TORQUE;
@@ -449,7 +450,7 @@ Answer BoardCommands::step_through(const std::string &seconds)
 {
     const std::optional<double> time_s = seconds.empty() ? follower_.kept_s() : number(seconds);
     if (!time_s || *time_s <= 0) {
-        return refused(fmt::format("debug takes seconds, found \"{}\"", seconds));
+        return refused(fmt::format("debug takes seconds, more than 0, found \"{}\"", seconds));
     }
     const std::optional<RecordedRun> run = follower_.shadow().run(*time_s);
     if (!run) {

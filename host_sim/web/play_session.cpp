@@ -252,7 +252,7 @@ double position_rad(PlaySession &s, double value_deg)
     if (std::abs(rad) > furthest_rad) {
         throw std::runtime_error(fmt::format(
             "position: the rotor is {:.0f} turns from its start; allowed: at most {:.0f}. Begin anew",
-            rad / RAD_PER_DEG / 360, furthest_rad / RAD_PER_DEG / 360));
+            rad / RAD_PER_DEG / 360, std::floor(furthest_rad / RAD_PER_DEG / 360)));
     }
     return rad;
 }

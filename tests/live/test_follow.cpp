@@ -568,6 +568,38 @@ TEST(a_stop_before_the_command_in_force_is_known_stops)
     TEST_ASSERT_EQUAL(0, told(bench).request);
 }
 
+// The last number of each limit that a refusal names, and what is just beyond it.
+TEST(what_a_refusal_names_as_the_range_is_taken_at_both_ends)
+{
+    Bench bench(scripted("60"));
+    bench.follower.connect();
+    bench.pass(1);
+    const std::string turns = bench.refusal_of("position 1e9");
+    TEST_ASSERT_EQUAL_STRING("position takes turns, or degrees as 90deg, -16384 to 16383.9999 "
+                             "turns, found \"1e9\"",
+                             turns.c_str());
+    const std::string degrees = bench.refusal_of("position 1e9deg");
+    TEST_ASSERT_TRUE(degrees.find("-5898240 to 5898239.99 degrees") != std::string::npos);
+    for (const char *const inside : {"position -16384", "position 16383.9999",
+                                     "position -5898240deg", "position 5898239.99deg", "speed 0"}) {
+        bench.do_line(inside);
+    }
+    for (const char *const outside : {"position 16384", "position -16384.0001",
+                                      "position 5898240deg", "position -5898240.01deg"}) {
+        (void)bench.refusal_of(outside);
+    }
+    for (const char *const command : {"speed ", "torque "}) {
+        const std::string range = bench.refusal_of(std::string(command) + "1e9");
+        const std::size_t begin = range.find("takes ");
+        const std::size_t first = range.find_first_of("-0123456789", begin);
+        const std::string lowest = range.substr(first, range.find(' ', first) - first);
+        const std::size_t second = range.find(" to ", first) + 4;
+        const std::string highest = range.substr(second, range.find(',', second) - second);
+        bench.do_line(command + lowest);
+        bench.do_line(command + highest);
+    }
+}
+
 TEST(a_speed_does_not_start_a_motor_that_the_board_has_stopped)
 {
     constexpr double TIMEOUT_S = 0.4;
