@@ -237,7 +237,7 @@ void Follower::hear(const SegmentInfo &info)
     if (!stream_) {
         return;
     }
-    if (info.number + RECORDER_SEGMENTS <= stream_->newest()) {
+    if (stream_->is_overwritten(info.number)) {
         stream_ = std::make_unique<Stream>(identity_.segment_entries); // the board counts anew
         recorders_++;
         candidate_.reset();
@@ -361,7 +361,7 @@ void Follower::begin(const SegmentInfo &info)
     tried_ = info.number;
     if (!why.empty()) {
         reporter_.say(fmt::format("segment {} is no begin: {}", info.number, why));
-        stream_->forget_before(info.number + 1);
+        stream_->forget_up_to(info.number);
         return;
     }
     at_ = info.number;

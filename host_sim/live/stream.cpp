@@ -6,20 +6,39 @@
 namespace nf::live
 {
 
-// Numbers count from 1 on. That they wrap after some years is not provided for.
+namespace
+{
+
+constexpr uint64_t LAP = UINT32_MAX; // numbers, and so places, until a number comes again
+
+uint32_t number_at(uint64_t place)
+{
+    return static_cast<uint32_t>((place - 1) % LAP) + 1;
+}
+
+} // namespace
+
+// The first segment that is heard of has a place of the second lap: there is room before it.
+Stream::Place Stream::place_of(uint32_t segment) const
+{
+    const Place nearest_to = newest_ == 0 ? LAP + segment : newest_;
+    const Place ahead = (segment + LAP - number_at(nearest_to)) % LAP;
+    return ahead <= LAP / 2 ? nearest_to + ahead : nearest_to + ahead - LAP;
+}
+
 Stream::Part *Stream::part(uint32_t segment)
 {
-    if (segment < oldest_) {
+    const Place place = place_of(segment);
+    if (segment == 0 || place < oldest_) {
         return nullptr;
     }
     // Of those between two nothing may have come at all; of those that the ring has lost nothing will.
-    const uint32_t in_ring = segment >= RECORDER_SEGMENTS ? segment - RECORDER_SEGMENTS : 0;
-    const uint32_t known = newest_ == 0 ? segment : std::max(newest_ + 1, in_ring);
-    for (uint32_t number = known; number < segment; number++) {
-        (void)parts_[number];
+    const Place known = newest_ == 0 ? place : std::max(newest_ + 1, place - RECORDER_SEGMENTS);
+    for (Place at = known; at < place; at++) {
+        (void)parts_[at];
     }
-    newest_ = std::max(newest_, segment);
-    return &parts_[segment];
+    newest_ = std::max(newest_, place);
+    return &parts_[place];
 }
 
 // What lies behind the end came of another segment of this number, before the board started anew.
@@ -37,7 +56,7 @@ void Stream::add(const SegmentInfo &info)
         return;
     }
     of->info = info;
-    const auto before = parts_.find(info.number - 1);
+    const auto before = parts_.find(place_of(info.number) - 1);
     if (before != parts_.end() && info.entries_before != 0) {
         before->second.total = std::min(info.entries_before, segment_entries_);
         fit(before->second);
@@ -63,8 +82,9 @@ bool Stream::is_whole(const Part &part) const
 }
 
 // Of a segment whose end was not announced, behind what came of it, once a newer one has begun.
-std::optional<Missing> Stream::missing_of(uint32_t segment, const Part &part) const
+std::optional<Missing> Stream::missing_of(Place place, const Part &part) const
 {
+    const uint32_t segment = number_at(place);
     const auto hole = std::find(part.entries.begin(), part.entries.end(), std::nullopt);
     const auto first = static_cast<uint16_t>(hole - part.entries.begin());
     if (hole != part.entries.end()) {
@@ -73,7 +93,7 @@ std::optional<Missing> Stream::missing_of(uint32_t segment, const Part &part) co
                          [](const auto &entry) { return entry.has_value(); });
         return Missing{segment, first, static_cast<uint8_t>(until - hole)};
     }
-    const bool open = !part.total && segment != newest_ && first < segment_entries_;
+    const bool open = !part.total && place != newest_ && first < segment_entries_;
     const auto room = static_cast<uint16_t>(segment_entries_ - first);
     return open ? std::optional<Missing>(
                       {segment, first, static_cast<uint8_t>(std::min(PIECE, room))})
@@ -82,8 +102,8 @@ std::optional<Missing> Stream::missing_of(uint32_t segment, const Part &part) co
 
 std::optional<Missing> Stream::missing() const
 {
-    for (const auto &[segment, part] : parts_) {
-        if (const std::optional<Missing> found = missing_of(segment, part)) {
+    for (const auto &[place, part] : parts_) {
+        if (const std::optional<Missing> found = missing_of(place, part)) {
             return found;
         }
     }
@@ -93,8 +113,8 @@ std::optional<Missing> Stream::missing() const
 void Stream::ends_before(const Missing &missing)
 {
     Part *const at = part(missing.segment);
-    const bool is_overwritten = missing.segment + RECORDER_SEGMENTS <= newest_;
-    if (at != nullptr && !is_overwritten && !at->total && missing.first == at->entries.size()) {
+    if (at != nullptr && !is_overwritten(missing.segment) && !at->total &&
+        missing.first == at->entries.size()) {
         at->total = missing.first;
     }
 }
@@ -102,7 +122,8 @@ void Stream::ends_before(const Missing &missing)
 std::optional<Stretch> Stream::take(uint32_t first)
 {
     Stretch stretch{};
-    auto at = parts_.find(first);
+    const Place begins = place_of(first);
+    auto at = parts_.find(begins);
     if (at == parts_.end()) {
         return std::nullopt;
     }
@@ -111,11 +132,11 @@ std::optional<Stretch> Stream::take(uint32_t first)
         return std::nullopt;
     }
     stretch.begin = *begin;
-    for (uint32_t number = first; at != parts_.end() && at->first == number; ++at, number++) {
+    for (Place place = begins; at != parts_.end() && at->first == place; ++at, place++) {
         const std::optional<SegmentInfo> info = at->second.info;
-        if (number != first && info) {
+        if (place != begins && info) {
             stretch.end = *info;
-            forget_before(number);
+            forget_to(place);
             return stretch;
         }
         if (!is_whole(at->second)) {
@@ -132,7 +153,8 @@ std::optional<Stretch> Stream::take(uint32_t first)
 
 std::optional<SegmentInfo> Stream::newest_after(uint32_t than) const
 {
-    for (auto at = parts_.rbegin(); at != parts_.rend() && at->first > than; ++at) {
+    const Place after = than == 0 ? 0 : place_of(than);
+    for (auto at = parts_.rbegin(); at != parts_.rend() && at->first > after; ++at) {
         if (at->second.info) {
             return at->second.info;
         }
@@ -141,16 +163,25 @@ std::optional<SegmentInfo> Stream::newest_after(uint32_t than) const
 }
 
 // The newest of its RECORDER_SEGMENTS overwrites the oldest.
+bool Stream::is_overwritten(uint32_t segment) const
+{
+    return place_of(segment) + RECORDER_SEGMENTS <= newest_;
+}
+
 bool Stream::has_lost(uint32_t segment) const
 {
-    const auto at = parts_.find(segment);
-    const bool is_overwritten = segment + RECORDER_SEGMENTS <= newest_;
-    return is_overwritten && (at == parts_.end() || !is_whole(at->second));
+    return has_lost_at(place_of(segment));
+}
+
+bool Stream::has_lost_at(Place place) const
+{
+    const auto at = parts_.find(place);
+    return place + RECORDER_SEGMENTS <= newest_ && (at == parts_.end() || !is_whole(at->second));
 }
 
 double Stream::share(uint32_t segment) const
 {
-    const auto at = parts_.find(segment);
+    const auto at = parts_.find(place_of(segment));
     if (at == parts_.end()) {
         return 0;
     }
@@ -161,8 +192,8 @@ double Stream::share(uint32_t segment) const
 
 bool Stream::is_lost(uint32_t first) const
 {
-    for (uint32_t number = first; number + RECORDER_SEGMENTS <= newest_; number++) {
-        if (has_lost(number)) {
+    for (Place place = place_of(first); place + RECORDER_SEGMENTS <= newest_; place++) {
+        if (has_lost_at(place)) {
             return true;
         }
     }
@@ -171,8 +202,18 @@ bool Stream::is_lost(uint32_t first) const
 
 void Stream::forget_before(uint32_t segment)
 {
-    oldest_ = std::max(oldest_, segment);
-    parts_.erase(parts_.begin(), parts_.lower_bound(segment));
+    forget_to(place_of(segment));
+}
+
+void Stream::forget_up_to(uint32_t segment)
+{
+    forget_to(place_of(segment) + 1);
+}
+
+void Stream::forget_to(Place place)
+{
+    oldest_ = std::max(oldest_, place);
+    parts_.erase(parts_.begin(), parts_.lower_bound(place));
 }
 
 } // namespace nf::live

@@ -3,6 +3,9 @@
 //
 // A segment counts as a whole or not at all: only the hash behind it says whether it is right. A stretch is a segment whose
 // begin was announced, and those behind it whose announcements the line has lost, up to the next announced one.
+//
+// The board's numbers count from 1 on and begin again behind the largest one, as 0 is none. So each has a
+// place here, which counts on: of all places with this number, the one nearest to the newest segment.
 #pragma once
 
 #include "client.h"
@@ -50,21 +53,19 @@ public:
     // The next whole stretch from the segment `first` on, which was announced; it is forgotten here with all before it.
     std::optional<Stretch> take(uint32_t first);
 
-    // The newest announced segment, if it is newer than `than`.
+    // The newest announced segment, if it is newer than `than`; 0: than none.
     std::optional<SegmentInfo> newest_after(uint32_t than) const;
     // What the ring has no more of is not waited for: whether some of a segment, or of one from `first` on, will not come.
     bool has_lost(uint32_t segment) const;
     bool is_lost(uint32_t first) const;
     // How much of a segment has come, 0…1; 1: all of it.
     double share(uint32_t segment) const;
-    // Forgets all before a segment.
+    // Forgets all before a segment; or all up to it, itself too.
     void forget_before(uint32_t segment);
+    void forget_up_to(uint32_t segment);
 
-    // The newest segment that was heard of.
-    uint32_t newest() const
-    {
-        return newest_;
-    }
+    // Whether the ring has no such segment any more, by the newest one that was heard of.
+    bool is_overwritten(uint32_t segment) const;
 
 private:
     struct Part {
@@ -72,15 +73,19 @@ private:
         std::vector<std::optional<recorder_entry_t>> entries; // as far as they were sent
         std::optional<std::size_t> total;
     };
+    using Place = uint64_t;
+    Place place_of(uint32_t segment) const;
     Part *part(uint32_t segment);
     bool is_whole(const Part &part) const;
-    std::optional<Missing> missing_of(uint32_t segment, const Part &part) const;
+    std::optional<Missing> missing_of(Place place, const Part &part) const;
+    bool has_lost_at(Place place) const;
+    void forget_to(Place place);
     void fit(Part &part);
 
     uint16_t segment_entries_;
-    uint32_t oldest_ = 0; // what is before it is forgotten
-    uint32_t newest_ = 0;
-    std::map<uint32_t, Part> parts_;
+    Place oldest_ = 0; // what is before it is forgotten
+    Place newest_ = 0; // 0: none was heard of
+    std::map<Place, Part> parts_;
 };
 
 } // namespace nf::live

@@ -216,6 +216,23 @@ TEST(a_minute_of_start_run_load_position_and_fault_is_shown_bit_for_bit)
                follower.client().repeats());
 }
 
+TEST(no_tick_is_lost_where_the_numbers_of_the_segments_begin_again)
+{
+    constexpr double FOLLOWED_S = 3; // some 90 segments
+    for (const uint32_t before : {UINT32_MAX - 40, UINT32_MAX - 1, UINT32_MAX}) {
+        Bench bench(scripted("60"));
+        bench.board.link().live->app->recorder->ended = before;
+        bench.follower.connect();
+        bench.pass(FOLLOWED_S);
+        TEST_ASSERT_EQUAL_MESSAGE(0, bench.follower.gaps().size(), bench.all_said().c_str());
+        TEST_ASSERT_EQUAL(0, bench.follower.departures());
+        TEST_ASSERT_EQUAL(0, bench.shown.wrong);
+        TEST_ASSERT_EQUAL(0, bench.shown.jumps);
+        constexpr std::size_t NOT_SHOWN = 2 * 1280 / 4;
+        TEST_ASSERT_GREATER_OR_EQUAL(bench.log.hashes.size() - NOT_SHOWN, bench.shown.ticks.size());
+    }
+}
+
 // No tick is shown that is not in a gap that was named, and the other way round.
 void assert_gaps_are_those_named(const Bench &bench)
 {

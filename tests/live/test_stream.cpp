@@ -134,6 +134,59 @@ TEST(what_the_ring_has_no_more_of_is_lost)
     TEST_ASSERT_TRUE(stream.is_lost(7));
 }
 
+// Behind the largest number comes 1.
+TEST(a_stretch_goes_on_where_the_numbers_begin_again)
+{
+    Stream stream(ROOM);
+    stream.add(begin(UINT32_MAX, 0));
+    stream.add(entries(UINT32_MAX, 0, 40));
+    stream.add(entries(1, 0, 40));
+    assert_missing(stream.missing(), UINT32_MAX, 40, Stream::PIECE);
+    stream.add(begin(1, 40));
+    stream.add(begin(2, 40));
+    const std::optional<Stretch> stretch = stream.take(UINT32_MAX);
+    TEST_ASSERT_TRUE(stretch.has_value());
+    TEST_ASSERT_EQUAL(40, stretch->entries.size());
+    TEST_ASSERT_EQUAL_UINT32(1, stretch->end.number);
+    TEST_ASSERT_EQUAL_UINT32(2, stream.take(1)->end.number);
+}
+
+TEST(a_segment_of_before_the_numbers_began_again_is_asked_for_and_comes_late)
+{
+    Stream stream(ROOM);
+    stream.add(begin(UINT32_MAX - 1, 0));
+    stream.add(entries(UINT32_MAX - 1, 0, 40));
+    stream.add(begin(1, 40));
+    assert_missing(stream.missing(), UINT32_MAX - 1, 40, Stream::PIECE);
+    stream.ends_before({UINT32_MAX - 1, 40, Stream::PIECE});
+    assert_missing(stream.missing(), UINT32_MAX, 0, Stream::PIECE);
+    stream.add(entries(UINT32_MAX, 0, 40));
+    TEST_ASSERT_EQUAL(80, stream.take(UINT32_MAX - 1)->entries.size());
+}
+
+TEST(what_the_ring_has_no_more_of_is_lost_where_the_numbers_begin_again)
+{
+    Stream stream(ROOM);
+    stream.add(begin(UINT32_MAX, 0));
+    stream.add(begin(RECORDER_SEGMENTS - 1, 40));
+    TEST_ASSERT_FALSE(stream.is_lost(UINT32_MAX));
+    TEST_ASSERT_FALSE(stream.is_overwritten(UINT32_MAX));
+    TEST_ASSERT_EQUAL_UINT32(RECORDER_SEGMENTS - 1, stream.newest_after(UINT32_MAX)->number);
+    stream.add(begin(RECORDER_SEGMENTS, 40));
+    TEST_ASSERT_TRUE(stream.is_lost(UINT32_MAX));
+    TEST_ASSERT_TRUE(stream.is_overwritten(UINT32_MAX));
+    stream.forget_up_to(UINT32_MAX);
+    TEST_ASSERT_FALSE(stream.is_lost(1));
+}
+
+TEST(a_number_far_below_the_newest_is_of_a_board_that_counts_anew)
+{
+    Stream stream(ROOM);
+    stream.add(begin(1000, 0));
+    TEST_ASSERT_TRUE(stream.is_overwritten(1));
+    TEST_ASSERT_FALSE(stream.is_overwritten(1001));
+}
+
 TEST(what_is_forgotten_does_not_come_back)
 {
     Stream stream(ROOM);
