@@ -18,9 +18,11 @@
 #include "measure.h"
 #include "measured_file.h"
 #include "motor_command.h"
+#include "output_file.h"
 #include "peer.h"
 #include "plate.h"
 #include "program.h"
+#include "readable.h"
 #include "reader.h"
 #include "replace.h"
 #include "replay.h"
@@ -29,6 +31,7 @@
 #include "table.h"
 #include "trace.h"
 #include "vcd.h"
+#include "whole_input.h"
 #include "writer.h"
 
 #include <algorithm>
@@ -56,6 +59,7 @@ namespace
 
 constexpr int LIMITS_HOLD = 0;
 constexpr int LIMIT_BROKEN = 1;
+constexpr const char *STDIN = "standard input";
 
 constexpr const char *EXAMPLES = R"(Examples:
   motorsim list                              what can be run, and with which imperfections
@@ -176,8 +180,11 @@ bool same_file(const std::filesystem::path &a, const std::filesystem::path &b)
 {
     namespace fs = std::filesystem;
     std::error_code error;
-    return fs::equivalent(a, b, error) ||
-           fs::weakly_canonical(fs::absolute(a)) == fs::weakly_canonical(fs::absolute(b));
+    if (fs::equivalent(a, b, error)) {
+        return true;
+    }
+    const fs::path one = fs::weakly_canonical(fs::absolute(a, error), error);
+    return !error && one == fs::weakly_canonical(fs::absolute(b, error), error);
 }
 
 // A file of the command line, by its option; "" where it is not given.
@@ -388,15 +395,13 @@ int converse(nf::debug::Session &session, const std::string &script)
     const bool piped = script == "-";
     if (!script.empty() && !piped) {
         const std::unique_ptr<std::FILE, int (*)(std::FILE *)> file(
-            std::fopen(script.c_str(), "rb"), std::fclose);
-        if (!file) {
-            throw FileError(fmt::format("{}: cannot read: {}", script, std::strerror(errno)));
-        }
-        return converse(session, *nf::debug::stream_reader(file.get(), stdout));
+            fdopen(nf::open_input(script), "rb"), std::fclose);
+        return converse(session, *nf::debug::stream_reader(file.get(), stdout, script));
     }
+    nf::check_standard_input();
     const bool person = !piped && isatty(STDIN_FILENO) != 0;
     return converse(session, person ? *nf::debug::terminal_reader(nf::debug::completions)
-                                    : *nf::debug::stream_reader(stdin, stdout));
+                                    : *nf::debug::stream_reader(stdin, stdout, STDIN));
 }
 
 int debug(const DebugArguments &arguments)
@@ -512,8 +517,9 @@ void show(const IdentifyArguments &arguments, const nf::identify::Result &result
 
 void check_new(const std::string &output, bool overwrite)
 {
-    if (!overwrite && !output.empty() && std::filesystem::exists(output)) {
-        throw FileError(fmt::format("{}: is there already; --overwrite replaces it", output));
+    if (!overwrite && !output.empty() && nf::is_there(output)) {
+        throw FileError(fmt::format("{}: is there already; --overwrite replaces it",
+                                    nf::readable(output, nf::READABLE_PATH)));
     }
 }
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Results that are there whole or not at all."""
+"""Files that are written whole or not at all, and read whole or not at all."""
 
+import errno
 import os
 import signal
 import threading
@@ -8,6 +9,15 @@ from contextlib import contextmanager
 from pathlib import Path
 
 ENDS = (signal.SIGHUP, signal.SIGTERM)  # Ctrl-C is an exception
+
+
+def read_whole(path, most=1 << 30):
+    """All bytes of a file or a pipe. OSError where it goes on behind `most`, as a device without an end does."""
+    with open(path, "rb") as file:
+        content = file.read(most + 1)
+    if len(content) > most:
+        raise OSError(errno.EFBIG, f"is longer than {most} bytes", str(path))
+    return content
 
 
 @contextmanager

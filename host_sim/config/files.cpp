@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "files.h"
 
+#include "output_file.h"
+#include "readable.h"
 #include "suggest.h"
+#include "whole_input.h"
 
 #include <algorithm>
 #include <cstdlib>
-#include <fstream>
 
 #include <fmt/format.h>
 
@@ -16,17 +18,11 @@ namespace nf
 namespace
 {
 
-constexpr std::uintmax_t BYTES_MAX = 1U << 20U;
+constexpr std::size_t BYTES_MAX = 1U << 20U;
 
 fs::path folder_of(FileKind kind)
 {
     return data_folder() / (std::string(kind_name(kind)) + "s");
-}
-
-bool is_there(const fs::path &path)
-{
-    std::error_code ignored;
-    return fs::exists(path, ignored);
 }
 
 // `path` relative to `folder`, or empty when it is not inside.
@@ -68,7 +64,7 @@ std::string references_to(const std::vector<std::string> &names)
 {
     const std::vector<std::string> names = names_in(folder);
     const std::string near = nearest(reference, names);
-    fail(origin, key, '"' + reference + '"',
+    fail(origin, key, '"' + readable(reference) + '"',
          near.empty() ? "not found" : fmt::format("not found, did you mean {}?", near),
          references_to(names));
 }
@@ -86,7 +82,8 @@ void check_chosen(const fs::path &folder)
         }
     }
     if (!lacking.empty()) {
-        fail({"environment", 0}, "NEUROFOC_DATA", '"' + folder.string() + '"',
+        fail({"environment", 0}, "NEUROFOC_DATA",
+             '"' + readable(folder.string(), READABLE_PATH) + '"',
              is_there(folder) ? fmt::format("lacks {}", fmt::join(lacking, ", ")) : "not found",
              "a folder like host_sim/ of the project");
     }
@@ -167,12 +164,11 @@ std::string read_bytes(const fs::path &path)
     if (fs::file_size(path, error) > BYTES_MAX || error) {
         fail(origin, "", "", "is too large", fmt::format("at most {} bytes", BYTES_MAX));
     }
-    std::ifstream stream(path, std::ios::binary);
-    std::string bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
-    if (!stream) {
+    try {
+        return read_whole(path, BYTES_MAX, "");
+    } catch (const InputError &) {
         fail(origin, "", "", "cannot be read", "a file that you may read");
     }
-    return bytes;
 }
 
 std::string display_name(const fs::path &path)

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "line_reader.h"
 
+#include "readable.h"
+#include "whole_input.h"
+
 #include <fmt/format.h>
 
 namespace nf::debug
@@ -11,24 +14,22 @@ namespace
 class Stream : public LineReader
 {
 public:
-    Stream(std::FILE *from, std::FILE *echo) : from_(from), echo_(echo)
+    Stream(std::FILE *from, std::FILE *echo, const std::string &name)
+        : from_(from), echo_(echo), collector_(name, fileno(from))
     {
     }
 
     std::optional<std::string> next(const std::string &prompt) override
     {
-        std::string line;
         int c = std::fgetc(from_);
-        if (c == EOF) {
+        while (c != EOF && !collector_.add(static_cast<char>(c))) {
+            c = std::fgetc(from_);
+        }
+        if (c == EOF && !collector_.has_begun()) {
             return std::nullopt;
         }
-        for (; c != EOF && c != '\n'; c = std::fgetc(from_)) {
-            line.push_back(static_cast<char>(c));
-        }
-        if (!line.empty() && line.back() == '\r') {
-            line.pop_back();
-        }
-        fmt::print(echo_, "{}{}\n", prompt, line);
+        const std::string line = collector_.take();
+        fmt::print(echo_, "{}{}\n", prompt, readable(line, LINE_READABLE));
         return line;
     }
 
@@ -40,13 +41,14 @@ public:
 private:
     std::FILE *from_;
     std::FILE *echo_;
+    LineCollector collector_;
 };
 
 } // namespace
 
-std::unique_ptr<LineReader> stream_reader(std::FILE *from, std::FILE *echo)
+std::unique_ptr<LineReader> stream_reader(std::FILE *from, std::FILE *echo, const std::string &name)
 {
-    return std::make_unique<Stream>(from, echo);
+    return std::make_unique<Stream>(from, echo, name);
 }
 
 } // namespace nf::debug

@@ -2,6 +2,7 @@
 // Where a session's commands come from: a person at a terminal, with editing, history and completion, or a file or pipe.
 #pragma once
 
+#include <cstddef>
 #include <cstdio>
 #include <functional>
 #include <memory>
@@ -29,7 +30,12 @@ using Complete = std::function<std::vector<std::string>(const std::string &line_
 // One at a time: the library below keeps its state in globals.
 std::unique_ptr<LineReader> terminal_reader(const Complete &complete);
 
-// Echoes prompt and line to `echo`, so that the output reads like a session. Not the owner of the files.
-std::unique_ptr<LineReader> stream_reader(std::FILE *from, std::FILE *echo);
+constexpr std::size_t LINE_READABLE = 500; // of a command that is echoed
+
+// Echoes prompt and line to `echo`, so that the output reads like a session. Not the owner of the
+// files.
+// `name` is that of the script. next() throws InputError for a line that is too long for one.
+std::unique_ptr<LineReader> stream_reader(std::FILE *from, std::FILE *echo,
+                                          const std::string &name);
 
 } // namespace nf::debug

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "log_file.h"
 
-#include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
+#include "whole_input.h"
 
-#include <fmt/format.h>
+#include <algorithm>
 
 namespace nf
 {
@@ -60,24 +57,7 @@ std::size_t behind_end(std::string_view text, std::size_t end)
 
 std::string read_log(const std::filesystem::path &path, const std::string &keep)
 {
-    std::ifstream file(path, std::ios::binary);
-    if (!file || std::filesystem::is_directory(path)) {
-        throw LogError(fmt::format("{}: cannot read: {}", path.string(),
-                                   std::strerror(errno == 0 ? EISDIR : errno)));
-    }
-    constexpr std::size_t AT_ONCE = 1U << 20U;
-    std::string bytes;
-    while (file && bytes.size() <= LOG_BYTES_MAX) {
-        const std::size_t had = bytes.size();
-        bytes.resize(had + AT_ONCE);
-        file.read(bytes.data() + had, AT_ONCE);
-        bytes.resize(had + static_cast<std::size_t>(file.gcount()));
-    }
-    if (bytes.size() > LOG_BYTES_MAX) {
-        throw LogError(fmt::format("{}: it is longer than {} MiB; {}", path.string(),
-                                   LOG_BYTES_MAX >> 20U, keep));
-    }
-    return bytes;
+    return read_whole(path, LOG_BYTES_MAX, keep);
 }
 
 std::string plain_text(std::string_view bytes)

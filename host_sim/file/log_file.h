@@ -5,7 +5,6 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,15 +12,10 @@
 namespace nf
 {
 
-// what() is the complete line for the user.
-struct LogError : std::runtime_error {
-    using std::runtime_error::runtime_error;
-};
-
 constexpr std::size_t LOG_BYTES_MAX = std::size_t{64} << 20U;
 
-// The bytes of a file of at most LOG_BYTES_MAX, which may be a pipe. Throws LogError, where the file cannot be read or is longer;
-// `keep` says what to keep of one that is.
+// The bytes of a file of at most LOG_BYTES_MAX, which may be a pipe. Throws InputError where it
+// cannot be read or is longer; `keep` says what to keep of one that is.
 std::string read_log(const std::filesystem::path &path, const std::string &keep);
 
 // Without the mark at its beginning. UTF-16 is known by its mark, or where every second byte is 0; a character of it that is

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "output_file.h"
 
+#include "readable.h"
+
 #include <cerrno>
 #include <cstring>
 #include <system_error>
@@ -40,6 +42,12 @@ bool is_written_in_place(const fs::path &path, const fs::file_status &there)
 }
 
 } // namespace
+
+bool is_there(const std::filesystem::path &path)
+{
+    std::error_code ignored;
+    return fs::exists(path, ignored);
+}
 
 OutputFile::OutputFile(const std::string &path) : path_(path), target_(path)
 {
@@ -100,7 +108,8 @@ void OutputFile::close()
 
 void OutputFile::fail(int error) const
 {
-    throw OutputError(fmt::format("{}: cannot write: {}", path_, std::strerror(error)));
+    throw OutputError(
+        fmt::format("{}: cannot write: {}", readable(path_, READABLE_PATH), std::strerror(error)));
 }
 
 } // namespace nf

@@ -20,6 +20,9 @@ struct OutputError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+// Whether something has this name. A name that no file can have is that of none.
+bool is_there(const std::filesystem::path &path);
+
 // Writes to a new file beside `path` and gives it that name in close(). Until then a file that was
 // there under that name stays as it is. So it does without close(), after an exception or a signal
 // that ends the program. What is no file, as a pipe or a device, is written to itself.

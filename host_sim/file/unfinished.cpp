@@ -18,7 +18,8 @@ namespace
 
 constexpr std::array<int, 5> ENDS = {SIGHUP, SIGINT, SIGPIPE, SIGQUIT, SIGTERM};
 
-// What a handler reads: memory of fixed size that is there before any signal. The name is complete before `used` is true.
+// What a handler reads: memory of fixed size that is there before any signal. The name is complete
+// before `used` is true.
 struct Slot {
     std::atomic<bool> used{false};
     std::array<char, PATH_MAX> path{};
@@ -26,7 +27,8 @@ struct Slot {
 std::array<Slot, 16> slots;
 static_assert(std::atomic<bool>::is_always_lock_free, "a handler may read nothing else");
 
-// The action is the default one again when this is called, so the program ends as it would have without it.
+// The action is the default one again when this is called. So the program ends as it would have
+// ended without it.
 void remove_and_end(int signal)
 {
     for (const Slot &slot : slots) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-// Files that a signal must not leave behind: Ctrl-C, or the system, may end the program while it writes them.
+// Files that a signal must not leave behind: it may end the program while they are written.
 #pragma once
 
 #include <cstddef>

@@ -57,7 +57,7 @@ struct Records {
 // words where it has refused; and for no record at all. Records of version 1, which had no checksums, are read with a remark.
 Records read_records(const std::vector<std::string> &lines, const std::string &name);
 
-// Of a log file. Throws ConfigError, or LogError where it cannot be read.
+// Of a log file. Throws ConfigError, or InputError where it cannot be read.
 Records read_records_file(const std::string &path);
 
 } // namespace nf::identify

@@ -2,16 +2,12 @@
 #include "command_source.h"
 
 #include "interrupt.h"
+#include "readable.h"
 
 #include <array>
 #include <cerrno>
-#include <cstring>
-#include <stdexcept>
-#include <utility>
 
-#include <fcntl.h>
 #include <poll.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <fmt/format.h>
@@ -38,7 +34,7 @@ public:
             line = source_.next();
         }
         if (line) {
-            fmt::print(echo_, "{}{}\n", prompt, *line);
+            fmt::print(echo_, "{}{}\n", prompt, readable(*line, debug::LINE_READABLE));
         }
         return line;
     }
@@ -56,15 +52,11 @@ private:
 } // namespace
 
 CommandSource::CommandSource(const std::string &path)
-    : file_(path.empty() || path == "-" ? STDIN_FILENO : open(path.c_str(), O_RDONLY | O_CLOEXEC))
+    : file_(path.empty() || path == "-" ? STDIN_FILENO : open_input(path)),
+      collector_(file_ == STDIN_FILENO ? "standard input" : path, file_)
 {
-    if (file_ < 0) {
-        throw std::runtime_error(fmt::format("{}: cannot read: {}", path, std::strerror(errno)));
-    }
-    struct stat kind = {};
-    if (fstat(file_, &kind) == 0 && S_ISDIR(kind.st_mode)) {
-        close(file_);
-        throw std::runtime_error(path + ": is a directory, no file of commands");
+    if (file_ == STDIN_FILENO) {
+        check_standard_input();
     }
 }
 
@@ -79,20 +71,17 @@ void CommandSource::take_what_has_come()
 {
     std::array<char, 4096> bytes{};
     pollfd entry = {file_, POLLIN, 0};
-    while (!ended_ && poll(&entry, 1, 0) > 0) {
+    while (!ended_ && lines_.empty() && poll(&entry, 1, 0) > 0) {
         const ssize_t count = read(file_, bytes.data(), bytes.size());
         ended_ = count == 0 || (count < 0 && errno != EINTR && errno != EAGAIN);
         for (ssize_t k = 0; k < count; k++) {
-            const char c = bytes.at(static_cast<std::size_t>(k));
-            if (c == '\n') {
-                lines_.push_back(std::exchange(begun_, ""));
-            } else if (c != '\r') {
-                begun_ += c;
+            if (collector_.add(bytes.at(static_cast<std::size_t>(k)))) {
+                lines_.push_back(collector_.take());
             }
         }
     }
-    if (ended_ && !begun_.empty()) {
-        lines_.push_back(std::exchange(begun_, ""));
+    if (ended_ && collector_.has_begun()) {
+        lines_.push_back(collector_.take());
     }
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "line_reader.h"
+#include "whole_input.h"
 
 #include <deque>
 #include <functional>
@@ -16,13 +17,13 @@ namespace nf::live
 class CommandSource
 {
 public:
-    // "-" or empty: standard input. Throws std::runtime_error with the file's name.
+    // "-" or empty: standard input. Throws InputError with the file's name.
     explicit CommandSource(const std::string &path);
     ~CommandSource();
     CommandSource(const CommandSource &) = delete;
     CommandSource &operator=(const CommandSource &) = delete;
 
-    // The next line, if it has come.
+    // The next line, if it has come. Throws InputError for one that is too long for a command.
     std::optional<std::string> next();
 
     // There will be none any more.
@@ -39,7 +40,7 @@ private:
 
     int file_;
     bool ended_ = false;
-    std::string begun_; // of a line
+    LineCollector collector_;
     std::deque<std::string> lines_;
 };
 

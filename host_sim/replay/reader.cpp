@@ -3,6 +3,7 @@
 
 #include "line_code.h"
 #include "log_file.h"
+#include "whole_input.h"
 
 #include <optional>
 #include <string>
@@ -180,7 +181,7 @@ std::string bytes_of(const std::filesystem::path &path)
     try {
         return read_log(path, fmt::format("keep the lines with a '{}', they are the recordings",
                                           RECORDER_LINE_MARK));
-    } catch (const LogError &error) {
+    } catch (const InputError &error) {
         throw RecordingError(error.what());
     }
 }

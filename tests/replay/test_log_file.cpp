@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "testing.h"
+#include "whole_input.h"
 
 namespace
 {
@@ -83,7 +84,7 @@ TEST(a_file_that_cannot_be_read_is_named)
     try {
         nf::read_log("no/such/file.log", "");
         TEST_FAIL_MESSAGE("it was read");
-    } catch (const nf::LogError &error) {
+    } catch (const nf::InputError &error) {
         TEST_ASSERT_EQUAL_STRING("no/such/file.log: cannot read: No such file or directory",
                                  error.what());
     }

@@ -8,9 +8,13 @@ got cheap may have stopped doing something; it leaves room for what makes the co
 import math
 import tomllib
 
+from whole_file import read_whole
+
 from .image import BenchError
 
 BELOW_PERCENT, ABOVE_PERCENT = 10, 3
+TOML_BYTES_MAX = 1 << 20
+
 HEADER = """\
 # What the control tick may cost: [lowest, highest] of each figure, measured −{below} % and +{above} %.
 # Held by the test target.cost. Written by `tools/dev figures --write budget`; say in the
@@ -35,12 +39,11 @@ def as_toml(figures):
 def read(path):
     """Bounds by group and figure."""
     try:
-        with open(path, "rb") as file:
-            budget = tomllib.load(file)
+        budget = tomllib.loads(read_whole(path, TOML_BYTES_MAX).decode())
     except OSError as error:
         raise BenchError(f"{path}: {error.strerror}; expected a budget, which `tools/dev figures --write` "
                          "writes") from error
-    except tomllib.TOMLDecodeError as error:
+    except (ValueError, RecursionError) as error:
         raise BenchError(f"{path}: {error}; expected TOML") from error
     return checked(path, budget)
 

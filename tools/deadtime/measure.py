@@ -119,7 +119,7 @@ def read(path):
         table = json.loads(text)
         return Measurement(*([tuple(known(kind, entry) for entry in pair) for pair in table[key]]
                              for kind, key in ((Result, "results"), (Wave, "waves"))))
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise PlotError(f"{path}: {type(error).__name__} {error}; expected what "
                         "`tools/plot.py deadtime` has measured") from error
 

@@ -41,7 +41,7 @@ BELOW = {
 }
 CORE = [folder for folder in BELOW if folder.startswith("firmware/")]
 BELOW |= {
-    "host_sim/config": [*CORE, "host_sim/zoo"],
+    "host_sim/config": [*CORE, "host_sim/zoo", "host_sim/file"],
     "host_sim/file": [],
     "host_sim/program": [*CORE, "host_sim/config", "host_sim/file"],
     "host_sim/sheet": [*CORE, "host_sim/config", "host_sim/file", "host_sim/program"],
@@ -52,7 +52,7 @@ BELOW |= {
     "host_sim/output": [*CORE, "host_sim/config", "host_sim/file", "host_sim/run"],
     "host_sim/certify": [*CORE, "host_sim/plant", "host_sim/zoo", "host_sim/config", "host_sim/run"],
     "host_sim/replay": [*CORE, "host_sim/config", "host_sim/file", "host_sim/run", "host_sim/output"],
-    "host_sim/debug": [*CORE, "host_sim/config", "host_sim/reference", "host_sim/run", "host_sim/output"],
+    "host_sim/debug": [*CORE, "host_sim/config", "host_sim/file", "host_sim/reference", "host_sim/run", "host_sim/output"],
     "host_sim/live": [*CORE, "hal/host", "host_sim/config", "host_sim/file", "host_sim/run", "host_sim/identify", "host_sim/output",
                       "host_sim/replay", "host_sim/debug"],
     "host_sim/web": [*CORE, "host_sim/config", "host_sim/run", "host_sim/identify", "host_sim/output", "host_sim/debug",

@@ -57,7 +57,7 @@ def read_design(path):
         design = json.loads(text)
         design["models"][0]["stable_region"]["kp"]
         design["comparison"]
-    except (ValueError, LookupError, TypeError) as error:
+    except (ValueError, LookupError, TypeError, RecursionError) as error:
         raise PlotError(f"{path}: {error!r}; expected the output of "
                         "`gaindesign design --json`") from error
     return design

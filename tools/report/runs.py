@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from whole_file import read_whole
 
 TIME = "time_s"
 WORDS = ("state", "fault")  # columns of names or codes, kept as text
@@ -60,7 +61,7 @@ class Run:
 
 def read_text(path, expected):
     try:
-        return path.read_text(encoding="utf-8")
+        return read_whole(path).decode()
     except OSError as error:
         raise PlotError(f"{path}: {error.strerror}; expected {expected}") from error
     except UnicodeDecodeError as error:
@@ -109,7 +110,7 @@ def read_metrics(path):
     text = read_text(path, "the metrics of the run of the same name")
     try:
         metrics = json.loads(text)
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise PlotError(f"{path}: {error}; expected one JSON object") from error
     if not isinstance(metrics, dict):
         raise PlotError(f"{path}: holds no object; expected one JSON object")

@@ -6,6 +6,8 @@ import zlib
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from whole_file import read_whole
+
 from . import distributions
 from .axes import Axis
 from .distributions import DistributionError, is_number, shown, text_of
@@ -14,6 +16,7 @@ from .zoo import VARIANTS, Zoo
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "host_sim" / "campaigns"
 RUNS_MAX = 10_000_000
+TOML_BYTES_MAX = 1 << 20
 SEED_MAX = 2**63 - 1  # TOML's largest whole number
 ZOO_SEED_MAX = 2**32 - 1
 
@@ -122,11 +125,10 @@ def find(reference):
 def load(reference):
     path = find(reference)
     try:
-        with open(path, "rb") as file:
-            document = tomllib.load(file)
+        document = tomllib.loads(read_whole(path, TOML_BYTES_MAX).decode())
     except OSError as error:
         raise CampaignError(f"{path}: {error.strerror}; expected a campaign file") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (ValueError, RecursionError) as error:
         raise CampaignError(f"{path}: {error}; expected TOML") from error
     return Reader(path, document).campaign()
 

@@ -9,6 +9,8 @@ import fcntl
 import json
 import os
 
+from whole_file import read_whole
+
 from .campaign import CampaignError
 
 FILE = "runs.jsonl"
@@ -22,11 +24,11 @@ def as_line(content):
 
 def whole_lines(path):
     """The objects of the file's complete lines, and how many bytes those take."""
-    content = path.read_bytes()
+    content = read_whole(path)
     size = content.rfind(b"\n") + 1
     try:
         lines = [json.loads(line) for line in content[:size].splitlines()]
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise CampaignError(f"{path}: {error}; expected a line of JSON a run") from error
     for number, line in enumerate(lines, start=1):
         if not isinstance(line, dict) or not line.keys() >= (ROW_KEYS if number > 1 else HEAD_KEYS):
