@@ -11,7 +11,9 @@
 #include "files.h"
 #include "hal_header.h"
 #include "header.h"
+#include "output_file.h"
 #include "program.h"
+#include "readable.h"
 #include "schema.h"
 #include "timed_list.h"
 #include "zoo.h"
@@ -78,7 +80,7 @@ void write_out(const Choice &choice, const nf::Config &config,
 
 void write_block(const Choice &choice)
 {
-    if (!choice.overwrite && choice.out != "-" && std::filesystem::exists(choice.out)) {
+    if (!choice.overwrite && choice.out != "-" && nf::is_there(choice.out)) {
         throw std::runtime_error(
             fmt::format("{}: is there already; --overwrite replaces it", choice.out));
     }
@@ -186,7 +188,7 @@ void write_zoo(const std::string &name, const std::filesystem::path &folder)
 {
     const std::optional<nf::zoo::Reference> found = nf::zoo::parse(name);
     if (!found) {
-        nf::fail({"command line", 0}, "motor", '"' + name + '"', "is not in the zoo",
+        nf::fail({"command line", 0}, "motor", '"' + nf::readable(name) + '"', "is not in the zoo",
                  nf::zoo::allowed());
     }
     std::error_code ignored; // a folder that is not there is found by the first file

@@ -29,6 +29,7 @@ import sys
 from pathlib import Path
 
 import own_python
+import user_text
 
 ROOT = Path(__file__).resolve().parents[1]
 BUDGET = ROOT / "tools/bench/budget.toml"
@@ -140,7 +141,7 @@ def add_budget(parser):
 def arguments_of(words):
     from bench.machine import CPU
     from bench.replay import RECORDINGS, state_names
-    parser = argparse.ArgumentParser(
+    parser = user_text.Parser(
         prog="bench_target.py", description=__doc__, epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", type=Path, default=ROOT / "build", metavar="DIR",
@@ -179,7 +180,7 @@ def main(words=None):
             return 0
         return report_on(console, benches, args)
     except BenchError as error:
-        print(f"bench_target.py: {error}", file=sys.stderr)
+        user_text.tell("bench_target.py", error)
         return 2
 
 

@@ -17,6 +17,7 @@ import sys
 from pathlib import Path
 
 import own_python
+import user_text
 from deadtime.points import SETS
 
 TRACE_HELP = """One run as a figure: panels over one time axis, steps of the command and load marked.
@@ -181,7 +182,7 @@ def main(arguments=None):
     if problem:
         sys.exit(f"plot.py: {problem}")
     from report.runs import PlotError
-    parser = argparse.ArgumentParser(
+    parser = user_text.Parser(
         prog="plot.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     add_trace(commands)
@@ -192,7 +193,7 @@ def main(arguments=None):
     try:
         args.run(args)
     except PlotError as error:
-        print(f"plot.py: {error}", file=sys.stderr)
+        user_text.tell("plot.py", error)
         return 2
     return 0
 

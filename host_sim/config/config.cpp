@@ -9,6 +9,7 @@
 #include "numbers.h"
 #include "plate.h"
 #include "ratings.h"
+#include "readable.h"
 #include "refusal.h"
 #include "scenario_file.h"
 
@@ -65,7 +66,7 @@ Layer read_drawn(FileKind kind, const Reference &reference, const std::string &k
     const bool is_there =
         drawn && kind != FileKind::tuning && (kind == FileKind::scenario || !drawn->user);
     if (!is_there) {
-        fail(reference.origin, key, '"' + reference.text + '"', "is not in the zoo",
+        fail(reference.origin, key, '"' + readable(reference.text) + '"', "is not in the zoo",
              kind == FileKind::tuning ? allowed_references(kind) : zoo::allowed());
     }
     const std::string name = fmt::format("{}/{}.toml", drawn->name(), kind_name(kind));
@@ -101,7 +102,7 @@ void read_chain(const Chain &chain, const Reference &reference, const std::strin
                 std::size_t depth, std::vector<Layer> &layers)
 {
     if (depth > INCLUDE_DEPTH) {
-        fail(reference.origin, key, '"' + reference.text + '"', chain.loop,
+        fail(reference.origin, key, '"' + readable(reference.text) + '"', chain.loop,
              fmt::format("at most {} levels", INCLUDE_DEPTH));
     }
     Layer layer = read_reference(chain.kind, reference, key);
@@ -464,8 +465,8 @@ void check_output(const Config &config, const std::string &option, const fs::pat
     for (const fs::path &read : config.sources.read) {
         std::error_code error;
         if (fs::equivalent(path, read, error)) {
-            fail({option, 0}, path.string(), "", "the configuration is read from this file",
-                 "another file");
+            fail({option, 0}, readable(path.string(), READABLE_PATH), "",
+                 "the configuration is read from this file", "another file");
         }
     }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "document.h"
 
+#include "readable.h"
 #include "text_guard.h"
 
 #include <algorithm>
@@ -26,8 +27,8 @@ namespace nf
 namespace
 {
 
-constexpr int REPLACED_MAX = 16;      // numbers too large in a text; each is a pass of the parser
-constexpr std::size_t SHOWN_MAX = 60; // bytes of a value in a message
+constexpr int REPLACED_MAX = 16; // numbers too large in a text; each is a pass of the parser
+constexpr std::size_t SYNTAX_READABLE = 200; // what the parser says repeats a key whole
 
 Node convert(const toml::node &source, const std::string &file);
 
@@ -94,7 +95,7 @@ std::string shown_list(const Node &node)
 {
     std::string text = "[";
     for (const Node &item : node.items) {
-        if (text.size() > SHOWN_MAX) {
+        if (text.size() > READABLE) {
             break;
         }
         text += (text.size() > 1 ? ", " : "") + shown(item);
@@ -106,19 +107,6 @@ std::string shown_list(const Node &node)
 bool is_inside_character(char c)
 {
     return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U;
-}
-
-// Cuts a text without cutting a UTF-8 character.
-std::string shortened(const std::string &text)
-{
-    if (text.size() <= SHOWN_MAX) {
-        return text;
-    }
-    std::size_t end = SHOWN_MAX;
-    while (end > 0 && is_inside_character(text[end])) {
-        end--;
-    }
-    return text.substr(0, end) + "…";
 }
 
 bool is_safe(const std::string &text)
@@ -254,7 +242,7 @@ Node parse_document(const std::string &name, const std::string &text)
     if (!result) {
         const toml::parse_error &error = result.error();
         fail({name, error.source().begin.line}, "", "",
-             "TOML syntax: " + std::string(error.description()), "");
+             "TOML syntax: " + readable(error.description(), SYNTAX_READABLE), "");
     }
     return convert(result.table(), name);
 }
@@ -263,7 +251,7 @@ Node parse_override(const std::string &key, const std::string &value)
 {
     const Origin origin = {"--set", 0};
     if (value.empty()) {
-        fail(origin, key, "", "has no value", "KEY=VALUE");
+        fail(origin, readable(key), "", "has no value", "KEY=VALUE");
     }
     Node node;
     node.kind = Node::Kind::text;
@@ -284,7 +272,7 @@ std::string shown(const Node &node)
     case Node::Kind::table:
         return "{…}";
     case Node::Kind::list:
-        return shortened(shown_list(node));
+        return readable(shown_list(node));
     case Node::Kind::boolean:
         return node.boolean ? "true" : "false";
     case Node::Kind::integer:
@@ -292,7 +280,7 @@ std::string shown(const Node &node)
     case Node::Kind::real:
         return fmt::format("{}", node.real);
     case Node::Kind::text:
-        return '"' + shortened(node.text) + '"';
+        return '"' + readable(node.text) + '"';
     case Node::Kind::time:
         break;
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "event_file.h"
 
+#include "readable.h"
 #include "schema.h"
 #include "suggest.h"
 
@@ -156,8 +157,8 @@ void check_list(const std::string &name, const std::vector<std::string> &keys, c
         }
         for (const auto &[key, value] : entry.members) {
             if (std::count(keys.begin(), keys.end(), key) == 0) {
-                fail(value.origin, fmt::format("{}.{}", name, key), shown(value), "unknown key",
-                     fmt::format("{}", fmt::join(keys, ", ")));
+                fail(value.origin, fmt::format("{}.{}", name, readable(key)), shown(value),
+                     "unknown key", fmt::format("{}", fmt::join(keys, ", ")));
             }
         }
     }

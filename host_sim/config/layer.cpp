@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "layer.h"
 
+#include "readable.h"
 #include "scenario_file.h"
 #include "suggest.h"
 
@@ -67,7 +68,7 @@ std::vector<std::string> all_sections()
     const std::string section = name.substr(0, name.find('.'));
     const bool known = std::count(sections.begin(), sections.end(), section) != 0;
     const std::vector<std::string> offered = known ? keys_of({section}) : sections;
-    fail(value.origin, name, shown(value),
+    fail(value.origin, readable(name), shown(value),
          near.empty() ? "unknown key" : fmt::format("unknown key, did you mean {}?", near),
          near.empty() ? fmt::format("{}", fmt::join(offered, ", ")) : "");
 }
@@ -77,7 +78,7 @@ std::vector<std::string> all_sections()
     const std::vector<std::string> sections = sections_of(kind);
     const std::string near = nearest(section, sections);
     const std::string problem = fmt::format("no table of {} files", kind_name(kind));
-    fail(origin, '[' + section + ']', "",
+    fail(origin, '[' + readable(section) + ']', "",
          near.empty() ? problem : fmt::format("{}, did you mean [{}]?", problem, near),
          fmt::format("[{}]", fmt::join(sections, "], [")));
 }
@@ -163,7 +164,8 @@ Layer read_override(const std::string &text)
     const std::size_t equals = text.find('=');
     const std::string name = text.substr(0, equals);
     if (equals == std::string::npos || name.empty()) {
-        fail({layer.file, 0}, '"' + text + '"', "", "is no override", "section.key=value");
+        fail({layer.file, 0}, '"' + readable(text) + '"', "", "is no override",
+             "section.key=value");
     }
     const std::string written = text.substr(equals + 1);
     const Node value = parse_override(name, written);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "origin.h"
 
-#include <algorithm>
+#include "readable.h"
 
 #include <fmt/format.h>
 
@@ -16,7 +16,8 @@ std::string Origin::text() const
 void fail(const Origin &origin, const std::string &key, const std::string &value,
           const std::string &problem, const std::string &allowed)
 {
-    std::string line = origin.text() + ": " + key;
+    const Origin shown = {readable(origin.file, READABLE_PATH), origin.line};
+    std::string line = shown.text() + ": " + key;
     if (!value.empty()) {
         line += " = " + value;
     }
@@ -24,11 +25,7 @@ void fail(const Origin &origin, const std::string &key, const std::string &value
     if (!allowed.empty()) {
         line += "; allowed: " + allowed;
     }
-    const auto is_control = [](char c) {
-        return static_cast<unsigned char>(c) < 0x20 || c == 0x7F;
-    };
-    std::replace_if(line.begin(), line.end(), is_control, '?');
-    throw ConfigError(line);
+    throw ConfigError(readable(line, READABLE_LINE));
 }
 
 } // namespace nf

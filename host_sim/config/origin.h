@@ -35,7 +35,7 @@ struct ConfigError : std::runtime_error {
 };
 
 // Throws the ConfigError of that form. An empty value leaves out "= VALUE", an empty `allowed` the
-// end. Control characters become '?', so it stays one line.
+// end. It is readable() and stays one line; a caller shortens what a user wrote.
 [[noreturn]] void fail(const Origin &origin, const std::string &key, const std::string &value,
                        const std::string &problem, const std::string &allowed);
 

@@ -3,6 +3,7 @@
 
 #include "event_file.h"
 #include "files.h"
+#include "readable.h"
 #include "si.h"
 #include "suggest.h"
 #include "timed_list.h"
@@ -57,7 +58,7 @@ void check_selection(const std::string &selection, const Origin &origin)
         parts.push_back(selection.substr(begin, end - begin));
         begin = end + 1;
     }
-    const std::string name = fmt::format("[accept.{}]", selection);
+    const std::string name = fmt::format("[accept.{}]", readable(selection));
     names.insert(names.begin(), {ANY, IDEAL});
     for (const std::string &part : parts) {
         if (std::count(names.begin(), names.end(), part) == 0) {
@@ -70,7 +71,7 @@ void check_selection(const std::string &selection, const Origin &origin)
     }
     if (selection != ANY && selection_name(parts) != selection) {
         fail(origin, name, "", "is not how this selection is written",
-             fmt::format("[accept.\"{}\"]", selection_name(parts)));
+             fmt::format("[accept.\"{}\"]", readable(selection_name(parts))));
     }
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "schema.h"
 
+#include "readable.h"
+
 extern "C" {
 #include "recorder.h"
 }
@@ -511,7 +513,7 @@ std::string Field::value_text(const Config &config) const
 {
     Config copy = config;
     return std::visit(Overloaded{
-                          [](const std::string *text) { return '"' + *text + '"'; },
+                          [](const std::string *text) { return '"' + readable(*text) + '"'; },
                           [](const std::array<double, 2> *pair) {
                               return fmt::format("[{}, {}]", (*pair)[0], (*pair)[1]);
                           },

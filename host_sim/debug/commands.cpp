@@ -3,6 +3,7 @@
 
 #include "diff.h"
 #include "limit.h"
+#include "readable.h"
 #include "set.h"
 #include "stages.h"
 #include "suggest.h"
@@ -72,7 +73,7 @@ std::vector<std::string> words(const std::string &text)
 void no_arguments(const std::string &rest)
 {
     if (!rest.empty()) {
-        throw Refusal(fmt::format("'{}' is one word too many", rest));
+        throw Refusal(fmt::format("'{}' is one word too many", readable(rest)));
     }
 }
 
@@ -83,7 +84,7 @@ int64_t integer(const std::string &text, const char *what, int64_t lowest, int64
     const auto [stop, error] = std::from_chars(text.data(), end, value);
     if (error != std::errc() || stop != end || value < lowest || value > highest) {
         throw Refusal(fmt::format("{} is a whole number from {} to {}, found '{}'", what, lowest,
-                                  highest, text));
+                                  highest, readable(text)));
     }
     return value;
 }
@@ -116,7 +117,7 @@ std::string run(Session &session, const std::string &rest)
 {
     const auto [word, condition] = split(rest);
     if (!word.empty() && word != "until") {
-        throw Refusal(fmt::format("run, or run until EXPR; found '{}'", rest));
+        throw Refusal(fmt::format("run, or run until EXPR; found '{}'", readable(rest)));
     }
     Value value;
     if (word == "until") {
@@ -142,7 +143,7 @@ std::string go_to(Session &session, const std::string &rest)
         if (!whole || !inside) {
             throw Refusal(fmt::format("a time is from {}s to {}s, found '{}'",
                                       limit_number({false, first}, TIME_DIGITS),
-                                      limit_number({true, last}, TIME_DIGITS), rest));
+                                      limit_number({true, last}, TIME_DIGITS), readable(rest)));
         }
         tick = timeline.run().tick_at(time_s);
     } else {
@@ -168,8 +169,8 @@ std::string set_break(Session &session, const std::string &rest)
     }
     const auto [on, what] = split(rest);
     if (on != "on" || what.empty()) {
-        throw Refusal(
-            fmt::format("break on fault, break on state, or break on EXPR; found '{}'", rest));
+        throw Refusal(fmt::format("break on fault, break on state, or break on EXPR; found '{}'",
+                                  readable(rest)));
     }
     const Break one{what, parse_expression(what == "fault" ? "state == FAULT" : what, named_value),
                     what == "state", 0};
@@ -229,7 +230,7 @@ std::string unwatch(Session &session, const std::string &rest)
         const auto gone = std::remove_if(all.begin(), all.end(),
                                          [&](const Named &one) { return one.signal == signal; });
         if (gone == all.end()) {
-            throw Refusal(fmt::format("{} is not watched", name));
+            throw Refusal(fmt::format("{} is not watched", readable(name)));
         }
         all.erase(gone, all.end());
     }
@@ -294,7 +295,7 @@ std::string signals(const Session &session, const std::string &rest)
         }
     }
     if (text.empty()) {
-        throw Refusal(fmt::format("no signal has '{}' in its name", rest));
+        throw Refusal(fmt::format("no signal has '{}' in its name", readable(rest)));
     }
     return text;
 }
@@ -309,9 +310,10 @@ const Command &command_of(const std::string &name)
         names.emplace_back(command.name);
     }
     const std::vector<std::string> near = nearest_at_all(name, names, NEAR_COUNT);
-    throw Refusal(near.empty() ? fmt::format("there is no command {}; `help` lists them", name)
-                               : fmt::format("there is no command {}; near: {}; `help` lists all",
-                                             name, fmt::join(near, " ")));
+    throw Refusal(near.empty()
+                      ? fmt::format("there is no command {}; `help` lists them", readable(name))
+                      : fmt::format("there is no command {}; near: {}; `help` lists all",
+                                    readable(name), fmt::join(near, " ")));
 }
 
 std::string help(const Session &session, const std::string &rest)
@@ -402,6 +404,10 @@ const std::vector<Command> &commands()
 
 Answer execute(Session &session, const std::string &line)
 {
+    const std::string problem = utf8_problem(line);
+    if (!problem.empty()) {
+        return {Outcome::refused, problem + '\n'};
+    }
     const auto [name, rest] = split(line.substr(0, line.find('#')));
     if (name.empty()) {
         return {Outcome::done, ""};
@@ -411,7 +417,8 @@ Answer execute(Session &session, const std::string &line)
         const std::string text = command.act(session, rest);
         return {name == "quit" ? Outcome::quit : Outcome::done, text};
     } catch (const std::runtime_error &error) {
-        return {Outcome::refused, fmt::format("{}: {}\n", name, error.what())};
+        return {Outcome::refused,
+                fmt::format("{}: {}\n", readable(name), readable(error.what(), READABLE_LINE))};
     }
 }
 

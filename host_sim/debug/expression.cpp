@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "expression.h"
 
+#include "readable.h"
+
 #include <array>
 #include <cctype>
 #include <cmath>
@@ -94,7 +96,7 @@ public:
         Value value = either();
         skip_blanks();
         if (at_ < text_.size()) {
-            fail(fmt::format("'{}' is not expected here", text_.substr(at_)));
+            fail(fmt::format("'{}' is not expected here", readable(text_.substr(at_))));
         }
         return value;
     }
@@ -190,7 +192,7 @@ private:
             return name();
         }
         fail(c == '\0' ? "a value is missing"
-                       : fmt::format("'{}' is neither a number nor a name", c));
+                       : fmt::format("'{}' is neither a number nor a name", readable({&c, 1})));
     }
 
     Value number()
@@ -253,7 +255,7 @@ private:
 
     [[noreturn]] void fail(const std::string &why) const
     {
-        throw ExpressionError(fmt::format("column {} of '{}': {}", at_ + 1, text_, why));
+        throw ExpressionError(fmt::format("column {} of '{}': {}", at_ + 1, readable(text_), why));
     }
 
     const std::string &text_;

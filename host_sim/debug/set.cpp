@@ -2,6 +2,7 @@
 #include "set.h"
 
 #include "limit.h"
+#include "readable.h"
 #include "state_check.h"
 #include "trimmed.h"
 #include "vocabulary.h"
@@ -225,7 +226,7 @@ std::string set_signal(Timeline &timeline, const std::string &assignment, Span s
 {
     const std::size_t equals = assignment.find('=');
     if (equals == std::string::npos) {
-        throw std::runtime_error(fmt::format("NAME = VALUE; found '{}'", assignment));
+        throw std::runtime_error(fmt::format("NAME = VALUE; found '{}'", readable(assignment)));
     }
     const Named named = named_signal(trimmed(assignment.substr(0, equals)));
     const Value value = parse_expression(assignment.substr(equals + 1), named_value);

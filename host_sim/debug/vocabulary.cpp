@@ -3,6 +3,7 @@
 
 #include "ends_with.h"
 #include "names.h"
+#include "readable.h"
 
 extern "C" {
 #include "fault_text.h"
@@ -38,7 +39,7 @@ const std::map<std::string, int> &enumerators()
 
 std::string unknown_text(const std::string &name)
 {
-    std::string line = fmt::format("there is no signal {}", name);
+    std::string line = fmt::format("there is no signal {}", readable(name));
     const std::vector<std::string> near = near_signals(name, NEAR_SIGNALS);
     if (near.empty()) {
         return line + "; `signals` lists them";

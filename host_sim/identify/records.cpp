@@ -3,6 +3,7 @@
 
 #include "config.h"
 #include "log_file.h"
+#include "readable.h"
 #include "si.h"
 
 extern "C" {
@@ -90,7 +91,7 @@ std::vector<double> numbers_of(const std::vector<std::string> &words, std::size_
     for (std::size_t k = first; k < words.size(); k++) {
         const std::optional<long> value = whole_of(words[k]);
         if (!value) {
-            place.refuse(fmt::format("\"{}\" is not a whole number", words[k]));
+            place.refuse(fmt::format("\"{}\" is not a whole number", readable(words[k])));
         }
         numbers.push_back(static_cast<double>(*value));
     }
@@ -132,7 +133,7 @@ bool is_kind(const std::string &kind)
 void check_kind(const std::string &kind, const Place &place)
 {
     if (!is_kind(kind)) {
-        place.refuse(fmt::format("a record of the kind \"{}\", expected one of {}", kind,
+        place.refuse(fmt::format("a record of the kind \"{}\", expected one of {}", readable(kind),
                                  fmt::join(KINDS, ", ")));
     }
 }

@@ -8,9 +8,11 @@
 #include "findings.h"
 #include "found_fault.h"
 #include "limit.h"
+#include "line_reader.h"
 #include "names.h"
 #include "numbers.h"
 #include "output_file.h"
+#include "readable.h"
 #include "reader.h"
 #include "run_recording.h"
 #include "si.h"
@@ -225,14 +227,15 @@ Answer BoardCommands::identify(const std::string &files)
     std::string more;
     words >> plate >> path >> more;
     if (!more.empty()) {
-        return refused(
-            fmt::format("identify takes a name plate and a new file, found \"{}\" too", more));
+        return refused(fmt::format("identify takes a name plate and a new file, found \"{}\" too",
+                                   readable(more)));
     }
     if (path.empty()) {
         return identify(plate, nullptr);
     }
-    if (std::filesystem::exists(path)) {
-        return refused(path + ": is there already; identify takes the name of a new file");
+    if (is_there(path)) {
+        return refused(readable(path, READABLE_PATH) +
+                       ": is there already; identify takes the name of a new file");
     }
     OutputFile file(path);
     Answer answer = identify(plate, &file);
@@ -266,7 +269,7 @@ Answer BoardCommands::speed(const std::string &value)
     const int32_t most = follower_.about().speed_max_rpm;
     if (!rpm || std::abs(*rpm) > most) {
         return refused(
-            fmt::format("speed takes rpm, {} to {}, found \"{}\"", -most, most, value));
+            fmt::format("speed takes rpm, {} to {}, found \"{}\"", -most, most, readable(value)));
     }
     return amend([&](drive_command_t &wanted) {
         wanted.mode = DRIVE_MODE_SPEED;
@@ -283,7 +286,7 @@ Answer BoardCommands::position(const std::string &value)
     if (!found || target < INT32_MIN || target > INT32_MAX) {
         return refused(fmt::format("position takes turns, or degrees as 90deg, {}{}, found \"{}\"",
                                    limits_text(INT32_MIN / one, INT32_MAX / one, POSITION_DIGITS),
-                                   degrees ? " degrees" : " turns", value));
+                                   degrees ? " degrees" : " turns", readable(value)));
     }
     return amend([&](drive_command_t &wanted) {
         wanted.mode = DRIVE_MODE_POSITION;
@@ -305,7 +308,7 @@ Answer BoardCommands::torque(const std::string &value)
     const double most = torque_max_nm();
     if (!found || std::abs(*found) > most) {
         return refused(fmt::format("torque takes N·m, {}, found \"{}\"", limits_text(-most, most),
-                                   value));
+                                   readable(value)));
     }
     return amend([&](drive_command_t &wanted) {
         wanted.mode = DRIVE_MODE_TORQUE;
@@ -353,7 +356,7 @@ void BoardCommands::take_line(const std::string &line)
     } else if (dumping_ && line == "dump ends") {
         dump_ended_ = true;
     } else {
-        surroundings_.say("board: " + line);
+        surroundings_.say("board: " + readable(line, debug::LINE_READABLE));
     }
 }
 
@@ -439,8 +442,8 @@ Answer BoardCommands::wait(const std::string &seconds)
 {
     const std::optional<double> time_s = number(seconds);
     if (!time_s || *time_s < 0 || *time_s > WAIT_MAX_S) {
-        return refused(
-            fmt::format("wait takes seconds, 0 to {:g}, found \"{}\"", WAIT_MAX_S, seconds));
+        return refused(fmt::format("wait takes seconds, 0 to {:g}, found \"{}\"", WAIT_MAX_S,
+                                   readable(seconds)));
     }
     surroundings_.pass(*time_s);
     return done();
@@ -450,7 +453,8 @@ Answer BoardCommands::step_through(const std::string &seconds)
 {
     const std::optional<double> time_s = seconds.empty() ? follower_.kept_s() : number(seconds);
     if (!time_s || *time_s <= 0) {
-        return refused(fmt::format("debug takes seconds, more than 0, found \"{}\"", seconds));
+        return refused(
+            fmt::format("debug takes seconds, more than 0, found \"{}\"", readable(seconds)));
     }
     const std::optional<RecordedRun> run = follower_.shadow().run(*time_s);
     if (!run) {
@@ -466,6 +470,9 @@ Answer BoardCommands::status() const
 
 Answer BoardCommands::execute(const std::string &line)
 {
+    if (const std::string problem = utf8_problem(line); !problem.empty()) {
+        return refused(problem);
+    }
     const std::string text = debug::trimmed(line);
     const std::size_t blank = text.find(' ');
     const std::string word = text.substr(0, blank);
@@ -511,7 +518,7 @@ Answer BoardCommands::execute(const std::string &line)
             }
         }
     }
-    return refused(fmt::format("no command \"{}\"; `help` lists them", word));
+    return refused(fmt::format("no command \"{}\"; `help` lists them", readable(word)));
 }
 
 namespace

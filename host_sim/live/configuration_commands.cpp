@@ -10,6 +10,7 @@
 #include "output_file.h"
 #include "pattern.h"
 #include "plate.h"
+#include "readable.h"
 #include "trimmed.h"
 
 #include <cstring>
@@ -53,7 +54,7 @@ std::string keys_of(const std::vector<std::string> &assignments)
     std::vector<std::string> keys;
     keys.reserve(assignments.size());
     for (const std::string &each : assignments) {
-        keys.push_back(debug::trimmed(each.substr(0, each.find('='))));
+        keys.push_back(readable(debug::trimmed(each.substr(0, each.find('=')))));
     }
     return fmt::format("{}", fmt::join(keys, ", "));
 }
@@ -205,7 +206,7 @@ Answer ConfigurationCommands::get(const std::string &part)
     return text.empty()
                ? refused(fmt::format("no setting has \"{}\" in its path; `get` alone shows "
                                      "them all",
-                                     part))
+                                     readable(part)))
                : done(text);
 }
 
@@ -214,8 +215,9 @@ Answer ConfigurationCommands::dump(const std::string &path)
     if (path.empty()) {
         return refused("dump takes the name of a file");
     }
-    if (std::filesystem::exists(path)) {
-        return refused(path + ": is there already; dump takes the name of a new file");
+    if (is_there(path)) {
+        return refused(readable(path, READABLE_PATH) +
+                       ": is there already; dump takes the name of a new file");
     }
     OutputFile file(path);
     file.write(block_bytes(follower_.block_in_force()));

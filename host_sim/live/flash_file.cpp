@@ -26,7 +26,7 @@ hal_host_flash_t read_flash(const std::string &path, unsigned seed)
 {
     hal_host_flash_t flash;
     hal_host_flash_init(&flash, seed);
-    if (!std::filesystem::exists(path)) {
+    if (!is_there(path)) {
         return flash;
     }
     const std::string bytes = read_bytes(path);

@@ -3,6 +3,7 @@
 
 #include "paced_channel.h"
 #include "port_search.h"
+#include "readable.h"
 #include "serial_port.h"
 
 #include <fmt/ranges.h>
@@ -45,7 +46,8 @@ unsigned rate_of(const LiveArguments &arguments)
             [&](unsigned rate) { return std::make_unique<SerialPort>(arguments.port, rate); },
             rates_of(arguments));
     } catch (const LinkError &error) {
-        throw LinkError(fmt::format("{}: {}", arguments.port, error.what()));
+        throw LinkError(
+            fmt::format("{}: {}", readable(arguments.port, READABLE_PATH), error.what()));
     }
 }
 

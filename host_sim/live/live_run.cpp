@@ -8,6 +8,7 @@
 #include "interrupt.h"
 #include "line_rate.h"
 #include "live_view.h"
+#include "readable.h"
 #include "trace.h"
 #include "trimmed.h"
 #include "udp_sink.h"
@@ -257,7 +258,7 @@ std::optional<std::string> LiveRun::next_line()
 void LiveRun::execute(const std::string &line)
 {
     if (!person_) {
-        say("> " + line);
+        say("> " + readable(line, debug::LINE_READABLE));
     }
     const debug::Answer answer = commands_.execute(line);
     if (!answer.text.empty()) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pty_server.h"
 
+#include "readable.h"
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -93,7 +95,7 @@ void Pty::make_link()
     }
     if (symlink(port_.c_str(), link_.c_str()) != 0) {
         const std::string name = std::exchange(link_, "");
-        fail(name + ": cannot make a link");
+        fail(readable(name, READABLE_PATH) + ": cannot make a link");
     }
 }
 

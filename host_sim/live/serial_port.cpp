@@ -2,6 +2,8 @@
 // The kernel's own termios2: <termios.h> has a fixed list of rates.
 #include "serial_port.h"
 
+#include "readable.h"
+
 #include <cerrno>
 #include <chrono>
 #include <cstring>
@@ -47,7 +49,8 @@ SerialPort::~SerialPort()
 
 void SerialPort::fail(const char *what) const
 {
-    throw ChannelError(fmt::format("{}: {}: {}", path_, what, std::strerror(errno)));
+    throw ChannelError(
+        fmt::format("{}: {}: {}", readable(path_, READABLE_PATH), what, std::strerror(errno)));
 }
 
 void SerialPort::set_up(unsigned baud)

@@ -32,7 +32,8 @@ Stream::Part *Stream::part(uint32_t segment)
     if (segment == 0 || place < oldest_) {
         return nullptr;
     }
-    // Of those between two nothing may have come at all; of those that the ring has lost nothing will.
+    // Of those between two nothing may have come at all; of those that the ring has lost nothing
+    // will.
     const Place known = newest_ == 0 ? place : std::max(newest_ + 1, place - RECORDER_SEGMENTS);
     for (Place at = known; at < place; at++) {
         (void)parts_[at];

@@ -4,8 +4,9 @@
 // A segment counts as a whole or not at all: only the hash behind it says whether it is right. A stretch is a segment whose
 // begin was announced, and those behind it whose announcements the line has lost, up to the next announced one.
 //
-// The board's numbers count from 1 on and begin again behind the largest one, as 0 is none. So each has a
-// place here, which counts on: of all places with this number, the one nearest to the newest segment.
+// The board's numbers count from 1 on and begin again behind the largest one, as 0 is none. So each
+// has a place here, which counts on: of all places with this number, the one nearest to the newest
+// segment.
 #pragma once
 
 #include "client.h"

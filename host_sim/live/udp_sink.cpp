@@ -2,6 +2,7 @@
 #include "udp_sink.h"
 
 #include "channel.h"
+#include "readable.h"
 #include "signals.h"
 
 #include <array>
@@ -62,7 +63,7 @@ void refuse_port(const std::string &address, const std::string &port)
     constexpr unsigned long PORT_MAX = 65535;
     const bool is_long = port.size() > DIGITS_MAX;
     if (number && (is_long || std::stoul(port) == 0 || std::stoul(port) > PORT_MAX)) {
-        throw ChannelError(fmt::format("{}: the port is 1 to {}", address, PORT_MAX));
+        throw ChannelError(fmt::format("{}: the port is 1 to {}", readable(address), PORT_MAX));
     }
 }
 
@@ -85,7 +86,7 @@ UdpSink::UdpSink(const std::string &address, unsigned every) : every_(every)
 {
     const std::size_t colon = address.rfind(':');
     if (colon == std::string::npos || colon == 0 || colon + 1 == address.size()) {
-        throw ChannelError(fmt::format("{}: --udp takes HOST:PORT", address));
+        throw ChannelError(fmt::format("{}: --udp takes HOST:PORT", readable(address)));
     }
     refuse_port(address, address.substr(colon + 1));
     addrinfo wanted{};
@@ -94,14 +95,15 @@ UdpSink::UdpSink(const std::string &address, unsigned every) : every_(every)
     const int problem = getaddrinfo(address.substr(0, colon).c_str(),
                                     address.substr(colon + 1).c_str(), &wanted, &found);
     if (problem != 0) {
-        throw ChannelError(fmt::format("{}: {}", address, gai_strerror(problem)));
+        throw ChannelError(fmt::format("{}: {}", readable(address), gai_strerror(problem)));
     }
     const std::unique_ptr<addrinfo, void (*)(addrinfo *)> owner(found, freeaddrinfo);
     socket_ = socket(found->ai_family, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     if (socket_ < 0 || connect(socket_, found->ai_addr, found->ai_addrlen) != 0) {
         const int error = errno;
         close(socket_);
-        throw ChannelError(fmt::format("{}: cannot send: {}", address, std::strerror(error)));
+        throw ChannelError(
+            fmt::format("{}: cannot send: {}", readable(address), std::strerror(error)));
     }
 }
 

@@ -3,6 +3,7 @@
 
 #include "completion.h"
 #include "output_file.h"
+#include "readable.h"
 
 #include <cerrno>
 #include <cstdio>
@@ -31,6 +32,28 @@ void flush_output()
     }
 }
 
+void replace_all(std::string &text, const std::string &what, const std::string &by)
+{
+    for (std::size_t at = text.find(what); at != std::string::npos;
+         at = text.find(what, at + by.size())) {
+        text.replace(at, what.size(), by);
+    }
+}
+
+// What the library says repeats words of the command line, or their part behind a '=', whole.
+std::string in_short(std::string text, const std::vector<std::string> &words)
+{
+    for (const std::string &word : words) {
+        for (const std::string &part : {word, word.substr(word.find('=') + 1)}) {
+            const std::string by = readable(part);
+            if (by != part) {
+                replace_all(text, part, by);
+            }
+        }
+    }
+    return readable(text, READABLE_LINE);
+}
+
 // Of the words that nobody expected, the first one's likeliest meaning.
 std::string what_was_meant(const CLI::App &app)
 {
@@ -57,13 +80,19 @@ std::optional<int> parse(CLI::App &app, int argc, char **argv)
         }
         return 0;
     }
+    for (int k = 1; k < argc; k++) {
+        if (const std::string problem = utf8_problem(argv[k]); !problem.empty()) {
+            fmt::print(stderr, "{}: argument {}: {}\n", app.get_name(), k, problem);
+            return BAD_INPUT;
+        }
+    }
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success &asked) { // --help, --version
         return app.exit(asked);
     } catch (const CLI::ParseError &error) {
-        fmt::print(stderr, "{0}: {1};{2} `{0} --help` shows how\n", app.get_name(), error.what(),
-                   what_was_meant(app));
+        fmt::print(stderr, "{0}: {1};{2} `{0} --help` shows how\n", app.get_name(),
+                   in_short(error.what(), {argv + 1, argv + argc}), what_was_meant(app));
         return BAD_INPUT;
     }
     if (!shell.empty()) {
@@ -84,7 +113,7 @@ int guarded(const char *program, int (*body)(int, char **), int argc, char **arg
         flush_output();
         return status;
     } catch (const std::exception &error) {
-        fmt::print(stderr, "{}: {}\n", program, error.what());
+        fmt::print(stderr, "{}: {}\n", program, readable(error.what(), READABLE_LINE));
         return BAD_INPUT;
     }
 }

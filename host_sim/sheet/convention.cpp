@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "convention.h"
 
+#include "readable.h"
 #include "spelling.h"
 
 #include <algorithm>
@@ -204,7 +205,7 @@ std::optional<Convention> convention_of(Needs needs, const std::vector<std::stri
     const bool is_torn = convention.across == Across::phase &&
                          (convention.sort == Sort::six_step || heard.weak == Across::winding);
     if (!heard.unknown.empty()) {
-        problem = fmt::format("\"{}\" is no word for it; allowed: {}", heard.unknown,
+        problem = fmt::format("\"{}\" is no word for it; allowed: {}", readable(heard.unknown),
                               allowed_words(needs));
     } else if (!heard.agrees || is_torn) {
         problem = fmt::format("its words contradict each other; allowed: {}", allowed_words(needs));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "motor_command.h"
 
+#include "output_file.h"
 #include "program.h"
 #include "questions.h"
 
@@ -37,8 +38,7 @@ Examples:
 
 void check_output_file(const MotorArguments &arguments)
 {
-    if (!arguments.overwrite && !arguments.output.empty() &&
-        std::filesystem::exists(arguments.output)) {
+    if (!arguments.overwrite && !arguments.output.empty() && is_there(arguments.output)) {
         throw std::runtime_error(
             fmt::format("{}: is there already; --overwrite replaces it", arguments.output));
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "printed.h"
 
+#include "readable.h"
 #include "spelling.h"
 
 #include <cctype>
@@ -93,12 +94,13 @@ UnitFound unit_of(const std::string &option, const Quantity &quantity, const std
         return unit.unit != nullptr ? unit : UnitFound{&quantity.units.front(), 0};
     }
     const std::string word = first_word(found.rest);
-    refuse(option, typed,
-           fmt::format("{} {}; allowed: {}",
-                       word.empty() ? "has no unit" : fmt::format("\"{}\" is no unit", word),
-                       word.empty() ? fmt::format("for {}", quantity.noun)
-                                    : fmt::format("of {}", quantity.noun),
-                       unit_names(quantity)));
+    refuse(
+        option, typed,
+        fmt::format("{} {}; allowed: {}",
+                    word.empty() ? "has no unit" : fmt::format("\"{}\" is no unit", readable(word)),
+                    word.empty() ? fmt::format("for {}", quantity.noun)
+                                 : fmt::format("of {}", quantity.noun),
+                    unit_names(quantity)));
 }
 
 } // namespace

@@ -2,6 +2,7 @@
 #include "spelling.h"
 
 #include "pattern.h"
+#include "readable.h"
 
 #include <cctype>
 #include <stdexcept>
@@ -109,7 +110,8 @@ std::size_t end_of_sign(char sign, bool exactly, const std::string &text, std::s
 
 void refuse(const std::string &option, const std::string &typed, const std::string &problem)
 {
-    throw std::runtime_error(fmt::format("{} \"{}\": {}", option, tidied(typed), problem));
+    throw std::runtime_error(
+        fmt::format("{} \"{}\": {}", option, readable(tidied(typed)), problem));
 }
 
 std::string tidied(const std::string &text)

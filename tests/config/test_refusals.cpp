@@ -190,7 +190,7 @@ TEST(a_value_out_of_range_is_named_with_the_range_and_unit)
                   {
                       {"5", "5: is a whole number"},
                       {"\"\"", "\"\": has 0 characters"},
-                      {"\"a\\nb\"", "\"a?b\": has a control character"},
+                      {"\"a\\nb\"", "\"a\\nb\": has a control character"},
                   });
 }
 
@@ -768,7 +768,7 @@ TEST(overrides_are_refused_like_lines_of_files)
     expect_override("motor=n", "motor = \"n\": not found, did you mean m?; allowed: m or a "
                                "path ending in .toml");
     expect_override("motor.resistance_ohm=1\n[board]",
-                    "motor.resistance_ohm = \"1?[board]\": is a string; allowed: 0.001 to 50 Ω");
+                    "motor.resistance_ohm = \"1\\n[board]\": is a string; allowed: 0.001 to 50 Ω");
 }
 
 // As a person writes numbers: a point without a digit on one side, and a whole number with a point.

@@ -6,6 +6,7 @@ import contextlib
 import sys
 from pathlib import Path
 
+import user_text
 from docs import generated
 from rich.console import Console
 from rich.progress import Progress
@@ -115,7 +116,7 @@ def add_estimator(parser):
 
 
 def parsed(words):
-    parser = argparse.ArgumentParser(prog="compare", description=HELP,
+    parser = user_text.Parser(prog="compare", description=HELP,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     shown = add(commands, "table", table_command, "run and show S1 to S3")
@@ -143,7 +144,7 @@ def main(words=None):
         args = parsed(words)
         return args.function(args)
     except (runs.CompareError, CampaignError, OSError) as error:
-        print(f"compare: {error}", file=sys.stderr)
+        user_text.tell("compare", error)
         return BAD_INPUT
     except KeyboardInterrupt:
         return INTERRUPTED

@@ -3,6 +3,7 @@
 
 #include "document.h"
 #include "files.h"
+#include "readable.h"
 #include "schema.h"
 #include "suggest.h"
 
@@ -96,7 +97,7 @@ std::vector<std::string> names()
 [[noreturn]] void unknown(const std::string &name, const Node &value)
 {
     const std::string near = nearest(name, names());
-    fail(value.origin, name, shown(value),
+    fail(value.origin, readable(name), shown(value),
          near.empty() ? "unknown key" : fmt::format("unknown key, did you mean {}?", near),
          near.empty() ? fmt::format("{}", fmt::join(names(), ", ")) : "");
 }
@@ -154,7 +155,8 @@ std::vector<std::string> override_values(const std::vector<std::string> &set, Va
         const std::size_t equals = text.find('=');
         const std::string name = text.substr(0, equals);
         if (equals == std::string::npos || name.empty()) {
-            fail({"--set", 0}, '"' + text + '"', "", "is no override", "section.key=value");
+            fail({"--set", 0}, '"' + readable(text) + '"', "", "is no override",
+                 "section.key=value");
         }
         if (name.rfind("motor.", 0) == 0) {
             motor.push_back(text);

@@ -3,6 +3,7 @@
 
 #include "document.h"
 #include "files.h"
+#include "readable.h"
 #include "schema.h"
 
 #include <algorithm>
@@ -30,7 +31,7 @@ public:
     {
         for (const auto &[key, value] : table_.members) {
             if (std::count(keys.begin(), keys.end(), key) == 0) {
-                fail(value.origin, where_ + key, shown(value), "unknown key",
+                fail(value.origin, where_ + readable(key), shown(value), "unknown key",
                      fmt::format("{}", fmt::join(keys, ", ")));
             }
         }
@@ -113,8 +114,8 @@ Correction read_correction(const Node &node)
     table.allow_only({"matrix", "row", "column", "printed", "used", "reason"});
     const std::string matrix = table.text("matrix");
     if (matrix != "phi" && matrix != "theta") {
-        fail(table.get("matrix").origin, "correction.matrix", '"' + matrix + '"', "is no matrix",
-             "\"phi\", \"theta\"");
+        fail(table.get("matrix").origin, "correction.matrix", '"' + readable(matrix) + '"',
+             "is no matrix", "\"phi\", \"theta\"");
     }
     return {matrix,
             table.whole("row", 1, MOTOR_STATES),

@@ -8,9 +8,11 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import user_text
 from docs import generated
 from rich.console import Console
 from rich.progress import Progress
+from whole_file import read_whole
 
 from . import motor, table
 
@@ -39,7 +41,7 @@ def whole(text):
 
 
 def parser():
-    found = argparse.ArgumentParser(prog="measure_zoo", description=HELP, formatter_class=argparse.RawDescriptionHelpFormatter)
+    found = user_text.Parser(prog="measure_zoo", description=HELP, formatter_class=argparse.RawDescriptionHelpFormatter)
     found.add_argument("--seed", type=whole, default=2026, help="of the zoo; default 2026")
     found.add_argument("--motors", type=whole, default=500, help="so many, from number 0 on; default 500")
     found.add_argument("--no-run", action="store_true", help="do not run the drive with the results")
@@ -89,10 +91,10 @@ def measured(args):
 
 def read(path):
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        found = json.loads(read_whole(path))
         return {"seed": found["seed"], "motors": list(found["motors"])}
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        print(f"measure_zoo: {path}: no results of measure_zoo: {error}", file=sys.stderr)
+    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
+        user_text.tell("measure_zoo", f"{path}: no results of measure_zoo: {error}")
         return BAD_INPUT
 
 

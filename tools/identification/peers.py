@@ -11,6 +11,8 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+import user_text
+
 from . import motor, table
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -60,7 +62,7 @@ def seeds(text):
 
 
 def parser():
-    found = argparse.ArgumentParser(prog="measure_peers", description=HELP, formatter_class=argparse.RawDescriptionHelpFormatter)
+    found = user_text.Parser(prog="measure_peers", description=HELP, formatter_class=argparse.RawDescriptionHelpFormatter)
     found.add_argument("motors", nargs="*", metavar="MOTOR", help=f"{', '.join(peer.name for peer in PEERS)}; default all")
     found.add_argument("--seeds", type=seeds, default=5, help="so many of the noise, from 1 on; default 5")
     found.add_argument("--motorsim", type=Path, default=ROOT / "build/host/motorsim", help="the program")

@@ -9,6 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import user_text
 from rich.console import Console
 
 from . import campaign as campaigns
@@ -237,7 +238,7 @@ def add_others(commands):
 
 
 def main(words=None):
-    parser = argparse.ArgumentParser(prog="campaign", description=HELP, epilog=EPILOG,
+    parser = user_text.Parser(prog="campaign", description=HELP, epilog=EPILOG,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     add_run(commands)
@@ -246,7 +247,7 @@ def main(words=None):
     try:
         return args.function(args)
     except CampaignError as error:
-        print(f"campaign: {error}", file=sys.stderr)
+        user_text.tell("campaign", error)
         return BAD_INPUT
     except KeyboardInterrupt:
         return INTERRUPTED
