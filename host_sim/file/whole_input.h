@@ -29,7 +29,7 @@ std::string read_whole(const std::filesystem::path &path, std::size_t most,
 class LineCollector
 {
 public:
-    static constexpr std::size_t LINE_BYTES_MAX = std::size_t{64} << 10U;
+    static constexpr std::size_t LINE_BYTES_MAX = std::size_t{1} << 20U;
 
     // `name` is the script's, for messages. A device that is no terminal has as many bytes as a
     // line at most: one that has more, as /dev/urandom, has no end.

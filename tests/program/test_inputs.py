@@ -111,8 +111,8 @@ class Inputs(unittest.TestCase):
         self.assertEqual(done.returncode, BAD_INPUT)
         self.assertIn(b'"print a\\xff" is not UTF-8', done.stdout)
         self.assertNotIn(b"x" * 1000, done.stdout)
-        script.write_text(LONG)
-        self.assertIn("script: line 1 is too long for a command; allowed: at most 65536 bytes",
+        script.write_text("x" * (2 << 20))
+        self.assertIn("script: line 1 is too long for a command; allowed: at most 1048576 bytes",
                       self.refused(MOTORSIM, "debug", "s1", "--script", script))
 
     def test_a_pipe_is_read_line_by_line(self):
