@@ -294,3 +294,126 @@ TEST(test_a_mode_that_there_is_not_and_a_value_of_17_bits_are_refused)
         TEST_ASSERT_FALSE(decodes_alone(bits_17, length, 1U));
     }
 }
+
+/* ---- codes that are written by hand, bit by bit ---- */
+
+static uint32_t written; /* bits */
+
+static void write_bits(uint32_t value, uint32_t count)
+{
+    for (uint32_t k = 0U; k < count; k++) {
+        const uint8_t mask = (uint8_t)(1U << (written % 8U));
+        uint8_t *const byte = &code[written / 8U];
+
+        *byte = (((value >> k) & 1U) != 0U) ? (uint8_t)(*byte | mask) : (uint8_t)(*byte & ~mask);
+        written++;
+    }
+}
+
+#define BEFORE_0 (1U)               /* the value before, Rice parameter 0 */
+#define SMOOTH_14 (15U + 30U)       /* the last mode */
+#define FIRST_ZERO (1U + (5U * 5U)) /* a frame whose values have no bits */
+
+/* Modes, and a first frame that is zero. */
+static void write_begin(uint32_t channel, uint32_t mode)
+{
+    memset(code, 0, sizeof code);
+    written = 0U;
+    for (uint32_t k = 0U; k < 5U; k++) {
+        write_bits((k == channel) ? mode : 0U, 6U);
+    }
+    write_bits(0U, FIRST_ZERO);
+}
+
+static bool written_decodes(uint32_t count)
+{
+    return decodes_alone(code, (written + 7U) / 8U, count);
+}
+
+TEST(test_the_last_mode_there_is_has_a_code)
+{
+    const uint32_t five = 10U; /* z of it */
+
+    write_begin(4U, SMOOTH_14);
+    write_bits(0U, 1U);
+    write_bits(five, 14U);
+    TEST_ASSERT_TRUE(written_decodes(2U));
+    TEST_ASSERT_EQUAL_HEX32(5U << 16U, back[1].word[3]);
+}
+
+TEST(test_the_escape_of_a_change_is_one_in_the_first_channel_only)
+{
+    for (uint32_t channel = 0U; channel < 5U; channel++) {
+        write_begin(channel, BEFORE_0);
+        write_bits(0x7FFU, 11U);
+        for (uint32_t word = 0U; word < 3U; word++) {
+            write_bits(0xFFFFU, 16U);
+            write_bits(0U, 16U);
+        }
+        TEST_ASSERT_EQUAL(channel == 0U, written_decodes(2U));
+    }
+    write_begin(0U, BEFORE_0);
+    write_bits(0x7FFU, 11U);
+    write_bits(0U, 3U * 32U);
+    TEST_ASSERT_TRUE(written_decodes(2U));
+    TEST_ASSERT_EQUAL_HEX32(CHANGE_MARK, back[1].word[2]);
+}
+
+/* Entries that do not change take no bits: the length does not tell their number. */
+TEST(test_a_code_of_no_entry_or_of_more_than_the_most_is_refused)
+{
+    static recorder_entry_t one_more[MAX + 1U];
+
+    write_begin(0U, 0U);
+    TEST_ASSERT_TRUE(written_decodes(1U));
+    TEST_ASSERT_TRUE(written_decodes(MAX));
+    TEST_ASSERT_FALSE(frame_code_decode(code, (written + 7U) / 8U, one_more, MAX + 1U));
+    TEST_ASSERT_FALSE_MESSAGE(decodes_alone(code, (MODES + 7U) / 8U, 0U), "modes alone");
+}
+
+/* Two changes end with a byte, one does not. */
+TEST(test_behind_the_last_entry_there_are_zeros_to_the_end_of_the_byte_and_nothing_else)
+{
+    entries[0] = change();
+    entries[1] = change();
+    TEST_ASSERT_EQUAL_UINT32((MODES + (2U * (1U + (3U * 32U)))) / 8U, round_trip(2U));
+    code[28] = 0U;
+    TEST_ASSERT_FALSE(decodes_alone(code, 28U + 1U, 2U));
+    write_begin(0U, BEFORE_0);
+    write_bits(0U, 1U); /* and 7 bits up to the end of the byte */
+    TEST_ASSERT_TRUE(written_decodes(2U));
+    for (uint32_t bit = 1U; bit < 8U; bit++) {
+        code[written / 8U] = (uint8_t)(1U << bit);
+        TEST_ASSERT_FALSE(written_decodes(2U));
+    }
+}
+
+/* A step behind values that are 0: 9 ones and a 0 for z = 9; for z = 10 the escape and 16 bits. */
+TEST(test_a_value_is_escaped_from_10_ones_on_and_not_before)
+{
+    const uint32_t others = MODES + FIRST_ZERO + (MAX - 3U); /* a bit each */
+
+    entries[MAX - 2U] = frame(0U, 0U, 0U, 0U, 0xFFFBU); /* by −5: z is 9 */
+    entries[MAX - 1U] = entries[MAX - 2U];
+    TEST_ASSERT_EQUAL_UINT32((others + 10U + 1U + 7U) / 8U, round_trip(MAX));
+    entries[MAX - 2U] = frame(0U, 0U, 0U, 0U, 5U); /* z is 10 */
+    entries[MAX - 1U] = entries[MAX - 2U];
+    TEST_ASSERT_EQUAL_UINT32((others + 27U + 1U + 7U) / 8U, round_trip(MAX));
+}
+
+/* A change is 97 bits where no frame is before it. */
+TEST(test_a_code_takes_all_of_the_room)
+{
+    for (uint32_t k = 0U; k < MAX; k++) {
+        entries[k] = change();
+    }
+    for (uint32_t count = 3U; count < MAX; count++) {
+        const uint32_t room = (MODES + (count * (1U + (3U * 32U))) + 7U) / 8U;
+        uint32_t length = 0U;
+
+        TEST_ASSERT_EQUAL_UINT32(count, frame_code_encode(entries, MAX, code, room, &length));
+        TEST_ASSERT_EQUAL_UINT32(room, length);
+        TEST_ASSERT_EQUAL_UINT32(count - 1U,
+                                 frame_code_encode(entries, MAX, code, room - 1U, &length));
+    }
+}

@@ -342,6 +342,23 @@ TEST(test_a_zero_without_a_frame_keeps_a_person_away_for_a_tenth_of_a_second)
     assert_text("ok\r\n", "stop\n");
 }
 
+/* A 0x00, so many ticks later a line of a person, and what is said to that. */
+static void assert_behind_a_zero(const char *expected, uint32_t ticks)
+{
+    begin();
+    line_byte(0U);
+    passes(ticks);
+    assert_text(expected, "stop\n");
+}
+
+TEST(test_a_zero_keeps_a_person_away_for_a_tenth_of_a_second_to_the_tick)
+{
+    const uint32_t tenth = 1000U; /* at 10 kHz */
+
+    assert_behind_a_zero("", tenth);
+    assert_behind_a_zero("ok\r\n", tenth + 1U);
+}
+
 /* A person is kept away by it anyway. */
 TEST(test_a_frame_of_the_pc_that_stops_half_way_for_longer_is_whole_all_the_same)
 {
@@ -592,16 +609,24 @@ TEST(test_words_beyond_the_block_are_refused_by_their_verdict)
     }
 }
 
-TEST(test_a_stream_of_short_messages_has_as_many_entries_as_were_asked_for_at_most)
+static void assert_entries_of_a_message(uint8_t most)
 {
-    assert_stream("", 5U);
+    assert_stream("", most);
     hear(300U);
     TEST_ASSERT_NOT_NULL(line_find(LINK_FRAMES));
     for (uint32_t k = 0U; k < line.count; k++) {
         if (line.messages[k].bytes[0] == (uint8_t)LINK_FRAMES) {
-            TEST_ASSERT_LESS_OR_EQUAL_UINT8(5U, line.messages[k].bytes[8]);
+            TEST_ASSERT_LESS_OR_EQUAL_UINT8(most, line.messages[k].bytes[8]);
         }
     }
+}
+
+TEST(test_a_stream_of_short_messages_has_as_many_entries_as_were_asked_for_at_most)
+{
+    const uint8_t least = 2U; /* 1 asks for full ones */
+
+    assert_entries_of_a_message(least);
+    assert_entries_of_a_message(5U);
 }
 
 TEST(test_a_stream_sends_segments_and_frames_until_it_is_ended)
@@ -627,6 +652,29 @@ TEST(test_a_stream_ends_with_the_link_and_a_fault_is_recorded_again)
     fail();
     passes(200U);
     TEST_ASSERT_TRUE(recorder.frozen);
+}
+
+/* Another PC, or the same one anew: it has not asked for it. */
+TEST(test_a_hello_ends_the_stream_of_before)
+{
+    assert_stream("", 1U);
+    hello();
+    TEST_ASSERT_FALSE(serial.stream.on);
+    hear(1000U);
+    TEST_ASSERT_EQUAL_UINT32(0U, line.count);
+}
+
+/* Whoever wrote them is gone: the words that are there may be of any block. */
+TEST(test_a_hello_ends_the_preparation_of_a_block)
+{
+    uint8_t word[7] = {30U, 0U, 1U};
+    uint8_t crc[4];
+
+    words_put(crc, live.in_force->cfg.crc);
+    words_put(&word[3], config_block_word(live.in_force, 30U));
+    assert_verdict("", LINK_WRITE, word, sizeof word);
+    hello();
+    assert_verdict("no block was prepared", LINK_APPLY, crc, sizeof crc);
 }
 
 TEST(test_a_recording_of_a_fault_is_kept_and_no_stream_begins_before_it_is_given_up)
@@ -676,6 +724,19 @@ TEST(test_a_run_of_before_a_hello_starts_nothing)
     hello();
     assert_verdict(COMMANDER_STALE, LINK_COMMAND, body, sizeof body);
     (void)ask(LINK_BYE, NULL, 0U);
+    hello();
+    assert_verdict(COMMANDER_STALE, LINK_COMMAND, body, sizeof body);
+}
+
+/* The line was a person's meanwhile. The hello is the same, as a line that delays makes of it, and makes no ticket itself. */
+TEST(test_a_run_of_before_a_pause_starts_nothing)
+{
+    uint8_t body[10];
+
+    put_command(body, DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 1000000);
+    passes(TICKS_OF_PAUSE + SHORT_WHILE);
+    TEST_ASSERT_FALSE(serial.is_linked);
+    tag--;
     hello();
     assert_verdict(COMMANDER_STALE, LINK_COMMAND, body, sizeof body);
 }
@@ -773,25 +834,25 @@ TEST(test_a_stop_that_comes_again_is_obeyed_again)
     TEST_ASSERT_EQUAL(DRIVE_STATE_READY, app.drive.state);
 }
 
-TEST(test_no_stream_begins_while_a_dump_is_under_way)
+#define DUMPS "a dump is under way; ask again when it has ended"
+
+/* The one of before ends as well: whoever asked knows of none from now on. */
+TEST(test_no_stream_begins_or_goes_on_while_a_dump_is_under_way)
 {
     const uint8_t on = 1U;
 
-    line.room = 0U;
+    assert_stream("", on);
     ask_line(1U, "dump");
-    passes(SHORT_WHILE);
-    line.room = 300U;
     line_ask(LINK_STREAM, 2U, &on, 1U);
-    passes(SHORT_WHILE);
-    line.room = SIZE_MAX;
-    passes(SHORT_WHILE);
+    hear(20U * SHORT_WHILE);
+    TEST_ASSERT_EQUAL_STRING(DUMPS, verdict_on(LINK_STREAM));
     TEST_ASSERT_FALSE(serial.stream.on);
+    TEST_ASSERT_NOT_NULL(strstr(line_said(), "dump ends"));
 }
 
 /* The dump reads the block that is not in force, where the words would go. */
 TEST(test_no_block_is_changed_while_a_dump_is_under_way)
 {
-    const char *const dumps = "a dump is under way; ask again when it has ended";
     uint8_t word[7] = {30U, 0U, 1U};
     uint8_t crc[4];
 
@@ -804,9 +865,9 @@ TEST(test_no_block_is_changed_while_a_dump_is_under_way)
     line_ask(LINK_STORE, 5U, NULL, 0U);
     hear(20U * SHORT_WHILE);
     TEST_ASSERT_EQUAL_STRING_MESSAGE("", verdict_on(LINK_STORE), "a store is no change");
-    TEST_ASSERT_EQUAL_STRING(dumps, verdict_on(LINK_WRITE));
-    TEST_ASSERT_EQUAL_STRING(dumps, verdict_on(LINK_APPLY));
-    TEST_ASSERT_EQUAL_STRING(dumps, verdict_on(LINK_DEFAULTS));
+    TEST_ASSERT_EQUAL_STRING(DUMPS, verdict_on(LINK_WRITE));
+    TEST_ASSERT_EQUAL_STRING(DUMPS, verdict_on(LINK_APPLY));
+    TEST_ASSERT_EQUAL_STRING(DUMPS, verdict_on(LINK_DEFAULTS));
     TEST_ASSERT_NOT_NULL(strstr(line_said(), "dump ends"));
     assert_verdict("", LINK_WRITE, word, sizeof word);
     assert_verdict("", LINK_APPLY, crc, sizeof crc);
@@ -835,6 +896,21 @@ TEST(test_a_segments_state_is_read_in_pieces)
         }
     }
     TEST_ASSERT_EQUAL_HEX32(drive_words_hash(view.state), drive_words_hash(&copy));
+}
+
+/* A slow line takes longer for the pieces than the ring has the segment. */
+TEST(test_a_state_that_is_being_read_stays_when_the_ring_has_lost_its_segment)
+{
+    uint8_t body[7] = {0U, 0U, 0U, 0U, LINK_READ_WORDS_MAX, 0U, LINK_READ_WORDS_MAX};
+    recorder_view_t view = {0};
+    const uint32_t number = recorder_newest(&recorder);
+
+    words_put(body, number);
+    const uint32_t length = ask(LINK_STATE, body, 7U)->length;
+    passes((RECORDER_SEGMENTS + 1U) * RECORDER_ENTRIES_MIN);
+    TEST_ASSERT_FALSE(recorder_find(&recorder, number, &view));
+    TEST_ASSERT_EQUAL_UINT32(9U + (4U * LINK_READ_WORDS_MAX), length);
+    TEST_ASSERT_EQUAL_UINT32(length, ask(LINK_STATE, body, 7U)->length);
 }
 
 TEST(test_a_segment_that_is_not_there_has_no_state_and_no_entries)
@@ -913,6 +989,49 @@ TEST(test_a_line_that_does_not_command_the_drive_leaves_it_watched)
     TEST_ASSERT_EQUAL_UINT8(0U, command_mailbox_take(&app.mailbox).request);
 }
 
+/* In this time nobody is heard, and the link lasts. */
+#define SHORT_TIMEOUT (500U)
+
+/* Somebody else runs the motor. */
+static void run_by_another(void)
+{
+    command_mailbox_post(&app.mailbox, &(drive_command_t){.request = DRIVE_REQUEST_RUN});
+}
+
+static void assert_request_behind_the_timeout(uint8_t expected)
+{
+    passes(SHORT_TIMEOUT + (4U * SHORT_WHILE));
+    line_listen();
+    TEST_ASSERT_EQUAL_UINT8(expected, command_mailbox_take(&app.mailbox).request);
+}
+
+TEST(test_a_pc_that_takes_its_leave_is_not_waited_for)
+{
+    with_timeout(SHORT_TIMEOUT);
+    assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 0);
+    TEST_ASSERT_NOT_NULL(ask(LINK_BYE, NULL, 0U));
+    assert_request_behind_the_timeout(DRIVE_REQUEST_RUN);
+}
+
+TEST(test_a_pc_whose_command_is_refused_is_not_waited_for)
+{
+    with_timeout(SHORT_TIMEOUT);
+    run_by_another();
+    assert_command("the speed is beyond that of the motor", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED,
+                   EXAMPLE_SPEED_STEP + 1);
+    assert_request_behind_the_timeout(DRIVE_REQUEST_RUN);
+}
+
+TEST(test_a_line_of_the_pc_is_a_command_to_wait_for_only_if_it_commands_the_drive)
+{
+    with_timeout(SHORT_TIMEOUT);
+    run_by_another();
+    assert_line("status");
+    assert_request_behind_the_timeout(DRIVE_REQUEST_RUN);
+    assert_line("speed 0");
+    assert_request_behind_the_timeout(0U);
+}
+
 TEST(test_a_question_waits_while_a_frame_is_on_its_way)
 {
     line.room = 0U;
@@ -982,6 +1101,7 @@ TEST(test_without_ticks_a_pc_that_is_gone_gives_the_line_back_and_one_that_asks_
     line_ask(LINK_PING, 2U, NULL, 0U);
     passes_without_ticks(PASSES_PAUSE - SHORT_WHILE);
     TEST_ASSERT_TRUE(serial.is_linked);
+    line_frame(HELLO, sizeof HELLO, 1U); /* broken: nobody is heard by it */
     passes_without_ticks(2U * SHORT_WHILE);
     TEST_ASSERT_FALSE(serial.is_linked);
 }

@@ -179,6 +179,24 @@ TEST(test_a_frame_without_type_and_tag_or_beyond_the_longest_is_none)
     TEST_ASSERT_EQUAL_UINT32(1U, take(frame, frame_length, &length));
 }
 
+/* Its first bytes alone would be a frame, with the right CRC. */
+TEST(test_the_longest_frame_with_a_byte_behind_it_is_none)
+{
+    uint8_t longer[LINK_FRAME_BYTES_MAX + 1U] = {0U};
+    uint32_t length = 0U;
+
+    make(LINK_FRAME_BODY_MAX);
+    TEST_ASSERT_EQUAL_UINT32(1U, take(frame, frame_length, &length));
+    memcpy(longer, in.bytes, LINK_FRAME_BYTES_MAX);
+    (void)take((const uint8_t[]){0U}, 1U, &length);
+    for (uint32_t at = 0U; at <= sizeof longer; at++) {
+        const uint8_t code = cobs_encoded(longer, sizeof longer, at);
+
+        TEST_ASSERT_EQUAL_UINT32(0U, take(&code, 1U, &length));
+    }
+    TEST_ASSERT_EQUAL_UINT32(0U, take((const uint8_t[]){0U}, 1U, &length));
+}
+
 TEST(test_a_frame_is_open_from_its_first_byte_to_its_delimiter)
 {
     uint32_t length = 0U;

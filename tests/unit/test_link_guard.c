@@ -54,6 +54,14 @@ static void turn(step_t speed)
     TEST_ASSERT_EQUAL_INT32(speed, drive_speed(&app.drive));
 }
 
+/* The PC has commanded a run and is not heard any more. */
+static void stop_as_silent(void)
+{
+    run((uint8_t)DRIVE_MODE_SPEED);
+    command_at(100U);
+    TEST_ASSERT_TRUE(pass(101U + TIMEOUT));
+}
+
 TEST(test_the_speed_becomes_0_after_the_timeout_and_not_before)
 {
     run((uint8_t)DRIVE_MODE_SPEED);
@@ -78,9 +86,7 @@ TEST(test_the_request_ends_when_the_motor_is_at_rest)
 {
     const step_t least = cfg.speed_loop.speed_max / 256;
 
-    run((uint8_t)DRIVE_MODE_SPEED);
-    command_at(100U);
-    (void)pass(101U + TIMEOUT);
+    stop_as_silent();
     turn(-least);
     TEST_ASSERT_FALSE(pass(102U + TIMEOUT));
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, command().request);
@@ -92,9 +98,7 @@ TEST(test_the_request_ends_when_the_motor_is_at_rest)
 /* It would end a later request otherwise. */
 TEST(test_a_request_that_somebody_else_has_ended_is_not_ended_again)
 {
-    run((uint8_t)DRIVE_MODE_SPEED);
-    command_at(100U);
-    (void)pass(101U + TIMEOUT);
+    stop_as_silent();
     turn(cfg.speed_loop.speed_max / 2);
     commander_stop(&app);
     TEST_ASSERT_FALSE(pass(102U + TIMEOUT));
@@ -152,27 +156,45 @@ TEST(test_a_pc_that_goes_on_reading_keeps_its_command_alive)
 /* A person starts the motor afterwards: nobody promised to be heard. */
 TEST(test_a_stop_comes_once_and_the_next_command_watches_again)
 {
-    run((uint8_t)DRIVE_MODE_SPEED);
-    command_at(100U);
-    (void)pass(101U + TIMEOUT);
+    stop_as_silent();
     turn(0);
     (void)pass(102U + TIMEOUT);
     run((uint8_t)DRIVE_MODE_SPEED);
+    turn(0);
     TEST_ASSERT_FALSE(pass(1000U));
     TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, command().target);
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, command().request);
     command_at(1000U);
     TEST_ASSERT_TRUE(pass(1001U + TIMEOUT));
 }
 
 TEST(test_a_command_gives_a_stop_up)
 {
-    run((uint8_t)DRIVE_MODE_SPEED);
-    command_at(100U);
-    (void)pass(101U + TIMEOUT);
+    stop_as_silent();
     command_at(102U + TIMEOUT);
     turn(0);
     TEST_ASSERT_FALSE(pass(103U + TIMEOUT));
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, command().request);
+}
+
+/* Somebody else has the motor now, and it may rest in that run. */
+TEST(test_a_leave_gives_a_stop_up)
+{
+    stop_as_silent();
+    link_guard_leave(&guard);
+    turn(0);
+    TEST_ASSERT_FALSE(pass(102U + TIMEOUT));
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, command().request);
+}
+
+TEST(test_a_command_from_before_the_silence_does_not_count_behind_it)
+{
+    const uint32_t before = commander_ticket(&app);
+
+    commander_set_speed(&app, EXAMPLE_SPEED_STEP);
+    command_at(100U);
+    TEST_ASSERT_FALSE(pass(101U + TIMEOUT));
+    TEST_ASSERT_FALSE(commander_take_ticket(&app, before));
 }
 
 TEST(test_a_drive_that_is_not_asked_to_run_is_left_alone)
@@ -198,4 +220,19 @@ TEST(test_a_measurement_of_the_motor_ends_at_once)
     TEST_ASSERT_EQUAL_STRING_LEN("identify refused: the link is silent\r\n", text.characters,
                                  text.length);
     TEST_ASSERT_FALSE(identify_is_busy(&identify));
+}
+
+/* It began to stop nothing that would have to come to rest. */
+TEST(test_a_run_behind_a_measurement_that_was_ended_goes_on)
+{
+    TEST_ASSERT_NULL(identify_start(&identify));
+    identify_step(&identify, &text);
+    command_at(100U);
+    TEST_ASSERT_TRUE(pass(101U + TIMEOUT));
+    identify_step(&identify, &text);
+    tick_period();
+    run((uint8_t)DRIVE_MODE_SPEED);
+    turn(0);
+    TEST_ASSERT_FALSE(pass(102U + TIMEOUT));
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, command().request);
 }

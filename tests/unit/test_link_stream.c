@@ -201,6 +201,61 @@ TEST(test_entries_that_are_limited_come_in_messages_of_so_many_at_most)
     TEST_ASSERT_EQUAL_UINT32(1U, reader.gaps);
 }
 
+static uint32_t ticks_to_message(void)
+{
+    uint32_t count = 0U;
+
+    for (reader.messages = 0U; reader.messages == 0U; count++) {
+        ticks(1U);
+    }
+    return count;
+}
+
+static uint32_t entries_left(void)
+{
+    recorder_view_t view = {0};
+
+    TEST_ASSERT_TRUE(recorder_find(&run.recorder, reader.segment, &view));
+    return view.entries - reader.entry;
+}
+
+/* On a line that is free; a whole segment's messages. */
+static void assert_message_each(uint32_t count)
+{
+    for (uint32_t k = 0U; k < (RUN_SEGMENT_ENTRIES / count); k++) {
+        TEST_ASSERT_LESS_OR_EQUAL_UINT32(count, ticks_to_message());
+        TEST_ASSERT_EQUAL_UINT32(0U, entries_left());
+    }
+}
+
+TEST(test_a_message_goes_with_the_tick_that_fills_it_also_where_more_is_allowed_than_there_is)
+{
+    begin();
+    link_stream_limit(&stream, 16U);
+    ticks(100U);
+    assert_message_each(16U);
+    link_stream_limit(&stream, 255U);
+    (void)ticks_to_message();
+    assert_message_each(FRAME_CODE_ENTRIES_MAX);
+}
+
+/* Ticks so long that few fill no message: none is sent before its time, and none waits longer. */
+TEST(test_entries_that_wait_go_with_the_tick_that_ends_8_ms)
+{
+    const units_rotation_t slow = {.pole_pairs = 2U, .tick_ps = 400000000U};
+    const uint32_t wait = 20U; /* ticks in 8 ms */
+
+    link_stream_init(&stream, &slow);
+    begin();
+    while (reader.segments < 3U) {
+        ticks(1U);
+    }
+    (void)ticks_to_message();
+    for (uint32_t k = 0U; k < 3U; k++) {
+        TEST_ASSERT_EQUAL_UINT32(wait, ticks_to_message());
+    }
+}
+
 TEST(test_a_pass_without_a_tick_has_nothing_to_send_once_all_is_sent)
 {
     begin();
@@ -309,4 +364,16 @@ TEST(test_entries_that_are_asked_for_again_are_those_of_the_ring_as_far_as_it_ha
     TEST_ASSERT_EQUAL_UINT32(9U, out.length);
     TEST_ASSERT_GREATER_THAN_UINT32(1U, put(newest - 1U, 0U, 255U));
     TEST_ASSERT_LESS_OR_EQUAL_UINT32(LINK_MESSAGE_BYTES_MAX, out.length);
+}
+
+/* Of a motor that rests more would fit, and a code of more is none. */
+TEST(test_entries_that_are_asked_for_again_are_no_more_than_a_code_may_have)
+{
+    recorded_run_noise(&run);
+    for (uint32_t k = 0U; k < (2U * RUN_SEGMENT_ENTRIES); k++) {
+        recorded_run_interrupt(&run);
+        recorder_service(&run.recorder, &run.drive);
+    }
+    TEST_ASSERT_EQUAL_UINT32(FRAME_CODE_ENTRIES_MAX,
+                             put(recorder_newest(&run.recorder) - 1U, 0U, 255U));
 }
