@@ -438,6 +438,16 @@ TEST(no_current_along_the_flux_takes_more_than_half_of_the_stiffness)
     }
 }
 
+// The reluctance of L_q < L_d holds the rotor as the magnet does.
+TEST(a_smaller_l_q_leaves_the_currents_along_the_flux_to_the_motor)
+{
+    const startup_cfg_t c = motor_b({"motor.inductance_d_h=0.25", "motor.inductance_q_h=0.13",
+                                     "startup.align_current_pct=150"})
+                                .startup;
+    expect(1.5 * CONTINUOUS_Q15, c.align.current_high);
+    expect(6.3 / 40 * 32768, c.current_move);
+}
+
 // A least current of a fifth of the continuous 3.53778 A takes 0.2·3.53778·ΔL of φ = 0.375 Wb: an eighth of it with ΔL = 66.25 mH.
 TEST(a_least_current_that_takes_an_eighth_of_the_flux_falls_at_once)
 {
@@ -593,6 +603,10 @@ TEST(the_magnets_bear_the_current_of_the_largest_torque)
     TEST_ASSERT_EQUAL_STRING("", blamed(1.001 * depth).c_str());
     TEST_ASSERT_EQUAL_STRING("motor.max_current_a", blamed(0.999 * depth).c_str());
     config.tuning.most_torque = 0;
+    TEST_ASSERT_EQUAL_STRING("", blamed(0.999 * depth).c_str());
+    // The drive imposes no i_d on a motor of L_q < L_d for the sake of torque.
+    config.tuning.most_torque = 1;
+    std::swap(config.motor.inductance_d_h, config.motor.inductance_q_h);
     TEST_ASSERT_EQUAL_STRING("", blamed(0.999 * depth).c_str());
 }
 

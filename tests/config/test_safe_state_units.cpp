@@ -58,13 +58,15 @@ TEST(a_capacitor_is_charged_from_the_lowest_bus_by_emf_and_windings)
     expect((355 - 156.6) / (ROOT_3 * 0.387), safe_speed({"board.bus_capacitance_f=2e-4"}));
 }
 
-// The saliency adds up to half of (L_q − L_d)·I to the flux: 0.387 Wb and 5 mH·10 A/2.
-TEST(a_salient_motor_gives_the_bus_more)
+// The saliency adds up to half of |L_q − L_d|·I to the flux: 0.387 Wb and 5 mH·10 A/2. The larger L has the energy.
+TEST(a_salient_motor_gives_the_bus_more_whichever_axis_has_more_inductance)
 {
     const Folder folder;
     const double square = 1.5 * 0.0166 * 324 / 1e-3;
-    expect((300 - square / 400) / (ROOT_3 * (0.387 + 0.025)),
-           safe_speed({"board.bus_capacitance_f=1e-3", "motor.inductance_q_h=0.0166"}));
+    for (const char *larger : {"motor.inductance_q_h=0.0166", "motor.inductance_d_h=0.0166"}) {
+        expect((300 - square / 400) / (ROOT_3 * (0.387 + 0.025)),
+               safe_speed({"board.bus_capacitance_f=1e-3", larger}));
+    }
 }
 
 TEST(open_gates_are_the_default_and_short_no_motor)
@@ -143,6 +145,21 @@ TEST(the_short_circuit_current_by_hand)
     const double voltage = 400 * 0.95 / ROOT_3 / nf::safe_open_speed(config.motor, config.board);
     TEST_ASSERT_TRUE(voltage < std::hypot(0.387, 0.116)); // no more turns at that speed
     expect((0.387 + voltage) / 0.0116, nf::short_circuit_peak(config.motor, config.board, 100));
+}
+
+// The flux of 10 A stays for half a turn, less what R takes of it over the larger L: it drives most current through the smaller one.
+TEST(the_peak_of_a_short_circuit_is_that_of_the_axis_with_less_inductance)
+{
+    const Folder folder;
+    constexpr double SPEED = 500;
+    const double flux = std::hypot(0.387, 0.0066 * 10); // the voltage lets more turn
+    const double x_d = SPEED * 0.0116;
+    const double x_q = SPEED * 0.0066;
+    const double lasting = SPEED * 0.387 * std::hypot(2.125, x_q) / (2.125 * 2.125 + x_d * x_q);
+    const double left = std::exp(-nf::PI * 2.125 / x_d);
+    const nf::Config config = loaded({"motor.inductance_q_h=0.0066"});
+    expect(lasting + flux / 0.0066 * left,
+           nf::short_circuit_peak(config.motor, config.board, SPEED));
 }
 
 const Words FAST = {"board.bus_capacitance_f=1e-3"};

@@ -221,6 +221,11 @@ TEST(the_virtual_resistance_is_a_share_of_the_reactance)
     expect(0.9 * omega * 0.0116,
            ruled({slow, "motor.rated_speed_rpm=3600"}).virtual_resistance_ohm);
     expect(0.2 * 0.0116 * 2000, ruled({slow, "motor.rated_speed_rpm=4500"}).virtual_resistance_ohm);
+    // of the axis that changes faster
+    for (const char *smaller : {"motor.inductance_q_h=0.01", "motor.inductance_d_h=0.01"}) {
+        expect(0.2 * 0.01 * 2000,
+               ruled({slow, "motor.rated_speed_rpm=4500", smaller}).virtual_resistance_ohm);
+    }
 }
 
 constexpr double DEGREE = 2 * nf::PI / 360;
