@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Frames and the client: a question is asked until its own answer comes, and whatever else comes in changes nothing.
-#include "client.h"
+#include "fake_board.h"
 
-#include <deque>
 #include <random>
 
 extern "C" {
@@ -19,45 +18,6 @@ using nf::live::LinkError;
 using nf::live::Message;
 
 constexpr nf::live::Timing TIMING = {0.05, 3, 0.02};
-
-// A board that answers as it is told, on a clock that only waiting moves.
-class FakeBoard : public nf::live::Channel
-{
-public:
-    std::vector<uint8_t> read(double wait_s) override
-    {
-        if (to_pc.empty()) {
-            now += wait_s;
-            return {};
-        }
-        Bytes bytes = to_pc.front();
-        to_pc.pop_front();
-        return bytes;
-    }
-    void write(const std::vector<uint8_t> &bytes) override
-    {
-        for (const Message &question : reader.add(bytes)) {
-            questions.push_back(question);
-            if (answer) {
-                answer(question);
-            }
-        }
-    }
-    double now_s() const override
-    {
-        return now;
-    }
-    void say(const Message &message)
-    {
-        to_pc.push_back(frame_of(message));
-    }
-
-    std::function<void(const Message &)> answer;
-    std::vector<Message> questions;
-    std::deque<Bytes> to_pc;
-    FrameReader reader;
-    double now = 0;
-};
 
 Message answer_to(const Message &question, const std::string &verdict, uint32_t ticket = 0)
 {
@@ -255,6 +215,178 @@ TEST(a_piece_of_the_ring_is_asked_for_once)
     TEST_ASSERT_FALSE(client.state(5, 0, 8).answered);
     TEST_ASSERT_EQUAL(Client::Again::silence, client.again(5, 0, 16));
     TEST_ASSERT_EQUAL(2, board.questions.size());
+}
+
+// A segment, the first word, and two words.
+Bytes piece(uint32_t segment, uint16_t first)
+{
+    return nf::live::BodyWriter().u32(segment).u16(first).u8(2).u32(7).u32(8).body();
+}
+
+TEST(a_piece_of_another_segment_or_place_is_none)
+{
+    FakeBoard board;
+    Bytes body;
+    board.answer = [&](const Message &question) {
+        board.say({static_cast<uint8_t>(question.type + LINK_ANSWER), question.tag, body});
+    };
+    Client client(board, TIMING, {});
+    const std::pair<Bytes, std::size_t> cases[] = {
+        {piece(5, 3), 2}, {piece(6, 3), 0}, {piece(5, 4), 0}};
+    for (const auto &[answer, words] : cases) {
+        body = answer;
+        const Client::Piece found = client.state(5, 3, 2);
+        TEST_ASSERT_TRUE(found.answered);
+        TEST_ASSERT_EQUAL(words, found.words.words.size());
+    }
+}
+
+TEST(words_of_the_block_from_another_place_or_fewer_are_refused)
+{
+    FakeBoard board;
+    board.answer = [&](const Message &question) {
+        const Bytes words = nf::live::BodyWriter().u16(3).u8(1).u32(7).body();
+        board.say({LINK_READ + LINK_ANSWER, question.tag, words});
+    };
+    Client client(board, TIMING, {});
+    TEST_ASSERT_EQUAL_UINT32(7, client.read(3, 1).words[0]);
+    TEST_ASSERT_TRUE(!refusal([&] { (void)client.read(4, 1); }).empty());
+    TEST_ASSERT_TRUE(!refusal([&] { (void)client.read(3, 2); }).empty());
+}
+
+TEST(an_answer_without_a_byte_of_code_or_a_refusal_has_no_entries)
+{
+    FakeBoard board;
+    Message answer;
+    board.answer = [&](const Message &question) {
+        answer.tag = question.tag;
+        board.say(answer);
+    };
+    Client client(board, TIMING, {});
+    const std::pair<Message, Client::Again> cases[] = {
+        {{LINK_AGAIN + LINK_ANSWER, 0, Bytes(7)}, Client::Again::nothing},
+        {{LINK_AGAIN + LINK_ANSWER, 0, Bytes(8)}, Client::Again::entries},
+        {{LINK_REFUSED, 0, {LINK_AGAIN}}, Client::Again::nothing}};
+    for (const auto &[told, expected] : cases) {
+        answer = told;
+        TEST_ASSERT_EQUAL(expected, client.again(5, 0, 16));
+    }
+}
+
+// ---- how long an answer is waited for ----
+
+constexpr double ROUNDED_S = 1e-9; // a few sums of seconds
+
+void expect_wait(double expected_s, FakeBoard &board, const std::function<void()> &ask)
+{
+    const double from_s = board.now;
+    ask();
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDED_S, expected_s, board.now - from_s);
+}
+
+// Of both ways to ask, at a board that does not answer.
+void expect_waits(double once_s, double patient_s, uint32_t baud)
+{
+    FakeBoard board;
+    Client client(board, TIMING, {});
+    client.has_rate(baud);
+    expect_wait(once_s, board, [&] { (void)client.state(5, 0, 8); });
+    expect_wait(TIMING.tries * patient_s, board,
+                [&] { (void)refusal([&] { (void)client.store(); }); });
+}
+
+// 10000 baud carry 1000 bytes in a second. Around a message are 7 bytes: CRC, delimiters and COBS. The board may be sending the
+// longest message when the question comes, and answer with another one; a question that is asked once has 16 bytes at most.
+TEST(a_slow_line_is_waited_for_as_long_as_it_takes_and_a_fast_one_no_less)
+{
+    const double longest_s = (LINK_MESSAGE_BYTES_MAX + 7) / 1000.0;
+    expect_waits((16 + 7) / 1000.0 + 2 * longest_s, 3 * longest_s, 10000);
+    expect_waits(TIMING.ring_s, TIMING.answer_s, 1000000);
+    expect_waits(TIMING.ring_s, TIMING.answer_s, 0);
+}
+
+void ask_once(Client &client)
+{
+    (void)client.state(5, 0, 8);
+}
+
+// The answer to the last question, which is not waited for any more.
+void answer_late(FakeBoard &board)
+{
+    board.say({LINK_STATE + LINK_ANSWER, board.questions.back().tag, piece(5, 0)});
+}
+
+TEST(an_answer_that_comes_late_doubles_the_wait_for_the_next_ones_once)
+{
+    FakeBoard board;
+    Client client(board, TIMING, {});
+    expect_wait(TIMING.ring_s, board, [&] { ask_once(client); });
+    answer_late(board);
+    answer_late(board);
+    client.poll(0);
+    client.poll(0);
+    expect_wait(2 * TIMING.ring_s, board, [&] { ask_once(client); });
+    board.say({LINK_REFUSED, board.questions.back().tag, {LINK_STATE}});
+    client.poll(0);
+    expect_wait(4 * TIMING.ring_s, board, [&] { ask_once(client); });
+}
+
+// The wait behind so many late answers that it grows no further.
+void expect_longest_wait(double expected_s, uint32_t baud)
+{
+    FakeBoard board;
+    Client client(board, TIMING, {});
+    client.has_rate(baud);
+    for (int k = 0; k < 6; k++) {
+        ask_once(client);
+        answer_late(board);
+        client.poll(0);
+    }
+    expect_wait(expected_s, board, [&] { ask_once(client); });
+}
+
+// The ring has no more than some tenths of a second. A line that takes longer anyway is waited for as before.
+TEST(late_answers_are_waited_for_no_longer_than_0_3_s_unless_the_line_takes_longer)
+{
+    expect_longest_wait(0.3, 0);
+    expect_longest_wait((16 + 7 + 2 * (LINK_MESSAGE_BYTES_MAX + 7)) / 1000.0, 10000);
+}
+
+// There are 255 tags. One whose answer never came is another question's later on.
+TEST(an_answer_in_time_to_a_tag_that_was_given_up_once_is_not_late)
+{
+    FakeBoard board;
+    Client client(board, TIMING, {});
+    ask_once(client);
+    board.answer = [&](const Message &question) { board.say(answer_to(question, "")); };
+    for (int k = 0; k < 255; k++) {
+        (void)client.store();
+    }
+    TEST_ASSERT_EQUAL(board.questions.front().tag, board.questions.back().tag);
+    board.answer = nullptr;
+    expect_wait(TIMING.ring_s, board, [&] { ask_once(client); });
+}
+
+// It may have been the answer. What is asked again is waited for all the same.
+TEST(a_damaged_frame_ends_the_wait_for_what_is_asked_once)
+{
+    FakeBoard board;
+    board.answer = [&](const Message &) { board.to_pc.push_back({0, 1, 1, 0}); };
+    Client client(board, TIMING, {});
+    expect_wait(0, board, [&] { ask_once(client); });
+    expect_wait(TIMING.tries * TIMING.answer_s, board,
+                [&] { (void)refusal([&] { (void)client.store(); }); });
+}
+
+TEST(a_frame_beyond_the_longest_is_broken_and_the_next_one_is_read)
+{
+    FrameReader reader;
+    Bytes longer(LINK_MESSAGE_BYTES_MAX + 20, 1);
+    longer.back() = 0;
+    TEST_ASSERT_EQUAL(0, reader.add(longer).size());
+    TEST_ASSERT_EQUAL(1, reader.broken());
+    TEST_ASSERT_EQUAL(1, reader.add(nf::live::frame_of({7, 9, {1}})).size());
+    TEST_ASSERT_EQUAL(1, reader.whole());
 }
 
 } // namespace

@@ -205,6 +205,97 @@ TEST(entries_beyond_the_end_of_a_segment_are_none)
     stream.add(begin(7, 0));
     stream.add(entries(7, ROOM - 2, 3));
     TEST_ASSERT_FALSE(stream.missing().has_value());
+    stream.add(entries(7, ROOM - 2, 2));
+    assert_missing(stream.missing(), 7, 0, Stream::PIECE);
+}
+
+void assert_taken(Stream &stream, uint32_t segment, std::size_t count)
+{
+    const std::optional<Stretch> stretch = stream.take(segment);
+    TEST_ASSERT_TRUE(stretch.has_value());
+    TEST_ASSERT_EQUAL(count, stretch->entries.size());
+}
+
+// They were of a segment of this number before the board began anew.
+TEST(entries_behind_the_announced_end_are_none_whichever_came_first)
+{
+    Stream stream(ROOM);
+    stream.add(begin(7, 0));
+    stream.add(entries(7, 0, 50));
+    stream.add(begin(8, 40));
+    assert_taken(stream, 7, 40);
+    stream.add(begin(9, 30));
+    stream.add(entries(8, 0, 50));
+    assert_taken(stream, 8, 30);
+}
+
+TEST(a_segment_ends_with_its_room_whatever_is_announced)
+{
+    Stream stream(ROOM);
+    stream.add(begin(7, 0));
+    stream.add(entries(7, 0, ROOM));
+    stream.add(begin(8, ROOM + 5));
+    assert_taken(stream, 7, ROOM);
+}
+
+TEST(an_end_that_the_board_does_not_know_is_asked_for)
+{
+    Stream stream(ROOM);
+    stream.add(begin(7, 0));
+    stream.add(entries(7, 0, 40));
+    stream.add(begin(8, 0));
+    assert_missing(stream.missing(), 7, 40, Stream::PIECE);
+}
+
+// Of a hole in the middle: behind it something has come.
+TEST(an_answer_without_entries_ends_a_segment_behind_all_that_came_only)
+{
+    Stream stream(ROOM);
+    stream.add(begin(7, 0));
+    stream.add(entries(7, 0, 5));
+    stream.add(entries(7, 30, 4));
+    stream.add(begin(8, 0));
+    stream.ends_before({7, 5, Stream::PIECE});
+    stream.add(entries(7, 5, 25));
+    assert_missing(stream.missing(), 7, 34, Stream::PIECE);
+}
+
+// The board has nothing of it any more, and no answer says where it ended.
+TEST(an_answer_without_entries_does_not_end_a_segment_that_is_overwritten)
+{
+    Stream stream(ROOM);
+    stream.add(begin(7, 0));
+    stream.add(entries(7, 0, 40));
+    stream.add(begin(7 + RECORDER_SEGMENTS, 0));
+    stream.ends_before({7, 40, Stream::PIECE});
+    TEST_ASSERT_TRUE(stream.is_lost(7));
+}
+
+TEST(behind_a_long_pause_only_what_the_ring_may_have_is_asked_for)
+{
+    constexpr uint32_t FAR = 1000;
+    Stream stream(ROOM);
+    stream.add(begin(7, 0));
+    stream.add(begin(FAR, 0));
+    stream.forget_before(8);
+    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(FAR - RECORDER_SEGMENTS, stream.missing()->segment);
+}
+
+TEST(a_whole_segment_is_all_of_its_share_however_short_it_is)
+{
+    Stream stream(ROOM);
+    stream.add(begin(7, 0));
+    stream.add(entries(7, 0, 40));
+    stream.add(begin(8, 40));
+    TEST_ASSERT_EQUAL_DOUBLE(1, stream.share(7));
+}
+
+TEST(the_newest_segment_is_not_newer_than_itself)
+{
+    Stream stream(ROOM);
+    stream.add(begin(7, 0));
+    TEST_ASSERT_EQUAL(7, stream.newest_after(6)->number);
+    TEST_ASSERT_FALSE(stream.newest_after(7).has_value());
 }
 
 } // namespace
