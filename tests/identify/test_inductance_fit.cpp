@@ -3,6 +3,8 @@
 #include "config.h"
 #include "known_motor.h"
 
+#include <algorithm>
+
 #include "testing.h"
 
 namespace
@@ -157,6 +159,147 @@ TEST(test_the_rotor_that_moves_is_taken_off_by_the_quarter_of_each_burst)
         fit_inductances(bursts(3), legs(), CONTINUOUS_A, {rotor_h_s2, false});
     TEST_ASSERT_DOUBLE_WITHIN(0.02 * Q_H, HALF_ROTOR / 3 * Q_H, moving.q_h.value - still.q_h.value);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, still.d_h.value, moving.d_h.value);
+}
+
+// ---- what bursts show beside L ----
+
+constexpr double LAG_S = PERIOD_S / 5;
+
+// The bursts of some axes, along or across.
+Records bursts_of(int axes, bool across)
+{
+    Records records = bursts(axes);
+    records.all.erase(std::remove_if(records.all.begin(), records.all.end(),
+                                     [&](const Record &r) { return r.across != across; }),
+                      records.all.end());
+    return records;
+}
+
+// With two bursts along each current, of which the second takes half of the voltage for twice as long, seen by sensors behind
+// a low pass; that one is larger by `share` for one current, and smaller for the other.
+Records pairs_behind(double lag_s, double share)
+{
+    Records records = bursts_of(2, true);
+    for (int axis = 0; axis < 2; axis++) {
+        for (const double bias_a : {2.0, 3.0}) {
+            for (const int quarter : {1, 2}) {
+                Record r = burst(axis, bias_a, 60.0 / quarter, false, quarter);
+                r.change_a = modelled_change(r, legs(), d_h(bias_a), lag_s);
+                r.change_a *= quarter == 1 ? 1 : bias_a < 2.5 ? 1 + share : 1 - share;
+                records.all.push_back(r);
+            }
+        }
+    }
+    return records;
+}
+
+TEST(test_the_low_pass_of_the_sensors_is_found_by_pairs_of_pulses)
+{
+    const SensorLag found = fit_inductances(pairs_behind(LAG_S, 0), legs(), CONTINUOUS_A).lag;
+    TEST_ASSERT_DOUBLE_WITHIN(FITTED * LAG_S, LAG_S, found.s.value);
+    // of what pairs show without a low pass, which is some thousandths of L
+    TEST_ASSERT_TRUE(found.s.bound > 0 && found.s.bound < LAG_S / 2);
+    TEST_ASSERT_EQUAL_DOUBLE(0, found.hidden_s);
+}
+
+// Pairs without a difference hide none; those of two currents that differ by turns may hide a little.
+TEST(test_a_low_pass_that_chance_may_hide_is_a_bound)
+{
+    const SensorLag none = fit_inductances(pairs_behind(0, 0), legs(), CONTINUOUS_A).lag;
+    TEST_ASSERT_EQUAL_DOUBLE(0, none.s.value);
+    const SensorLag hidden = fit_inductances(pairs_behind(0, 1e-3), legs(), CONTINUOUS_A).lag;
+    TEST_ASSERT_EQUAL_DOUBLE(0, hidden.s.value);
+    TEST_ASSERT_TRUE(hidden.hidden_s > none.hidden_s);
+    TEST_ASSERT_TRUE(hidden.hidden_s < LAG_S);
+}
+
+// Pulses across of two lengths, which turn the rotor by its share of L in the square of the longer quarter.
+constexpr int LONGER = 4;
+
+double rotor_of(double share)
+{
+    return share * Q_H / std::pow(LONGER * PERIOD_S, 2);
+}
+
+Records turning_bursts(double rotor_h_s2)
+{
+    Records records = bursts_of(2, false);
+    for (const double volts : {100.0, 150.0, 200.0}) {
+        for (const int quarter : {2, LONGER}) {
+            Record r = burst(0, 0.5, 2 * volts / quarter, true, quarter);
+            const double less_h = rotor_h_s2 * std::pow(quarter * PERIOD_S, 2) / 3;
+            r.change_a = std::complex<double>(0, modelled_change(r, legs(), Q_H - less_h));
+            records.all.push_back(r);
+        }
+    }
+    return records;
+}
+
+TEST(test_a_rotor_that_turns_further_than_is_known_is_found_by_the_length_of_the_pulses)
+{
+    constexpr double SHARE = 0.3;
+    constexpr double SQUARED =
+        SHARE * SHARE / 3; // 1/L is taken to fall with the square of the quarter
+    const Inductances found = fit_inductances(turning_bursts(rotor_of(SHARE)), legs(), CONTINUOUS_A,
+                                              {rotor_of(0.01), false});
+    TEST_ASSERT_DOUBLE_WITHIN(SQUARED / SHARE * rotor_of(SHARE), rotor_of(SHARE), found.alone_h_s2);
+    TEST_ASSERT_DOUBLE_WITHIN(SQUARED * Q_H, Q_H, found.q_h.value);
+    // one that turns less than is known is that which is known
+    const Inductances less =
+        fit_inductances(turning_bursts(0), legs(), CONTINUOUS_A, {rotor_of(SHARE), false});
+    TEST_ASSERT_EQUAL_DOUBLE(0, less.alone_h_s2);
+}
+
+// The ramps have shown that the load swings: then a little is believed that would be chance otherwise.
+TEST(test_of_a_load_that_swings_a_little_more_is_believed)
+{
+    const Records records = turning_bursts(rotor_of(0.02));
+    const double known = rotor_of(0.001);
+    const Inductances stiff = fit_inductances(records, legs(), CONTINUOUS_A, {known, false});
+    const Inductances swinging = fit_inductances(records, legs(), CONTINUOUS_A, {known, true});
+    TEST_ASSERT_EQUAL_DOUBLE(0, stiff.alone_h_s2);
+    TEST_ASSERT_TRUE(swinging.alone_h_s2 > known);
+    // what is not known of it is a bound
+    const Inductances still = fit_inductances(turning_bursts(0), legs(), CONTINUOUS_A);
+    TEST_ASSERT_TRUE(swinging.q_h.bound > still.q_h.bound);
+    TEST_ASSERT_TRUE(stiff.q_h.bound > still.q_h.bound);
+}
+
+// L of axis a is larger by `more`, and from burst to burst by turns by `scatter` more and less.
+AxisShares axes_with(double more, double scatter)
+{
+    Records records = bursts(3);
+    int along = 0;
+    for (Record &r : records.all) {
+        if (r.axis == 0 && !r.across) {
+            r.change_a /= 1 + more + (along % 2 == 0 ? scatter : -scatter);
+            along++;
+        }
+    }
+    return fit_inductances(records, legs(), CONTINUOUS_A).axes;
+}
+
+// Of ln(1 + more) two thirds on this axis and minus a third on the others. What the legs lose and R takes is not of L: a tenth.
+TEST(test_an_axis_of_more_inductance_shows_with_its_sign)
+{
+    constexpr double MORE = 0.02;
+    constexpr double LOST = 0.1;
+    const AxisShares found = axes_with(MORE, 0);
+    const double third = std::log(1 + MORE) / 3;
+    TEST_ASSERT_DOUBLE_WITHIN(LOST * third, 2 * third, found.share[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(LOST * third, -third, found.share[1]);
+    TEST_ASSERT_DOUBLE_WITHIN(LOST * third, -third, found.share[2]);
+    TEST_ASSERT_DOUBLE_WITHIN(LOST * third, 0, found.std);
+}
+
+// Four bursts of ±e on one axis of three: against the mean of the three they scatter by 2/3·e² together with the others, of two
+// degrees of freedom; the mean of four has a quarter of that: e²/12.
+TEST(test_what_an_axis_scatters_by_is_the_deviation_of_its_mean)
+{
+    constexpr double SCATTER = 5e-3;
+    constexpr double LOST = 0.1;
+    const double expected = SCATTER / std::sqrt(12.0);
+    TEST_ASSERT_DOUBLE_WITHIN(LOST * expected, expected, axes_with(0, SCATTER).std);
 }
 
 TEST(test_too_few_bursts_are_refused)

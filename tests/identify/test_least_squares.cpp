@@ -47,6 +47,23 @@ TEST(test_a_curve_is_found_from_far)
     TEST_ASSERT_DOUBLE_WITHIN(STEPPED, 0.5, fit.value[1]);
 }
 
+// A step of the derivative is a share of the parameter's size, whatever its sign.
+TEST(test_a_curve_that_is_a_line_has_its_deviations)
+{
+    Eigen::MatrixXd rows(4, 2);
+    rows << 1, 0, 1, 1, 1, 2, 1, 3;
+    const Eigen::Vector4d measured(-3.01, -4.99, -7.02, -8.98);
+    const Fit line = fit_linear(rows, measured);
+    const Fit curve =
+        fit_curve([&](const Eigen::VectorXd &p) { return Eigen::VectorXd(rows * p - measured); },
+                  Eigen::Vector2d(-1, -1));
+    for (const int k : {0, 1}) {
+        TEST_ASSERT_TRUE(line.value[k] < 0);
+        TEST_ASSERT_DOUBLE_WITHIN(STEPPED, line.value[k], curve.value[k]);
+        TEST_ASSERT_DOUBLE_WITHIN(STEPPED * line.std[k], line.std[k], curve.std[k]);
+    }
+}
+
 // A parameter that nothing depends on does not spoil the others.
 TEST(test_a_parameter_without_effect_stays)
 {

@@ -111,6 +111,69 @@ TEST(test_noise_is_in_the_standard_deviation)
     TEST_ASSERT_TRUE(found.resistance_ohm.std < 3 * NOISE_V / std::sqrt(42.0) / (LARGEST_A / 4));
 }
 
+// Of five measurements: their deviations are as large as is said of them, to a factor that so few tell.
+TEST(test_the_deviation_of_the_knee_is_in_its_own_unit)
+{
+    constexpr int MEASURED = 5;
+    constexpr double FACTOR = 2.5; // 95 % of sums of five squares are within
+    double squares = 0;
+    double expected = 0;
+    Rest rest;
+    rest.noise_v = noise_v;
+    for (int k = 0; k < MEASURED; k++) {
+        const Legs found = fitted(rest);
+        squares += std::pow(found.knee_a.value - KNEE_A, 2);
+        expected += std::pow(found.knee_a.std, 2);
+    }
+    TEST_ASSERT_TRUE(std::sqrt(squares) < FACTOR * std::sqrt(expected));
+    TEST_ASSERT_TRUE(std::sqrt(squares) > std::sqrt(expected) / FACTOR);
+}
+
+TEST(test_a_phase_of_another_resistance_shows_on_its_axis)
+{
+    constexpr double MORE = 0.03;
+    Records records = no_records();
+    add_levels(records, {});
+    for (Record &r : records.all) {
+        r.voltage_v += OHM * MORE * (r.axis == 2 ? 1 : -0.5) * r.i_a;
+    }
+    const Legs found = fit_legs(records);
+    TEST_ASSERT_DOUBLE_WITHIN(FITTED, MORE, found.third.value);
+    TEST_ASSERT_DOUBLE_WITHIN(FITTED * OHM, OHM, found.resistance_ohm.value);
+    TEST_ASSERT_DOUBLE_WITHIN(FITTED, 0, found.mismatch.value);
+}
+
+// A step of the timer is a share of the bus: more of it is less sure, as is what is known of a voltage by its scale.
+TEST(test_a_higher_bus_widens_the_bounds)
+{
+    Records records = no_records();
+    add_levels(records, {});
+    const Legs found = fit_legs(records);
+    for (Record &r : records.all) {
+        r.bus_v *= 2;
+    }
+    const Legs higher = fit_legs(records);
+    TEST_ASSERT_TRUE(higher.resistance_ohm.bound > found.resistance_ohm.bound);
+    TEST_ASSERT_TRUE(higher.loss_v.bound > found.loss_v.bound);
+    TEST_ASSERT_TRUE(higher.mismatch.bound > found.mismatch.bound);
+}
+
+double much_noise_v()
+{
+    return 15 * noise_v();
+}
+
+// Noise of 0.3 V makes a rise of R unsure by about 1 %: one that is half as large again is not told from it.
+TEST(test_a_warming_that_noise_may_be_is_in_the_bound)
+{
+    Rest rest;
+    rest.warming = 0.015;
+    rest.noise_v = much_noise_v;
+    const Legs found = fitted(rest);
+    TEST_ASSERT_EQUAL_DOUBLE(0, found.warming.value);
+    TEST_ASSERT_TRUE(found.warming.bound > 0.01);
+}
+
 TEST(test_too_few_levels_are_refused)
 {
     Rest rest;
@@ -134,6 +197,29 @@ TEST(test_the_ripple_widens_the_bounds)
     add_ripple_bounds(more, D_H / 2);
     TEST_ASSERT_TRUE(more.resistance_ohm.bound > 2 * rippling.resistance_ohm.bound);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 2 * rippling.loss_v.bound, more.loss_v.bound);
+}
+
+// The ripple is R·T/L of the current: of twice the R there is as much current less, and the knee is a current.
+TEST(test_the_ripple_moves_the_knee_by_a_current)
+{
+    Legs one = legs();
+    Legs twice = legs();
+    twice.resistance_ohm.value *= 2;
+    add_ripple_bounds(one, D_H);
+    add_ripple_bounds(twice, D_H);
+    TEST_ASSERT_TRUE(one.knee_a.bound > 0);
+    TEST_ASSERT_DOUBLE_WITHIN(EXACT, one.knee_a.bound, twice.knee_a.bound);
+}
+
+// R takes all of the error, or the loss half.
+TEST(test_a_current_that_is_unsure_widens_the_bounds)
+{
+    constexpr double SHARE = 0.01;
+    Legs unsure = legs();
+    add_unsure_current(unsure, SHARE);
+    TEST_ASSERT_DOUBLE_WITHIN(EXACT, SHARE * OHM, unsure.resistance_ohm.bound);
+    TEST_ASSERT_DOUBLE_WITHIN(EXACT, SHARE * OHM * LARGEST_A / 2, unsure.loss_v.bound);
+    TEST_ASSERT_DOUBLE_WITHIN(EXACT, SHARE * LARGEST_A / 2, unsure.knee_a.bound);
 }
 
 // As many volts at each level: the loss has them all, R what they are of its largest voltage.

@@ -43,6 +43,7 @@ struct Turning {
     double slow_wb = WB; // at a quarter and at half of the speed
     int coast_windows = 10;
     int coast_ticks = 400;
+    double coast_nm = 0; // of a current that is left of coasting
 };
 
 inline Record turning(const std::string &kind, double speed_el, double current_a, double flux_wb)
@@ -92,7 +93,7 @@ inline void add_coasting(Records &records, const Turning &t)
     double speed_el = TOP_EL;
     for (int k = 0; k < t.coast_windows; k++) {
         const double window_s = t.coast_ticks * PERIOD_S;
-        const double fall = drag_nm(speed_el) / INERTIA * POLE_PAIRS * window_s;
+        const double fall = (drag_nm(speed_el) - t.coast_nm) / INERTIA * POLE_PAIRS * window_s;
         Record r;
         r.kind = "coast";
         r.ticks = t.coast_ticks;
@@ -100,7 +101,7 @@ inline void add_coasting(Records &records, const Turning &t)
         r.speed_el_rad_s = speed_el - fall / 2;
         r.voltage_v =
             std::complex<double>(0, r.speed_el_rad_s * t.coasting_wb) * held(r.speed_el_rad_s);
-        records.all.push_back(r);
+        records.all.push_back(with_torque(r, t.coast_nm));
         speed_el -= fall;
     }
 }
