@@ -41,6 +41,14 @@ TEST(test_the_legs_of_a_known_motor_are_found)
     TEST_ASSERT_DOUBLE_WITHIN(FITTED * BUS_V, BUS_V, found.bus_v);
 }
 
+// The lowest level lies far above most knees: 1/4000 of the largest current is not seen, and 0.5 % of the knee itself.
+TEST(test_the_knee_has_the_bound_of_the_lowest_level_and_of_its_own)
+{
+    const Legs found = fitted({});
+    TEST_ASSERT_DOUBLE_WITHIN(EXACT, found.largest_a / 4000 + 0.005 * found.knee_a.value,
+                              found.knee_a.bound);
+}
+
 // A supply that sags by 4 % under the largest current: the dead time takes its share of what is left.
 TEST(test_the_loss_follows_a_bus_that_sags_under_the_current)
 {

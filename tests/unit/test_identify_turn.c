@@ -484,6 +484,10 @@ TEST(test_a_rotor_out_of_step_is_caught_twice_and_then_refused)
     lose_thrice(4U, 500, 3990, OUT_OF_STEP);
     spin_to(4U);
     TEST_ASSERT_TRUE(spin_after(500, 4010, TOP));
+    spin_to(4U);
+    identify.turn.flux_q14 = 200; /* half of it is as large as what shows */
+    answer_flux(100);
+    TEST_ASSERT_TRUE(identify_turn_plan_spin(&identify));
     spin_to(3U); /* the mean of the first ramp is no EMF of one speed */
     TEST_ASSERT_TRUE(spin_after(500, 100, TOP));
 }
