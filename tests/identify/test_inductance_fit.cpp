@@ -255,14 +255,15 @@ TEST(test_of_a_load_that_swings_a_little_more_is_believed)
 {
     const Records records = turning_bursts(rotor_of(0.02));
     const double known = rotor_of(0.001);
+    constexpr double TURN_KNOWN = 2e-3; // of L: pulses do not show less of a turn
     const Inductances stiff = fit_inductances(records, legs(), CONTINUOUS_A, {known, false});
     const Inductances swinging = fit_inductances(records, legs(), CONTINUOUS_A, {known, true});
     TEST_ASSERT_EQUAL_DOUBLE(0, stiff.alone_h_s2);
     TEST_ASSERT_TRUE(swinging.alone_h_s2 > known);
     // what is not known of it is a bound
     const Inductances still = fit_inductances(turning_bursts(0), legs(), CONTINUOUS_A);
-    TEST_ASSERT_TRUE(swinging.q_h.bound > still.q_h.bound);
-    TEST_ASSERT_TRUE(stiff.q_h.bound > still.q_h.bound);
+    TEST_ASSERT_TRUE(swinging.q_h.bound > still.q_h.bound + TURN_KNOWN * Q_H);
+    TEST_ASSERT_TRUE(stiff.q_h.bound > still.q_h.bound + TURN_KNOWN * Q_H);
 }
 
 // L of axis a is larger by `more`, and from burst to burst by turns by `scatter` more and less.
