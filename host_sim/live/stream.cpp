@@ -73,6 +73,9 @@ void Stream::add(const Entries &entries)
     }
     to->entries.resize(std::max(to->entries.size(), end));
     std::copy(entries.entries.begin(), entries.entries.end(), to->entries.begin() + entries.first);
+    if (!to->total && end == segment_entries_) {
+        to->total = segment_entries_; // it has no room for more, whoever says so
+    }
     fit(*to);
 }
 

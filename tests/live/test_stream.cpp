@@ -238,6 +238,17 @@ TEST(a_segment_ends_with_its_room_whatever_is_announced)
     assert_taken(stream, 7, ROOM);
 }
 
+TEST(a_segment_that_is_full_has_its_end_where_the_next_announcement_is_lost)
+{
+    Stream stream(ROOM);
+    stream.add(begin(7, 0));
+    stream.add(entries(7, 0, ROOM));
+    stream.add(entries(8, 0, 40));
+    stream.add(begin(9, 40));
+    TEST_ASSERT_FALSE(stream.missing().has_value());
+    assert_taken(stream, 7, ROOM + 40);
+}
+
 TEST(an_end_that_the_board_does_not_know_is_asked_for)
 {
     Stream stream(ROOM);
