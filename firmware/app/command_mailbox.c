@@ -2,6 +2,7 @@
 #include "command_mailbox.h"
 
 #include "barrier.h"
+#include "inlining.h"
 
 #define REQUEST_SHIFT (8U)
 #define SEED (0xA5A50000UL) /* a slot of zeros is not whole */
@@ -14,7 +15,7 @@ static uint32_t check_of(const drive_command_t *command)
     return fx_unsigned(command->target) ^ rest ^ SEED;
 }
 
-static bool is_whole(const command_slot_t *slot)
+static bool is_sound(const command_slot_t *slot)
 {
     return slot->check == check_of(&slot->command);
 }
@@ -47,26 +48,31 @@ void command_mailbox_post(command_mailbox_t *box, const drive_command_t *command
     box->slots[before] = slot;
 }
 
+/* In place of one that is damaged. */
+RARE static const command_slot_t *spare(const command_slot_t *other)
+{
+    static const command_slot_t none = {
+        .command = {.target = 0, .mode = (uint8_t)DRIVE_MODE_SPEED, .request = 0U}};
+
+    return is_sound(other) ? other : &none;
+}
+
 drive_command_t command_mailbox_take(const command_mailbox_t *box)
 {
     const uint32_t first = box->in_force % COMMAND_MAILBOX_SLOTS;
     const command_slot_t *slot = &box->slots[first];
-    drive_command_t command = {.target = 0, .mode = (uint8_t)DRIVE_MODE_SPEED, .request = 0U};
 
-    if (!is_whole(slot)) {
-        slot = &box->slots[1U - first];
+    if (!is_sound(slot)) {
+        slot = spare(&box->slots[1U - first]);
     }
-    if (is_whole(slot)) {
-        command = slot->command;
-    }
-    return command;
+    return slot->command;
 }
 
 void command_mailbox_mend(command_mailbox_t *box)
 {
     const bool same = box->slots[0].check == box->slots[1].check;
 
-    if (!same || !is_whole(&box->slots[0]) || !is_whole(&box->slots[1])) {
+    if (!same || !is_sound(&box->slots[0]) || !is_sound(&box->slots[1])) {
         const drive_command_t command = command_mailbox_take(box);
 
         command_mailbox_post(box, &command);

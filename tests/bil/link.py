@@ -6,7 +6,9 @@ import struct
 
 HELLO, WRITE, APPLY, STORE = 1, 7, 8, 9
 ANSWER = 0x80
-VERSION = 1
+VERSION = 2
+SALT = 20261129
+TICKET_BYTES = 4
 WORDS = 32  # in one message
 PATIENCE_TICKS = 20000
 
@@ -55,16 +57,20 @@ class Link:
         return answer[1]
 
     def hello(self):
-        self.ask(HELLO, bytes([VERSION]))
+        self.ask(HELLO, struct.pack("<BI", VERSION, SALT))
+
+    def verdict(self, kind, body=b""):
+        """Empty, or why not: what is behind the ticket."""
+        return self.ask(kind, body)[TICKET_BYTES:].decode()
 
     def apply(self, block):
         """Empty, or why not."""
         words = len(block) // 4
         for first in range(0, words, WORDS):
             part = block[4 * first:4 * (first + WORDS)]
-            if verdict := self.ask(WRITE, struct.pack("<HB", first, len(part) // 4) + part):
-                return verdict.decode()
-        return self.ask(APPLY, block[-8:-4]).decode()  # the CRC of the configuration, in front of that of the block
+            if why := self.verdict(WRITE, struct.pack("<HB", first, len(part) // 4) + part):
+                return why
+        return self.verdict(APPLY, block[-8:-4])  # the CRC of the configuration, in front of that of the block
 
     def store(self):
-        return self.ask(STORE).decode()
+        return self.verdict(STORE)
