@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "monitor.h"
 
+#include "inlining.h"
 #include "run.h"
 
 #include "trig.h"
@@ -172,23 +173,21 @@ bool monitor_is_saturated(const drive_t *drive, const drive_in_t *in)
 
 /*
  * A current heats the winding whoever drives it: also that of a short circuit, and that which a fast rotor drives through the diodes.
- * One that the converter cannot measure counts as the largest. Before the calibration nobody knows the zero of the sensors.
+ * In a short circuit one that the converter cannot measure counts as the largest; with open gates it is the sensor that is wrong. Before
+ * the calibration nobody knows the zero of the sensors.
  */
-static dq_t heating_current(const drive_t *drive, const drive_in_t *in)
+RARE static dq_t uncontrolled_current(const drive_t *drive, const drive_in_t *in)
 {
-    const drive_signals_t *const s = &drive->signals;
-    dq_t current = s->current;
+    const ab_t measured = transforms_clarke(drive->signals.phase_a, drive->signals.phase_b);
+    const bool known = drive->state >= DRIVE_STATE_READY;
+    dq_t current = {0, 0};
 
-    if (drive->state < DRIVE_STATE_READY) {
-        current = (dq_t){0, 0};
-    } else if (drive_is_controlled(drive->state)) {
-        /* as it is controlled */
-    } else if (monitor_is_saturated(drive, in)) {
+    if (known && !monitor_is_saturated(drive, in)) {
+        current = (dq_t){measured.alpha, measured.beta};
+    } else if (known && safe_state_is_short(&drive->safe_state)) {
         current = (dq_t){FX_Q15_MAX, FX_Q15_MAX};
     } else {
-        const ab_t measured = transforms_clarke(s->phase_a, s->phase_b);
-
-        current = (dq_t){measured.alpha, measured.beta};
+        /* none, as far as anybody knows */
     }
     return current;
 }
@@ -197,7 +196,7 @@ fault_id_t monitor_next_check(drive_t *drive, const drive_in_t *in, fault_t *fau
 {
     const uint32_t step = drive->supervision.step;
     const bool controlled = drive_is_controlled(drive->state);
-    const dq_t current = heating_current(drive, in);
+    const dq_t current = controlled ? drive->signals.current : uncontrolled_current(drive, in);
     fault_id_t id = FAULT_NONE;
 
     drive->supervision.step = (step + 1U) % SUPERVISION_STEPS;

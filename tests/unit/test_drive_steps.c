@@ -1310,8 +1310,8 @@ TEST(test_a_current_that_nothing_controls_heats_as_one_that_is_controlled)
     TEST_ASSERT_TRUE(heat_of_phases(DRIVE_STATE_OFFSET_CAL, 8000, -4000) < 1000000);
 }
 
-/* 4 times the continuous current is a heat of 16: the largest that a look can bring. */
-TEST(test_a_current_beyond_the_range_of_its_converter_heats_as_the_largest)
+/* With open gates it is the sensor that reads so. */
+TEST(test_a_current_beyond_the_range_of_its_converter_heats_a_shorted_motor_as_the_largest)
 {
     static const uint16_t ends[] = {0U, 4095U};
 
@@ -1319,12 +1319,15 @@ TEST(test_a_current_beyond_the_range_of_its_converter_heats_as_the_largest)
     const int32_t measured = heat_of_phases(DRIVE_STATE_FAULT, 16000, -8000);
 
     for (uint32_t k = 0U; k < 2U; k++) {
+        drive.safe_state.phase = SAFE_STATE_SHORT;
         in.adc_ia = ends[k];
         in.adc_ib = 2048U;
         TEST_ASSERT_TRUE(heat_of_phases(DRIVE_STATE_FAULT, 100, 100) > measured);
         in.adc_ia = 2048U;
         in.adc_ib = ends[k];
         TEST_ASSERT_TRUE(heat_of_phases(DRIVE_STATE_READY, 100, 100) > measured);
+        drive.safe_state.phase = SAFE_STATE_OPEN;
+        TEST_ASSERT_TRUE(heat_of_phases(DRIVE_STATE_READY, 16000, -8000) < 1000000);
     }
 }
 
