@@ -14,8 +14,7 @@ config_block_verdict_t stored_config_check(const config_block_t *block, const ab
 
     if (verdict.fault == CONFIG_BLOCK_GOOD) {
         verdict.setting = config_ceiling_crossed(cfg, &block->cfg, about->is_example == 0U);
-        verdict.fault =
-            (verdict.setting == NULL) ? CONFIG_BLOCK_GOOD : CONFIG_BLOCK_ABOVE_CEILING;
+        verdict.fault = (verdict.setting == NULL) ? CONFIG_BLOCK_GOOD : CONFIG_BLOCK_ABOVE_CEILING;
     }
     return verdict;
 }
@@ -48,8 +47,7 @@ void stored_config_load(stored_config_t *stored, hal_t *hal, const drive_cfg_t *
 {
     stored->verdict = (config_block_verdict_t){.fault = CONFIG_BLOCK_GOOD};
     store_find(&stored->store, hal);
-    stored->is_stored =
-        store_read(&stored->store, &stored->block) && is_good(stored, about, cfg);
+    stored->is_stored = store_read(&stored->store, &stored->block) && is_good(stored, about, cfg);
     if (!stored->is_stored) {
         stored_config_of_image(&stored->block, about, cfg);
     }
@@ -76,7 +74,8 @@ const char *stored_config_reason(config_block_fault_t fault)
         text = "the block was made for another board";
         break;
     case CONFIG_BLOCK_ABOVE_CEILING:
-        text = "protects less than the files that this image was made from; a new image sets another limit";
+        text =
+            "protects less than the files that this image was made from; a new image sets another limit";
         break;
     default: /* CONFIG_BLOCK_BAD_SETTING */
         text = "the block has a setting that the drive does not take";

@@ -4,7 +4,8 @@
 #include <stddef.h>
 
 #define RATE_SHIFT_MAX (30U)
-#define ROUNDING (1024U) /* a mantissa has 14 bits at least: a rate may be rounded down by less than one of so many */
+#define ROUNDING \
+    (1024U) /* a mantissa has 14 bits at least: a rate may be rounded down by less than one of so many */
 
 typedef struct {
     const char *path;

@@ -28,7 +28,7 @@ public:
         if (c == EOF && !collector_.has_begun()) {
             return std::nullopt;
         }
-        const std::string line = collector_.take();
+        std::string line = collector_.take();
         fmt::print(echo_, "{}{}\n", prompt, readable(line, LINE_READABLE));
         return line;
     }

@@ -30,7 +30,8 @@ bool is_in_unicode(unsigned first, unsigned second)
 {
     const bool too_long = (first == 0xE0 && second < 0xA0) || (first == 0xF0 && second < 0x90);
     const bool half = first == 0xED && second >= 0xA0;
-    return !too_long && !half && !(first == 0xF4 && second >= 0x90);
+    const bool beyond = first == 0xF4 && second >= 0x90;
+    return !too_long && !half && !beyond;
 }
 
 // Bytes of the first character; 0 where the text does not begin with UTF-8. The text is not empty.

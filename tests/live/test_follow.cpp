@@ -12,6 +12,7 @@
 #include "watched_board.h"
 
 extern "C" {
+#include "config_ceiling.h"
 #include "config_check.h"
 #include "config_guard.h"
 #include "testing.h"
@@ -349,7 +350,7 @@ TEST(after_a_cut_the_gap_is_named_and_it_is_in_step_within_a_second)
     fmt::print("{}; the line was back at {}\n", said.back(), back);
 }
 
-// The block in force with another value of a row; nothing where config_check() takes neither neighbour of its value.
+// The block in force, which is the image's, with another value of a row; nothing where the image takes neither neighbour of its value.
 std::optional<config_block_t> neighbour(const config_block_t &block, const nf::CfgRow &row)
 {
     // A time-out of a tick would stop the drive, and rightly.
@@ -359,7 +360,8 @@ std::optional<config_block_t> neighbour(const config_block_t &block, const nf::C
         const auto raw = static_cast<uint32_t>(nf::raw_value(row, cfg) + step);
         std::memcpy(reinterpret_cast<unsigned char *>(&cfg) + row.offset, &raw, sizeof raw);
         cfg.crc = config_guard_crc(&cfg);
-        if (config_check(&cfg) == nullptr) {
+        if (config_check(&cfg) == nullptr &&
+            config_ceiling_crossed(&block.cfg, &cfg, true) == nullptr) {
             config_block_t changed{};
             config_block_make(&changed, &block.identity, &block.about, &cfg);
             return changed;

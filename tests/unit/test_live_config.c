@@ -5,13 +5,19 @@
 #include "example_app.h"
 #include "flash_model.h"
 #include "live_config.h"
+#include "seeded.h"
 #include "testing.h"
 
+#include <stddef.h>
 #include <string.h>
 
 #define RUNNING "cannot change while the drive runs; stop the drive first"
 #define PENDING "the change before has not been taken yet; ask again"
 #define NO_BLOCK "no block was prepared"
+#define CEILING \
+    "protects less than the files that this image was made from; a new image sets another limit"
+#define RANDOM_CHANGES (2000U)
+#define RANDOM_CHANGES_OF_MANY (100000U)
 #define OTHER_BLOCK "another block was prepared; write it again"
 
 static about_t of_image;
@@ -223,6 +229,87 @@ TEST(test_a_damaged_block_and_a_bad_setting_are_refused)
     assert_verdict(NULL, "the block was made for another board", apply_wanted());
     take();
     TEST_ASSERT_EQUAL_MEMORY(&image_cfg, &live.in_force->cfg, sizeof image_cfg);
+}
+
+/* Whatever else would let it pass: in RUN, at rest, of this motor or another one. */
+TEST(test_a_limit_that_the_image_has_is_not_lifted)
+{
+    const config_block_t before = *live.in_force;
+
+    for (uint32_t k = 0U; k < 2U; k++) {
+        wanted.cfg.protection.bus_max++;
+        seal();
+        assert_verdict("protection.bus_max", CEILING, apply_wanted());
+        wanted = before;
+        wanted.cfg.derating.current_max++;
+        seal();
+        assert_verdict("derating.current_max", CEILING, apply_wanted());
+        take();
+        TEST_ASSERT_EQUAL_MEMORY(&before, live.in_force, sizeof before);
+        wanted = before;
+        run();
+    }
+}
+
+/* Who has an example motor in the image has not said what his own one bears. */
+TEST(test_with_an_example_motor_in_the_image_another_motor_may_have_more_current)
+{
+    of_image.is_example = 1U;
+    wanted.cfg.derating.current_max++;
+    seal();
+    bring_into_force();
+    wanted.cfg.protection.current_max++;
+    seal();
+    assert_verdict("protection.current_max", CEILING, apply_wanted());
+}
+
+/* Some words of the limits of board and motor, each within twice of what it was. */
+static void want_any(seeded_t *random)
+{
+    const uint32_t first = offsetof(config_block_t, cfg.protection) / 4U;
+    const uint32_t end = (offsetof(config_block_t, cfg.derating) + sizeof(derating_cfg_t)) / 4U;
+
+    wanted = *live.in_force;
+    for (int32_t k = seeded_in(random, 1, 4); k > 0; k--) {
+        const uint32_t at = (uint32_t)seeded_in(random, (int32_t)first, (int32_t)end - 1);
+        const int64_t word = (int32_t)config_block_word(&wanted, at);
+
+        config_block_set_word(&wanted, at, (uint32_t)((word * seeded_in(random, 0, 64)) / 32));
+    }
+    seal();
+}
+
+static void assert_below_ceilings(void)
+{
+    const derating_cfg_t *const limits = &image_cfg.derating;
+    const derating_cfg_t *const found = &live.in_force->cfg.derating;
+
+    TEST_ASSERT_TRUE(live.in_force->cfg.protection.current_max <= image_cfg.protection.current_max);
+    TEST_ASSERT_TRUE(live.in_force->cfg.protection.bus_max <= image_cfg.protection.bus_max);
+    TEST_ASSERT_TRUE(found->current_max <= limits->current_max);
+    TEST_ASSERT_TRUE(found->current_continuous <= limits->current_continuous);
+    TEST_ASSERT_TRUE(found->heat_max_q14 <= limits->heat_max_q14);
+    TEST_ASSERT_TRUE(found->heat_rate > 0);
+}
+
+TEST(test_no_random_configuration_is_in_force_above_the_ceilings)
+{
+    const unsigned changes = testing_runs(RANDOM_CHANGES, RANDOM_CHANGES_OF_MANY);
+    seeded_t random = {.state = 77U};
+    uint32_t taken = 0U;
+
+    for (unsigned k = 0U; k < changes; k++) {
+        want_any(&random);
+        taken += (apply_wanted().why == NULL) ? 1U : 0U;
+        take();
+        assert_below_ceilings();
+        if ((k % 10U) == 9U) {
+            (void)live_config_restore(&live);
+            take();
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(changes / 50U, taken);
+    TEST_ASSERT_LESS_THAN_UINT32(changes, taken);
 }
 
 TEST(test_a_word_beyond_the_block_is_refused)

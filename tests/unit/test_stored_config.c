@@ -164,6 +164,18 @@ TEST(test_a_block_with_a_bad_setting_is_not_taken_and_the_setting_is_named)
         "does not take: slow_ticks");
 }
 
+/* An older image of the board may have had another limit. */
+TEST(test_a_block_that_protects_less_than_the_image_is_not_taken)
+{
+    block.cfg.protection.bus_max = image_cfg.protection.bus_max + 1;
+    block.cfg.crc = config_guard_crc(&block.cfg);
+    seal();
+    store_unchecked();
+    assert_image_is_taken(
+        "configuration: that of the image, not the stored one: protects less than the files that "
+        "this image was made from; a new image sets another limit: protection.bus_max");
+}
+
 TEST(test_a_block_that_cannot_be_read_any_more_is_not_taken)
 {
     store_unchecked();
