@@ -299,13 +299,15 @@ TEST(test_a_mode_that_there_is_not_and_a_value_of_17_bits_are_refused)
 
 static uint32_t written; /* bits */
 
+/* More than the value has are zeros. */
 static void write_bits(uint32_t value, uint32_t count)
 {
     for (uint32_t k = 0U; k < count; k++) {
         const uint8_t mask = (uint8_t)(1U << (written % 8U));
         uint8_t *const byte = &code[written / 8U];
+        const bool is_one = (k < 32U) && (((value >> k) & 1U) != 0U);
 
-        *byte = (((value >> k) & 1U) != 0U) ? (uint8_t)(*byte | mask) : (uint8_t)(*byte & ~mask);
+        *byte = is_one ? (uint8_t)(*byte | mask) : (uint8_t)(*byte & ~mask);
         written++;
     }
 }
