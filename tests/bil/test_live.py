@@ -28,11 +28,13 @@ LOAD_TICKS = 3000    # behind the begin of RUN
 FAULT_TICKS = 5000
 END_TICKS = 7000
 OPEN_PHASE = 1
-PACE = 0.05  # seconds of the board in a second: as slow as a machine is with much else to do
+PACE = 0.2  # seconds of the board in a second
 
 
 class WatchedPort(ReadPort):
     """Of this image; remembers what its timer was given."""
+
+    pace = PACE
 
     def __init__(self):
         self.acted = []  # in each tick
