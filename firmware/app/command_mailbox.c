@@ -5,9 +5,9 @@
 #include "inlining.h"
 
 #define REQUEST_SHIFT (8U)
-#define SEED (0xA5A50000UL) /* a slot of zeros is not whole */
+#define SEED (0xA5A50000UL) /* memory of zeros is no sound slot */
 
-/* Each bit of the command flips one bit of it. */
+/* A bit of the command that flips also flips one bit of its check word. */
 static uint32_t check_of(const drive_command_t *command)
 {
     const uint32_t rest = command->mode | ((uint32_t)command->request << REQUEST_SHIFT);
@@ -48,7 +48,7 @@ void command_mailbox_post(command_mailbox_t *box, const drive_command_t *command
     box->slots[before] = slot;
 }
 
-/* In place of one that is damaged. */
+/* The other slot in place of a damaged one. Where it is damaged too, no request. */
 RARE static const command_slot_t *spare(const command_slot_t *other)
 {
     static const command_slot_t none = {

@@ -23,10 +23,10 @@
 /* The ticket that counts now. */
 uint32_t commander_ticket(const app_t *app);
 
-/* Whether a ticket counts. It is spent by that. */
+/* Whether a ticket counts. One that does is spent: it counts no second time. */
 bool commander_take_ticket(app_t *app, uint32_t ticket);
 
-/* The tickets before this one do not count from now on. salt: any number; of a PC, another one for each of its sessions. */
+/* Makes a new ticket: no earlier one counts from now on. salt: 0, or the number that a PC has drawn for its session. */
 void commander_renew_ticket(app_t *app, uint32_t salt);
 
 /* Close the loop. Returns NULL, or why it is refused: a fault is latched. */

@@ -2,9 +2,9 @@
 /*
  * The configuration that the drive runs with: the stored block where it is good for this image, else that of the image.
  *
- * A start takes a block that is whole, of this schema and of this board, whose settings pass config_check.h, and that protects no less
- * than the image (config_ceiling.h). It is
- * copied to the RAM: a block that is stored later acts from the next start on, and the drive that runs keeps its own.
+ * A start takes a block that is whole, of this schema and of this board, whose settings pass config_check.h, and that protects
+ * no less than the image (config_ceiling.h). The block is copied to the RAM: one that is stored later acts from the next start
+ * on, and the drive that runs keeps its own.
  */
 #ifndef STORED_CONFIG_H
 #define STORED_CONFIG_H

@@ -32,9 +32,8 @@ std::unique_ptr<LineReader> terminal_reader(const Complete &complete);
 
 constexpr std::size_t LINE_READABLE = 500; // of a command that is echoed
 
-// Echoes prompt and line to `echo`, so that the output reads like a session. Not the owner of the
-// files.
-// `name` is that of the script. next() throws InputError for a line that is too long for one.
+// Echoes prompt and line to `echo`, so that the output reads like a session. Does not own the files.
+// `name`: of the script. next() throws InputError for a line that is too long for a command.
 std::unique_ptr<LineReader> stream_reader(std::FILE *from, std::FILE *echo,
                                           const std::string &name);
 
