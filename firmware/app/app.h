@@ -6,11 +6,20 @@
 #define APP_H
 
 #include "command_mailbox.h"
+#include "current_sum.h"
 #include "drive.h"
 #include "hal.h"
 #include "recorder.h"
 
 #include <stdbool.h>
+
+/* The background's cross-checks, cross_check.h. */
+typedef struct {
+    uint32_t tick;       /* of the last sample */
+    uint32_t begun;      /* the tick in which this window has begun */
+    drive_state_t state; /* at the last sample */
+    current_sum_t sum;
+} cross_check_t;
 
 typedef struct {
     drive_t drive;
@@ -21,7 +30,11 @@ typedef struct {
     recorder_t *recorder; /* NULL: none */
     /* a configuration that the background has posted and the interrupt has not taken yet; NULL: none */
     const drive_cfg_t *volatile change;
+    drive_command_t
+        failure;         /* while it is told: the drive takes it in place of the user's command */
+    volatile bool fails; /* written by the background only */
     /* Background only: */
+    cross_check_t check;
     uint32_t ticket; /* of the next command of a PC, commander.h */
     bool failed;     /* as commander_step() has seen the drive last */
 } app_t;
@@ -45,6 +58,16 @@ void app_change(app_t *app, const drive_cfg_t *cfg);
 
 /* Whether a configuration that was posted is still to be taken. Context: background. */
 bool app_changes(const app_t *app);
+
+/*
+ * Tell the drive of a fault that the background has found. It latches the fault within a slow period, in any state but FAULT, and opens the
+ * gates in that tick. Value and limit: what is beyond 0…65535 counts as that. Who follows the drive by its inputs sees it as a command.
+ * Context: background.
+ */
+void app_fail(app_t *app, const fault_t *fault);
+
+/* Once per pass: what was told is over once the drive is in FAULT. Context: background. */
+void app_forget_failure(app_t *app);
 
 /* The control interrupt: sample, step, apply, record. Call once a PWM period, never re-entered. */
 void control_isr(app_t *app);

@@ -17,6 +17,8 @@ const char *app_init(app_t *app, hal_t *hal, const drive_cfg_t *cfg)
     app->ticket = 0U;
     app->failed = false;
     app->change = NULL;
+    app->fails = false;
+    app->check = (cross_check_t){.tick = 0U};
     return drive_init(&app->drive, cfg);
 }
 
@@ -51,12 +53,49 @@ RARE static void take_change(app_t *app)
     app->change = NULL;
 }
 
+static uint32_t half_word(int32_t number)
+{
+    return (uint32_t)fx_clamp(number, 0, 0xFFFF);
+}
+
+/* The barrier keeps the words of the failure in front of the store that tells it. */
+void app_fail(app_t *app, const fault_t *fault)
+{
+    const uint32_t numbers = half_word(fault->value) | (half_word(fault->limit) << 16U);
+
+    app->fails = false;
+    barrier_compiler();
+    app->failure = (drive_command_t){
+        .target = fx_signed(numbers), .mode = (uint8_t)fault->id, .request = DRIVE_REQUEST_FAIL};
+    barrier_compiler();
+    app->fails = true;
+}
+
+void app_forget_failure(app_t *app)
+{
+    if (app->drive.state == DRIVE_STATE_FAULT) {
+        app->fails = false;
+    }
+}
+
+static drive_command_t command_of(const app_t *app)
+{
+    drive_command_t command;
+
+    if (app->fails) {
+        command = app->failure;
+    } else {
+        command = command_mailbox_take(&app->mailbox);
+    }
+    return command;
+}
+
 /* What was found is applied before it is recorded: its time is short. */
 void control_isr(app_t *app)
 {
     hal_sample(app->hal, &app->in);
     if (drive_reads_slow_inputs(&app->drive)) {
-        app->in.command = command_mailbox_take(&app->mailbox);
+        app->in.command = command_of(app);
         if (app->change != NULL) {
             take_change(app);
         }

@@ -177,7 +177,7 @@ static uint32_t scene_signs(const drive_t *drive)
            sign_if(FAULT_SIGN_ALIGN, scene->state == DRIVE_STATE_ALIGN) |
            sign_if(FAULT_SIGN_START, turned) |
            sign_if(FAULT_SIGN_OPEN_GATES, !drive_is_controlled(scene->state)) |
-           sign_if(FAULT_SIGN_BRAKES, brakes(drive)) |
+           sign_if(FAULT_SIGN_RUN, was_running(drive)) | sign_if(FAULT_SIGN_BRAKES, brakes(drive)) |
            sign_if(FAULT_SIGN_SLOW, was_running(drive) && (fx_abs(scene->speed) < handover)) |
            sign_if(FAULT_SIGN_NOT_FOLLOWED, is_not_followed(drive));
 }

@@ -2,6 +2,7 @@
 #include "link.h"
 
 #include "commander.h"
+#include "cross_check.h"
 #include "link_answers.h"
 
 #include <stddef.h>
@@ -229,6 +230,7 @@ static void link_send(link_t *link)
 void link_step(link_t *link)
 {
     count_still(link);
+    cross_check_step(link->live->app);
     commander_step(link->live->app); /* a fault is older than the bytes that come in now */
     link_receive(link);
     answer_waiting(link);

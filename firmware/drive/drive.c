@@ -361,6 +361,19 @@ static bool is_ordinary(const drive_t *drive, const drive_in_t *in)
            (word == DRIVE_REQUEST_RUN) && protection_holds(&drive->limits, &measured);
 }
 
+/* A fault that only the background can find. What is no fault is none. */
+static void fail_as_told(drive_t *drive, const drive_command_t *command)
+{
+    const uint32_t numbers = fx_unsigned(command->target);
+    const fault_t fault = {.id = (fault_id_t)command->mode,
+                           .value = (int32_t)(numbers & 0xFFFFU),
+                           .limit = (int32_t)(numbers >> 16U)};
+
+    if ((command->mode > (uint8_t)FAULT_NONE) && (command->mode < (uint8_t)FAULT_COUNT)) {
+        fail(drive, &fault);
+    }
+}
+
 /* Sensor, command, flags and limits. Returns whether the current is controlled in this tick. */
 static bool attend(drive_t *drive, const drive_in_t *in)
 {
@@ -369,7 +382,11 @@ static bool attend(drive_t *drive, const drive_in_t *in)
     if (drive_has_sensor(drive)) {
         estimate_sense(drive, in->angle);
     }
-    obey(drive, in);
+    if (in->command.request == DRIVE_REQUEST_FAIL) {
+        fail_as_told(drive, &in->command);
+    } else {
+        obey(drive, in);
+    }
     /* Check this before the currents: a fault of the currents that late ticks cause is to be reported as LATE. */
     if ((in->flags & DRIVE_FLAG_LATE) != 0U) {
         count_late(drive);
@@ -488,6 +505,7 @@ static void adopt_parts(drive_t *drive, const drive_cfg_t *cfg)
         torque_loop_bridge(&drive->torque_loop); /* the window may end elsewhere */
     }
     drive->limits = protection_limits(&cfg->protection, drive_is_driving(drive->state));
+    supervision_forget_flux(&drive->supervision);
     config_guard_reset(&drive->guard);
 }
 

@@ -17,6 +17,7 @@ typedef enum {
 #define DRIVE_REQUEST_RUN (0x01U)   /* level: run while set */
 #define DRIVE_REQUEST_CLEAR (0x02U) /* acknowledge a fault, only without RUN */
 #define DRIVE_REQUEST_PROBE (0x04U) /* level: measure the motor while set, only without RUN */
+#define DRIVE_REQUEST_FAIL (0x08U)  /* the background has found a fault: alone */
 
 #define DRIVE_FLAG_BREAK (0x0001U) /* the power stage opened the gates by itself */
 /* The tick before ended too late: no voltage acted in place of its demand. */
@@ -26,10 +27,11 @@ typedef enum {
 typedef struct {
     /*
      * SPEED: step_t, + turns α towards β; POSITION: Q16 electrical turns; TORQUE: Q28 of T_b (current_reference.h), + drives
-     * forwards; in PROBE the value of the word in `mode`
+     * forwards; in PROBE the value of the word in `mode`; with FAIL the fault's value in the lower and its limit in the upper half
      */
     int32_t target;
-    uint8_t mode; /* drive_mode_t; any other value counts as SPEED; in PROBE a probe_word_t */
+    uint8_t
+        mode; /* drive_mode_t; any other value counts as SPEED; in PROBE a probe_word_t; with FAIL a fault_id_t */
     uint8_t request;
 } drive_command_t;
 

@@ -6,6 +6,9 @@
 
 #include "trig.h"
 
+#define HALVES_OF_SWING (2U)
+#define NEAR_SHIFT (4U) /* the voltage is at its limit from 15/16 of it on */
+
 static fault_id_t check_phases(drive_t *drive, fault_t *fault)
 {
     const bool running = drive->state == DRIVE_STATE_RUN;
@@ -22,22 +25,26 @@ static fault_id_t check_phases(drive_t *drive, fault_t *fault)
                                     fault);
 }
 
-/*
- * The integrals of the current control are the voltage that the model does not explain. In RUN they are not checked: after
- * a rotor is caught they are large for a while.
- */
+/* Of a rotor at this speed, Q15 of U_b; without a sign. */
+static int32_t emf_at(const drive_t *drive, step_t speed)
+{
+    const int32_t speed_q15 = drive_speed_q15(drive, fx_abs(speed));
+
+    return fx_asr(speed_q15 * drive->model.hold_loop.emf_q13, 13U);
+}
+
+/* The integrals of the current control are the voltage that the model does not explain. */
 static fault_id_t check_imposed(drive_t *drive, fault_t *fault)
 {
     const drive_signals_t *const s = &drive->signals;
     const sincos_t angle = trig_sincos(rotor_position_angle(&drive->vector.position));
-    const int32_t speed_q15 = drive_speed_q15(drive, fx_abs(drive->vector.step));
     const supervision_imposed_t measured = {
         .a = s->phase_a,
         .b = s->phase_b,
         .expected = transforms_park_inverse(s->current_ref, angle),
         .voltage = {.d = pi_output(&drive->current_loop.pi_d),
                     .q = pi_output(&drive->current_loop.pi_q)},
-        .emf = fx_asr(speed_q15 * drive->model.hold_loop.emf_q13, 13U),
+        .emf = emf_at(drive, drive->vector.step),
     };
 
     return supervision_check_imposed(&drive->supervision, &drive->cfg->supervision, &measured,
@@ -74,6 +81,55 @@ static dq_t controlled_current(const drive_t *drive)
     return current;
 }
 
+/* At its limit the voltage does not follow its demand, so the integrals stand at theirs. */
+static bool is_voltage_at_limit(const drive_t *drive)
+{
+    const dq_t voltage = drive->signals.voltage;
+    const int32_t limit = modulator_limit(&drive->cfg->modulator, drive->signals.bus);
+    const int32_t near = limit - fx_asr(limit, NEAR_SHIFT);
+
+    return transforms_square(voltage) >= fx_unsigned(near * near);
+}
+
+/* The check of swings names them. */
+static bool is_swinging(const drive_t *drive)
+{
+    return (drive->cfg->oscillation.act != (uint32_t)OSCILLATION_ACT_NONE) &&
+           (drive->oscillation.halves >= HALVES_OF_SWING);
+}
+
+static fault_id_t check_voltage(drive_t *drive, fault_t *fault)
+{
+    const supervision_voltage_t measured = {
+        .voltage = {.d = pi_output(&drive->current_loop.pi_d),
+                    .q = pi_output(&drive->current_loop.pi_q)},
+        .emf = fx_max(emf_at(drive, drive->observer.speed),
+                      emf_at(drive, drive->speed_loop.reference)),
+        .off_reference = fx_abs(drive->observer.speed - drive->speed_loop.reference),
+        .excused = drive->voltage_drive.active || drive->weakening.acts || is_swinging(drive) ||
+                   is_voltage_at_limit(drive),
+    };
+
+    return supervision_check_voltage(&drive->supervision, &drive->cfg->supervision, &measured,
+                                     fault);
+}
+
+/* As model_track_flux() corrects it. */
+static fault_id_t check_flux(drive_t *drive, fault_t *fault)
+{
+    const model_cfg_t *const cfg = &drive->cfg->model;
+    const bool corrected =
+        (cfg->flux_limit_q14 > 0) && (fx_abs(drive->observer.speed) >= cfg->flux_speed_min);
+
+    fault_id_t id = FAULT_NONE;
+
+    if (corrected) {
+        id = supervision_check_flux(&drive->supervision, &drive->cfg->supervision,
+                                    drive->model.flux_q30, fault);
+    }
+    return id;
+}
+
 static fault_id_t check_current(drive_t *drive, fault_t *fault)
 {
     const supervision_cfg_t *const cfg = &drive->cfg->supervision;
@@ -89,6 +145,9 @@ static fault_id_t check_current(drive_t *drive, fault_t *fault)
 
     if (id == FAULT_NONE) {
         id = supervision_check_observer(&drive->supervision, cfg, residual, fault);
+    }
+    if ((id == FAULT_NONE) && running) {
+        id = check_voltage(drive, fault);
     }
     return id;
 }
@@ -210,6 +269,9 @@ fault_id_t monitor_next_check(drive_t *drive, const drive_in_t *in, fault_t *fau
         id = check_current(drive, fault);
     } else if ((step > 2U) && (drive->state == DRIVE_STATE_RUN)) {
         id = check_speed(drive, fault);
+        if (id == FAULT_NONE) {
+            id = check_flux(drive, fault);
+        }
     } else {
         /* nothing of it is controlled in this state */
     }

@@ -34,7 +34,9 @@ typedef enum {
     FAULT_CURRENT_IMPLAUSIBLE, /* value: voltage that the measured current does not explain */
     FAULT_OSCILLATION,         /* value: amplitude of i_q*, the frequency: oscillation.h */
     FAULT_TEMPERATURE_SENSOR, /* value: raw count of the sensor, limit: the last one that it can have */
-    FAULT_COUNT               /* number of entries, no fault */
+    FAULT_CURRENT_SUM, /* value: mean of |i_a + i_b + i_c|, the limit for the currents that flow */
+    FAULT_FLUX_IMPLAUSIBLE, /* value: change of φ̂ within a second, Q14 of the file's */
+    FAULT_COUNT             /* number of entries, no fault */
 } fault_id_t;
 
 /* Fault, measured value, limit, and tick. Currents Q15 of I_b, bus Q15 of U_b. */

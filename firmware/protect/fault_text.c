@@ -125,6 +125,12 @@ static const struct {
      "motor file does not fit: run identify, check R, L and flux; then load, phase order, dead time, wires"},
     {OF(FAULT_CURRENT_IMPLAUSIBLE), FAULT_SIGN_STUCK,
      "a current sensor does not tell what flows: check its amplifier and wires; then dead time, R, motor wires"},
+    {OF(FAULT_CURRENT_SUM), FAULT_SIGN_NONE,
+     "one of the three current sensors reads wrong: compare their amplifiers; then the leakage from motor to ground"},
+    {OF(FAULT_FLUX_IMPLAUSIBLE), FAULT_SIGN_NONE,
+     "bus sensor wrong: compare it with a meter; then the clock of the chip, current sensors, shorted turns"},
+    {OF(FAULT_CURRENT_IMPLAUSIBLE), FAULT_SIGN_RUN,
+     "a current sensor or a leg of the power stage is wrong: compare the amplifiers, then the gate drivers; then R, wires"},
     {OF(FAULT_CURRENT_IMPLAUSIBLE), FAULT_SIGN_NONE,
      "R or dead time of the files does not fit: correct both; then sensor gains, current sensors, motor wires"},
 };
@@ -141,7 +147,7 @@ const fault_text_t *fault_text(fault_id_t id)
         [FAULT_ADC_SATURATED] = {"ADC_SATURATED", FAULT_UNIT_CURRENT},
         [FAULT_ADC_STUCK] = {"ADC_STUCK", FAULT_UNIT_CURRENT},
         [FAULT_LOST_PHASE] = {"LOST_PHASE", FAULT_UNIT_CURRENT},
-        [FAULT_OVERLOAD] = {"OVERLOAD", FAULT_UNIT_HEAT},
+        [FAULT_OVERLOAD] = {"OVERLOAD", FAULT_UNIT_SHARE},
         [FAULT_OVERTEMPERATURE] = {"OVERTEMPERATURE", FAULT_UNIT_TEMPERATURE},
         [FAULT_OBSERVER_LOST] = {"OBSERVER_LOST", FAULT_UNIT_CURRENT},
         [FAULT_SPEED_IMPLAUSIBLE] = {"SPEED_IMPLAUSIBLE", FAULT_UNIT_SPEED},
@@ -153,6 +159,8 @@ const fault_text_t *fault_text(fault_id_t id)
         [FAULT_CURRENT_IMPLAUSIBLE] = {"CURRENT_IMPLAUSIBLE", FAULT_UNIT_VOLTAGE},
         [FAULT_OSCILLATION] = {"OSCILLATION", FAULT_UNIT_CURRENT},
         [FAULT_TEMPERATURE_SENSOR] = {"TEMPERATURE_SENSOR", FAULT_UNIT_TEMPERATURE},
+        [FAULT_CURRENT_SUM] = {"CURRENT_SUM", FAULT_UNIT_CURRENT},
+        [FAULT_FLUX_IMPLAUSIBLE] = {"FLUX_IMPLAUSIBLE", FAULT_UNIT_SHARE},
     };
     const unsigned int index = (unsigned int)id;
 

@@ -19,7 +19,7 @@ typedef enum {
     FAULT_UNIT_CURRENT,     /* Q15 of I_b */
     FAULT_UNIT_VOLTAGE,     /* Q15 of U_b */
     FAULT_UNIT_SPEED,       /* step_t */
-    FAULT_UNIT_HEAT,        /* Q14, 1 = steady state at the continuous current */
+    FAULT_UNIT_SHARE,       /* Q14 of what fault.h says */
     FAULT_UNIT_TEMPERATURE, /* raw count of the sensor; the board file converts it to °C */
     FAULT_UNIT_WORD         /* 32 bits */
 } fault_unit_t;
@@ -43,6 +43,7 @@ typedef enum {
     FAULT_SIGN_BRAKES,       /* the torque was against the speed, or a high bus took it away */
     FAULT_SIGN_SLOW,         /* in RUN slower than the start hands over */
     FAULT_SIGN_NOT_FOLLOWED, /* the rotor did not turn with the vector of the start */
+    FAULT_SIGN_RUN,          /* the drive was in RUN */
     FAULT_SIGN_SENSED,       /* the angle is that of a sensor */
     FAULT_SIGN_STUCK,        /* one of the measured phases does not change as the others do */
     FAULT_SIGN_NO_CURRENT,   /* a phase had no current in the tick of the fault */

@@ -44,8 +44,10 @@ typedef struct {
     int32_t stall_current;        /* STALL: |i_q*| at its limit and at least this, 1…16384, … */
     step_t stall_speed;           /* … with ω̂ in the torque's direction below this, 1…2^29 … */
     uint32_t stall_periods;       /* … for longer */
-    uint32_t late_max;            /* LATE: more late ticks than this … */
-    uint32_t late_window;         /* … in this many periods, ≥ 1 */
+    int32_t sum_max;       /* CURRENT_SUM: mean of |i_a + i_b + i_c| above this, 1…65535, … */
+    int32_t sum_share_q15; /* … and this share of the mean of |i_a| + |i_b| + |i_c|, 0…32767 */
+    uint32_t late_max;     /* LATE: more late ticks than this … */
+    uint32_t late_window;  /* … in this many periods, ≥ 1 */
 } supervision_cfg_t;
 
 typedef struct {
@@ -64,6 +66,11 @@ typedef struct {
     uint32_t unexplained;    /* slow periods with too much voltage, counted up and down */
     dq_t off_current;        /* mean error of the current, Q15 times 2^mean_shift */
     uint32_t off_reference;  /* this and the next three: periods, counted up and down */
+    uint32_t unmodelled;     /* periods of RUN with too much voltage, counted up and down */
+    int32_t flux_q30;        /* φ̂ as it was some time ago, Q30 of the file's */
+    uint32_t
+        flux_periods; /* for which φ̂ has been corrected since the start, up to when it is settled */
+    uint32_t flux_off; /* periods with another flux, counted up and down */
     uint32_t runaway;
     uint32_t too_fast;
     uint32_t stalled;
@@ -110,6 +117,32 @@ fault_id_t supervision_check_imposed(supervision_t *state, const supervision_cfg
                                      const supervision_imposed_t *in, fault_t *fault);
 
 typedef struct {
+    dq_t
+        voltage; /* the integrals of the current control: what its model does not explain, Q15 of U_b */
+    int32_t emf;          /* of the rotor, Q15 of U_b, 0…97500 */
+    step_t off_reference; /* |ω̂ − reference|, 0…2^30: a rotor that swings has such a voltage too */
+    bool excused; /* do not judge: the voltage is at its limit, where an integral means nothing */
+} supervision_voltage_t;
+
+/*
+ * CURRENT_IMPLAUSIBLE in RUN: for half of 2^mean_shift periods more with than without, the integrals hold twice as much voltage as that of an imposed
+ * current may need, and a quarter of the EMF, which a rotor that swings changes by. A sensor that has lost its gain makes it, or a leg that does not switch as it is told.
+ */
+fault_id_t supervision_check_voltage(supervision_t *state, const supervision_cfg_t *cfg,
+                                     const supervision_voltage_t *in, fault_t *fault);
+
+/* The flux of the file is another one from now on: φ̂ settles anew before it is judged. */
+void supervision_forget_flux(supervision_t *state);
+
+/*
+ * FLUX_IMPLAUSIBLE: φ̂ has changed by 5/64 within a second, once it has been corrected for one. A magnet does not do that. A bus
+ * sensor that has lost its gain does, or another clock: both change the scale of the voltage, or of the speed.
+ * flux_q30: φ̂, Q30 of the file's, 2^29…1.5·2^30. Call only while it is corrected.
+ */
+fault_id_t supervision_check_flux(supervision_t *state, const supervision_cfg_t *cfg,
+                                  int32_t flux_q30, fault_t *fault);
+
+typedef struct {
     dq_t current;
     dq_t reference;
     bool excused; /* do not judge: the rotor turns, and its EMF may use up the voltage */
@@ -124,8 +157,8 @@ fault_id_t supervision_check_current(supervision_t *state, const supervision_cfg
                                      const supervision_current_t *in, fault_t *fault);
 
 /*
- * OBSERVER_LOST: error is measured less modelled current, −8192…8191. When the last arc had a weak phase,
- * the fault of that phase is returned instead, because it is the cause.
+ * OBSERVER_LOST: error is measured less modelled current, −8192…8191. When the last arc had a weak phase, the fault of that phase
+ * is returned instead, because it is the cause; so it is by the two checks above.
  */
 fault_id_t supervision_check_observer(supervision_t *state, const supervision_cfg_t *cfg,
                                       dq_t error, fault_t *fault);

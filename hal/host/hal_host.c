@@ -30,7 +30,7 @@ static uint16_t read_channel(const hal_host_channel_t *channel, uint16_t count)
 }
 
 /* What the power stage measures. */
-static void measure(const hal_t *hal, drive_in_t *in)
+static void measure(hal_t *hal, drive_in_t *in)
 {
     plant_adc_t adc;
 
@@ -38,6 +38,7 @@ static void measure(const hal_t *hal, drive_in_t *in)
     in->adc_ia = adc.ia;
     in->adc_ib = adc.ib;
     in->adc_bus = adc.bus;
+    hal->seen_ic = adc.ic;
     in->adc_temperature = adc.temperature;
     in->angle = adc.angle;
     in->flags = plant_take_trip(hal->plant) ? DRIVE_FLAG_BREAK : 0U;
@@ -72,12 +73,13 @@ static void drive_plant(hal_t *hal, const drive_out_t *out)
 {
     const bool late = hal->faults.late;
     const uint32_t rest = hal->plant->inverter.timer_counts / 2U;
-    const uint32_t compare[PLANT_LEGS] = {
-        late ? rest : out->compare.phase[0],
-        late ? rest : out->compare.phase[1],
-        late ? rest : out->compare.phase[2],
-    };
+    uint32_t compare[PLANT_LEGS];
 
+    for (uint32_t leg = 0U; leg < PLANT_LEGS; leg++) {
+        const uint32_t demand = late ? rest : out->compare.phase[leg];
+
+        compare[leg] = read_channel(&hal->faults.duty[leg], (uint16_t)demand);
+    }
     plant_write_compare(hal->plant, compare);
     plant_set_gates(hal->plant, out->gate_enable && !hal->faults.broken);
 }

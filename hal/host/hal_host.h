@@ -35,6 +35,8 @@ typedef struct {
     hal_host_channel_t bus;
     hal_host_channel_t temperature;
     hal_host_channel_t angle;
+    hal_host_channel_t
+        duty[PLANT_LEGS];  /* compare values of the legs, not what the drive demands */
     uint16_t angle_offset; /* on what the sensor reads, 2^16 to a turn of the shaft */
     bool broken;           /* the power stage opens the gates by itself, and says so */
     bool
@@ -49,6 +51,7 @@ struct hal {
     uint32_t late_ticks;
     uint16_t seen_ia; /* by the last tick */
     uint16_t seen_ib;
+    uint16_t seen_ic;
     hal_host_line_t *line;   /* NULL: none */
     hal_host_flash_t *flash; /* NULL: no store */
     uint32_t ticks;          /* PWM periods since the binding */

@@ -17,24 +17,10 @@ bool hal_send(hal_t *hal, uint8_t byte)
     return (hal->line != NULL) && hal_host_line_send(hal->line, byte);
 }
 
-/* The currents add up to zero; in counts, each has the middle as its zero. The third one ends where a converter does. */
-static uint32_t third_count(const hal_t *hal, uint32_t most)
-{
-    const uint32_t both = (uint32_t)hal->seen_ia + hal->seen_ib;
-    const uint32_t all = 3U * ((most + 1U) / 2U);
-    const uint32_t left = (all > both) ? (all - both) : 0U;
-
-    return (left < most) ? left : most;
-}
-
-/* Without a plant the middle is not known. */
 hal_health_t hal_health(const hal_t *hal)
 {
-    const plant_t *const plant = hal->plant;
-
     return (hal_health_t){
-        .adc_ic =
-            (uint16_t)((plant != NULL) ? third_count(hal, (uint32_t)plant->sensors.count_max) : 0U),
+        .adc_ic = hal->seen_ic,
         .late_ticks = hal->late_ticks,
     };
 }

@@ -50,6 +50,17 @@ enum class FaultKind {
     adc_b_high,
     adc_b_low,
     adc_bus_stuck,
+    adc_a_gain, // a sensor reads so many times as much as it should
+    adc_b_gain,
+    adc_c_gain,
+    adc_all_gain, // all current sensors, as behind a wrong reference
+    adc_bus_gain,
+    temperature_high, // its channel at an end of the converter, as with an open or shorted wire
+    temperature_low,
+    duty_a_stuck, // a leg's compare value, in % of the period; without a value the last one
+    duty_b_stuck,
+    duty_c_stuck,
+    clock,        // of chip and timer, of what it should be
     angle_stuck,  // the sensor, at what it read last
     angle_offset, // the sensor has turned on the shaft
     overcurrent,  // as if it flowed into phase a and back out of b

@@ -68,6 +68,11 @@ constexpr double PHASE_TURNS = 0.4; // in a slow period: beyond, two samples a t
 constexpr double FOLLOW_SHARE = 0.2;
 constexpr double FOLLOW_LSB = 16;
 constexpr double RESIDUAL_SHARE = 0.75;
+// The sum of the currents: two sensors at opposite ends of their tolerance, and half as much beside it; drift of their zeros.
+constexpr double SUM_TOLERANCES = 3;
+constexpr double SUM_SHARE = 0.01; // of full scale, and …
+constexpr double SUM_LSB = 8;      // … noise of three converters
+constexpr int32_t SUM_END = 65535;
 constexpr int32_t RESIDUAL_END = 8000; // the observer's error ends at 8191
 constexpr double MEAN_TIME_S = 0.05;
 constexpr double SPEED_ERROR_SHARE = 0.25;
@@ -344,6 +349,10 @@ supervision_cfg_t make_supervision(const MotorSettings &motor, const BoardSettin
         std::lround(std::min(Q30, PHASE_TURNS * STEPS_PER_TURN / tuning.slow_ticks)));
     c.follow_error_max = current(FOLLOW_SHARE, FOLLOW_LSB);
     c.residual_max = std::min(current(RESIDUAL_SHARE, FOLLOW_LSB), RESIDUAL_END);
+    c.sum_max = std::min(
+        current(0, SUM_LSB) + static_cast<int32_t>(std::lround(SUM_SHARE * Q15 / 2)), SUM_END);
+    c.sum_share_q15 = static_cast<int32_t>(
+        std::lround(SUM_TOLERANCES * board.current_gain_tolerance_pct / 100 * (Q15 - 1)));
     while (c.mean_shift < 14 &&
            std::ldexp(period_s, static_cast<int>(c.mean_shift)) < MEAN_TIME_S) {
         c.mean_shift++;

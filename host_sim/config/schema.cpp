@@ -112,6 +112,8 @@ const std::vector<Field> FIELDS = {
     {"board", "trip_a", "A", 0, 5000, OPTIONAL, board<&B::trip_a>, "comparators open the gates by themselves at this phase current; 0: there are none"},
     {"board", "safe_state", "", 0, 0, OPTIONAL, board<&B::safe_state>, "at a stop or a fault of a rotor that is too fast for open gates: open, which refuses such a speed, or short, which turns all low sides on until it is slow"},
     {"board", "bus_capacitance_f", "F", 0, 1, OPTIONAL, board<&B::bus_capacitance_f>, "of the bus: what it bears when the gates open; 0: unknown", RECORD},
+    {"board", "current_sensors", "", 2, 3, OPTIONAL, board<&B::current_sensors>, "2: of the phases a and b; 3: of all phases, so that the sum of the currents shows a sensor that is wrong"},
+    {"board", "current_gain_tolerance_pct", "%", 0.1, 20, OPTIONAL, board<&B::current_gain_tolerance_pct>, "gain error of a healthy current sensor: shunt and amplifier"},
     {"board", "offset_max_a", "A", 0, 200, NEEDED, board<&B::offset_max_a>, "largest sensor offset that calibration accepts"},
     {"board", "duty_margin_pct", "%", 0, 50, NEEDED, board<&B::duty_margin_pct>, "share of the period kept free for sampling and dead time"},
     {"board", "dead_time_s", "s", 0, 1e-5, OPTIONAL, board<&B::dead_time_s>, "both switches of a leg off at each edge"},
@@ -238,6 +240,7 @@ const std::vector<Field> FIELDS = {
     {"plant", "adc_offset_lsb", "LSB", -10000, 10000, OPTIONAL, plant<&P::adc_offset_lsb>, "offset of the current sensors a, b before calibration"},
     {"plant", "adc_drift_lsb_s", "LSB/s", -10000, 10000, OPTIONAL, plant<&P::adc_drift_lsb_s>, "change of the offset in a second, of the current sensors a, b, from power-up on: calibration sees what has come before it only"},
     {"plant", "adc_gain_error_pct", "%", -50, 50, OPTIONAL, plant<&P::adc_gain_error_pct>, "gain error of the current sensors a, b"},
+    {"plant", "adc_third_gain_error_pct", "%", -50, 50, OPTIONAL, plant<&P::adc_third_gain_error_pct>, "gain error of the current sensor c, where board.current_sensors is 3"},
     {"plant", "sensor_bandwidth_hz", "Hz", 0, 1e6, OPTIONAL, plant<&P::sensor_bandwidth_hz>, "corner of the current sensors' first-order low pass; 0: none"},
     {"plant", "angle_counts", "", 0, 65536, OPTIONAL, plant<&P::angle_counts>, "of the angle sensor in a turn of the shaft; 0: as fine as the frame, 65536", WITH_ANGLE_SENSOR},
 

@@ -92,8 +92,10 @@ struct BoardSettings {
     double overcurrent_a = 0;
     double trip_a = 0; // the power stage's comparators open the gates by themselves; 0: it has none
     SafeState safe_state = SafeState::open;
-    double bus_capacitance_f = 0;     // of the bus; 0: unknown
-    double offset_max_a = 0;          // largest sensor offset that calibration accepts
+    double bus_capacitance_f = 0;          // of the bus; 0: unknown
+    int current_sensors = 2;               // of the phases a and b, or of all three
+    double current_gain_tolerance_pct = 2; // of each current sensor
+    double offset_max_a = 0;               // largest sensor offset that calibration accepts
     double duty_margin_pct = 0;       // share of the period kept free for sampling and dead time
     double dead_time_s = 0;           // both switches of a leg off at each edge
     double device_drop_v = 0;         // across a conducting switch or diode, whatever the current
@@ -262,7 +264,8 @@ struct PlantSettings {
     std::array<double, 2> adc_offset_lsb = {0, 0};
     std::array<double, 2> adc_drift_lsb_s = {0, 0}; // of the offset
     std::array<double, 2> adc_gain_error_pct = {0, 0};
-    double sensor_bandwidth_hz = 0; // of the low pass before the converter; 0: none
+    double adc_third_gain_error_pct = 0; // of a third sensor
+    double sensor_bandwidth_hz = 0;      // of the low pass before the converter; 0: none
     int angle_counts = 0; // of the angle sensor in a turn of the shaft; 0: as fine as the frame
 };
 

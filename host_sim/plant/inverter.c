@@ -48,6 +48,13 @@ void plant_inverter_forget(plant_inverter_t *inverter)
     }
 }
 
+void plant_inverter_set_clock(plant_inverter_t *inverter, double ratio)
+{
+    inverter->period_s = inverter->configured_period_s / ratio;
+    inverter->tick_s = inverter->period_s / (2.0 * (double)inverter->timer_counts);
+    inverter->dead_time_s = inverter->configured_dead_time_s / ratio;
+}
+
 bool plant_inverter_init(plant_inverter_t *inverter, const plant_inverter_cfg_t *cfg,
                          const char **bad_field)
 {
@@ -55,10 +62,10 @@ bool plant_inverter_init(plant_inverter_t *inverter, const plant_inverter_cfg_t 
     if (*bad_field != NULL) {
         return false;
     }
-    inverter->period_s = 1.0 / cfg->pwm_frequency_hz;
-    inverter->tick_s = inverter->period_s / (2.0 * (double)cfg->timer_counts);
-    inverter->dead_time_s = cfg->dead_time_s;
+    inverter->configured_period_s = 1.0 / cfg->pwm_frequency_hz;
+    inverter->configured_dead_time_s = cfg->dead_time_s;
     inverter->timer_counts = cfg->timer_counts;
+    plant_inverter_set_clock(inverter, 1.0);
     plant_inverter_forget(inverter);
     return true;
 }

@@ -51,9 +51,11 @@ typedef struct {
 } plant_pattern_t;
 
 typedef struct {
-    double period_s;
+    double period_s; /* this and the next two go with the clock */
     double tick_s;
     double dead_time_s;
+    double configured_period_s;
+    double configured_dead_time_s;
     double dead_left_s[PLANT_LEGS]; /* dead time still to run at the start of the period */
     uint32_t timer_counts;
     uint32_t commanded; /* mask of the legs commanded high at the end of the last period */
@@ -68,6 +70,9 @@ bool plant_inverter_init(plant_inverter_t *inverter, const plant_inverter_cfg_t 
  * the period without gaps, none is empty. Advances the dead-time state. */
 void plant_inverter_pattern(plant_inverter_t *inverter, const uint32_t compare[PLANT_LEGS],
                             plant_pattern_t *pattern);
+
+/* The timer's clock runs so many times as fast as configured, > 0. The dead time, which it counts too, goes along. */
+void plant_inverter_set_clock(plant_inverter_t *inverter, double ratio);
 
 /* All six switches open from now on: the legs come back from the low command, no dead time runs. */
 void plant_inverter_forget(plant_inverter_t *inverter);

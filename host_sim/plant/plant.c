@@ -229,6 +229,16 @@ void plant_sample(plant_t *plant, plant_adc_t *adc)
     adc->angle = plant_sensors_angle(&plant->sensors, plant_motor_angle_mech(&plant->motor));
 }
 
+void plant_scale_sensors(plant_t *plant, const double current[PLANT_LEGS], double bus)
+{
+    plant_sensors_scale(&plant->sensors, current, bus);
+}
+
+void plant_set_clock(plant_t *plant, double ratio)
+{
+    plant_inverter_set_clock(&plant->inverter, ratio);
+}
+
 /* Ideal legs need no look at the currents: their potentials are the rails. */
 static bool is_ideal(const plant_t *plant, const plant_segment_t *segment)
 {

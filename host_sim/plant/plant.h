@@ -148,6 +148,12 @@ void plant_set_temperature(plant_t *plant, double temperature_c);
 /* Converts the currents of legs a and b, bus and temperature at the present instant. */
 void plant_sample(plant_t *plant, plant_adc_t *adc);
 
+/* Sensors that have failed: see plant_sensors_scale(). */
+void plant_scale_sensors(plant_t *plant, const double current[PLANT_LEGS], double bus);
+
+/* The clock of the timer runs so many times as fast as it should from the next period on; 1 is healthy. */
+void plant_set_clock(plant_t *plant, double ratio);
+
 /* Lets one PWM period pass, then takes over the preloaded compare values. */
 void plant_step(plant_t *plant);
 

@@ -35,6 +35,7 @@ static const char *sensors_bad_field(const plant_sensor_cfg_t *cfg)
         {"sensor.drift_lsb_s[1]", isfinite(cfg->drift_lsb_s[1])},
         {"sensor.gain_error[0]", plant_is_positive(1.0 + cfg->gain_error[0])},
         {"sensor.gain_error[1]", plant_is_positive(1.0 + cfg->gain_error[1])},
+        {"sensor.gain_error[2]", plant_is_positive(1.0 + cfg->gain_error[2])},
         {"sensor.current_bandwidth_hz", plant_is_not_negative(cfg->current_bandwidth_hz)},
         {"sensor.temperature", is_a_line(cfg)},
         {"sensor.angle_counts", cfg->angle_counts <= ANGLE_COUNTS_MAX},
@@ -49,15 +50,20 @@ bool plant_sensors_init(plant_sensors_t *sensors, const plant_sensor_cfg_t *cfg,
     if (*bad_field != NULL) {
         return false;
     }
+    static const double healthy[3] = {1.0, 1.0, 1.0};
     const double half_scale = (double)(1UL << (cfg->adc_bits - 1U));
     sensors->count_max = 2.0 * half_scale - 1.0;
-    for (int phase = 0; phase < 2; phase++) {
-        sensors->current_gain[phase] =
+    for (int phase = 0; phase < 3; phase++) {
+        sensors->healthy_gain[phase] =
             half_scale / cfg->current_full_scale_a * (1.0 + cfg->gain_error[phase]);
+    }
+    for (int phase = 0; phase < 2; phase++) {
         sensors->current_zero[phase] = half_scale + cfg->offset_lsb[phase];
         sensors->drift_lsb_s[phase] = cfg->drift_lsb_s[phase];
     }
-    sensors->bus_gain = 2.0 * half_scale / cfg->bus_full_scale_v;
+    sensors->measures_c = cfg->measures_c;
+    sensors->healthy_bus_gain = 2.0 * half_scale / cfg->bus_full_scale_v;
+    plant_sensors_scale(sensors, healthy, 1.0);
     sensors->temperature_points = cfg->temperature_points;
     for (unsigned k = 0; k < cfg->temperature_points; k++) {
         sensors->temperature_at[k] = cfg->temperature[k];
@@ -68,7 +74,16 @@ bool plant_sensors_init(plant_sensors_t *sensors, const plant_sensor_cfg_t *cfg,
     sensors->seen_a[0] = 0.0;
     sensors->seen_a[1] = 0.0;
     plant_random_init(&sensors->random, cfg->seed);
+    plant_random_init(&sensors->random_c, ~cfg->seed);
     return true;
+}
+
+void plant_sensors_scale(plant_sensors_t *sensors, const double current[3], double bus)
+{
+    for (int phase = 0; phase < 3; phase++) {
+        sensors->current_gain[phase] = sensors->healthy_gain[phase] * current[phase];
+    }
+    sensors->bus_gain = sensors->healthy_bus_gain * bus;
 }
 
 static uint16_t quantise(double counts, double count_max)
@@ -153,6 +168,20 @@ void plant_sensors_drift(plant_sensors_t *sensors, double duration_s)
     }
 }
 
+/* Phase c, whose current is what a and b leave. */
+static double counts_of_c(plant_sensors_t *sensors, double i_c, const plant_adc_t *adc)
+{
+    const double half_scale = 0.5 * (sensors->count_max + 1.0);
+    double counts = 3.0 * half_scale - (double)adc->ia - (double)adc->ib;
+    if (sensors->measures_c) {
+        counts = i_c * sensors->current_gain[2] + half_scale;
+        if (sensors->noise_lsb_rms > 0.0) {
+            counts += sensors->noise_lsb_rms * plant_random_gaussian(&sensors->random_c);
+        }
+    }
+    return counts;
+}
+
 void plant_sensors_convert(plant_sensors_t *sensors, double i_a, double i_b, double bus_v,
                            plant_adc_t *adc)
 {
@@ -169,6 +198,7 @@ void plant_sensors_convert(plant_sensors_t *sensors, double i_a, double i_b, dou
     }
     adc->ia = quantise(counts_a, sensors->count_max);
     adc->ib = quantise(counts_b, sensors->count_max);
+    adc->ic = quantise(counts_of_c(sensors, -seen_a - seen_b, adc), sensors->count_max);
     adc->bus = quantise(counts_bus, sensors->count_max);
     adc->temperature = sensors->temperature;
 }

@@ -4,7 +4,8 @@
  *
  *   count = clip(round(x / lsb * (1 + gain_error) + zero + offset + noise), 0, 2^bits - 1)
  *
- * Current channels: lsb = current_full_scale_a / 2^(bits-1), zero = 2^(bits-1).
+ * Current channels: lsb = current_full_scale_a / 2^(bits-1), zero = 2^(bits-1). Phase c has no offset and a noise of its own.
+ *                   A board with two sensors reads 3 zero - count of a - count of b there, within the converter.
  * Bus channel:      lsb = bus_full_scale_v / 2^bits,         zero = 0, no gain error, no offset.
  * Temperature:      linear from each of its points to the next, beyond the ends as the divider of a thermistor, no noise: it
  *                   is slow and filtered.
@@ -43,7 +44,8 @@ typedef struct {
     double noise_lsb_rms;        /* LSB, >= 0, currents and bus; 0 switches the source off */
     double offset_lsb[2];        /* LSB, phases a and b, finite */
     double drift_lsb_s[2];       /* LSB/s, phases a and b, finite: change of the offset */
-    double gain_error[2];        /* fraction, phases a and b, > -1; 0.01 reads 1 % too high */
+    bool measures_c;             /* a third sensor, of phase c */
+    double gain_error[3];        /* fraction, phases a, b, c, > -1; 0.01 reads 1 % too high */
     double current_bandwidth_hz; /* Hz, >= 0, of the current sensors; 0: without a low pass */
     plant_sensor_point_t temperature[PLANT_SENSOR_POINTS_MAX];
     unsigned temperature_points; /* of them in use, 2 ... 16; 0: no sensor, reads 0 */
@@ -56,16 +58,20 @@ typedef struct {
 typedef struct {
     uint16_t ia;
     uint16_t ib;
+    uint16_t ic;
     uint16_t bus;
     uint16_t temperature;
     uint16_t angle; /* of the shaft, 2^16 = one turn */
 } plant_adc_t;
 
 typedef struct {
-    double current_gain[2]; /* counts per ampere, gain error included */
+    double healthy_gain[3]; /* counts per ampere, gain error included */
+    double current_gain[3]; /* in force: of a sensor that may have failed */
+    bool measures_c;
     double current_zero[2]; /* counts, offset included */
     double drift_lsb_s[2];
-    double bus_gain;                                              /* counts per volt */
+    double healthy_bus_gain;                                      /* counts per volt */
+    double bus_gain;                                              /* in force */
     plant_sensor_point_t temperature_at[PLANT_SENSOR_POINTS_MAX]; /* as configured */
     unsigned temperature_points;
     double count_max;
@@ -74,7 +80,8 @@ typedef struct {
     double lag_rate;  /* 1/s, of the low pass; 0: none */
     double seen_a[2]; /* behind the low pass, A */
     plant_random_t random;
-    uint16_t temperature; /* what its channel converts to */
+    plant_random_t random_c; /* of phase c: whether it is measured changes no other noise */
+    uint16_t temperature;    /* what its channel converts to */
 } plant_sensors_t;
 
 /* Returns false and names the offending field in *bad_field when a value is out of range. */
@@ -83,6 +90,9 @@ bool plant_sensors_init(plant_sensors_t *sensors, const plant_sensor_cfg_t *cfg,
 
 /* The temperature that the conversions to come see, degrees C. */
 void plant_sensors_set_temperature(plant_sensors_t *sensors, double temperature_c);
+
+/* The sensors of the phases a, b, c and of the bus read so many times as much from now on; 1 is healthy. */
+void plant_sensors_scale(plant_sensors_t *sensors, const double current[3], double bus);
 
 /* What the angle sensor tells of a shaft at an angle, rad, multi-turn. */
 uint16_t plant_sensors_angle(const plant_sensors_t *sensors, double angle_mech_rad);
@@ -100,8 +110,8 @@ void plant_sensors_follow(plant_sensors_t *sensors, double duration_s, const dou
 /* Time goes by: the offsets drift. */
 void plant_sensors_drift(plant_sensors_t *sensors, double duration_s);
 
-/* One conversion of both currents [A], the bus [V] and the temperature. With a low pass the currents are those behind
- * it, not the arguments. With noise it draws three deviates. */
+/* One conversion of the currents [A] of a and b, and of c where it is measured, the bus [V] and the temperature. With a low pass the currents are those behind
+ * it, not the arguments. With noise it draws three deviates, and one of another source for c. */
 void plant_sensors_convert(plant_sensors_t *sensors, double i_a, double i_b, double bus_v,
                            plant_adc_t *adc);
 

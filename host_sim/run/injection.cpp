@@ -23,7 +23,9 @@ void force(hal_host_channel_t &channel, uint16_t count)
 
 } // namespace
 
-Injection::Injection(const Config &config, double period_s, int64_t zero) : board_(config.board)
+Injection::Injection(const Config &config, double period_s, int64_t zero)
+    : board_(config.board),
+      timer_counts_(config.board.timer_clock_hz / (2 * config.board.pwm_frequency_hz))
 {
     const auto tick_of = [&](double time_s) {
         return std::max<int64_t>(zero + std::llround(time_s / period_s), 0);
@@ -37,7 +39,7 @@ Injection::Injection(const Config &config, double period_s, int64_t zero) : boar
 void Injection::add(const FaultEntry &entry, int64_t from, int64_t until)
 {
     const bool lasts = entry.span == FaultSpan::lasting || entry.until_s;
-    faults_.push_back({entry, from, lasts ? std::max(until, from + 1) : from + 1, false, {}});
+    faults_.push_back({entry, from, lasts ? std::max(until, from + 1) : from + 1, false, {}, {}});
     next_ = std::min(next_, from);
 }
 
@@ -76,6 +78,13 @@ uint16_t Injection::current_count(double ampere) const
 uint16_t Injection::bus_count(double volt) const
 {
     return count(std::ldexp(volt / board_.bus_full_scale_v, board_.adc_bits));
+}
+
+uint16_t Injection::duty_count(const Fault &fault, std::size_t leg) const
+{
+    const std::optional<double> &percent = fault.entry.value;
+    return percent ? static_cast<uint16_t>(std::lround(timer_counts_ * *percent / 100))
+                   : fault.last_out.compare.phase[leg];
 }
 
 // What happens once.
@@ -118,6 +127,21 @@ void Injection::impose_on_binding(const Fault &fault, hal_host_faults_t &hal) co
     case FaultKind::adc_bus_stuck:
         force(hal.bus, value ? bus_count(*value) : fault.last.adc_bus);
         break;
+    case FaultKind::temperature_high:
+        force(hal.temperature, count(std::ldexp(1.0, board_.adc_bits)));
+        break;
+    case FaultKind::temperature_low:
+        force(hal.temperature, 0);
+        break;
+    case FaultKind::duty_a_stuck:
+        force(hal.duty[0], duty_count(fault, 0));
+        break;
+    case FaultKind::duty_b_stuck:
+        force(hal.duty[1], duty_count(fault, 1));
+        break;
+    case FaultKind::duty_c_stuck:
+        force(hal.duty[2], duty_count(fault, 2));
+        break;
     case FaultKind::angle_stuck:
         force(hal.angle, fault.last.angle);
         break;
@@ -137,7 +161,7 @@ void Injection::impose_on_binding(const Fault &fault, hal_host_faults_t &hal) co
 }
 
 // What is so in the power stage and the motor, likewise.
-void Injection::impose_on_plant(const Fault &fault, plant_t &plant)
+void Injection::impose_on_plant(const Fault &fault, plant_t &plant, Sensors &sensors)
 {
     const double value = fault.entry.value.value_or(0);
     switch (fault.entry.kind) {
@@ -156,6 +180,24 @@ void Injection::impose_on_plant(const Fault &fault, plant_t &plant)
     case FaultKind::temperature:
         plant_set_temperature(&plant, value);
         break;
+    case FaultKind::adc_a_gain:
+        sensors.current[0] = value;
+        break;
+    case FaultKind::adc_b_gain:
+        sensors.current[1] = value;
+        break;
+    case FaultKind::adc_c_gain:
+        sensors.current[2] = value;
+        break;
+    case FaultKind::adc_all_gain:
+        sensors.current.fill(value);
+        break;
+    case FaultKind::adc_bus_gain:
+        sensors.bus = value;
+        break;
+    case FaultKind::clock:
+        plant_set_clock(&plant, value);
+        break;
     case FaultKind::rotor_blocked:
         plant_block_rotor(&plant, true);
         break;
@@ -172,12 +214,15 @@ void Injection::impose(int64_t tick, const Seam &seam)
     plant_set_supply(&seam.plant, board_.bus_nominal_v);
     plant_set_temperature(&seam.plant, PLANT_AMBIENT_C);
     plant_block_rotor(&seam.plant, false);
+    plant_set_clock(&seam.plant, 1);
+    Sensors sensors;
     for (const Fault &fault : faults_) {
         if (fault.begun && tick < fault.until) {
             impose_on_binding(fault, binding_);
-            impose_on_plant(fault, seam.plant);
+            impose_on_plant(fault, seam.plant, sensors);
         }
     }
+    plant_scale_sensors(&seam.plant, sensors.current.data(), sensors.bus);
     seam.hal = binding_;
 }
 
@@ -189,6 +234,7 @@ void Injection::change(int64_t tick, Simulation &sim)
         if (!fault.begun && tick >= fault.from) {
             fault.begun = true;
             fault.last = sim.in();
+            fault.last_out = sim.out();
             strike(fault, seam);
         }
         const int64_t coming = fault.begun ? fault.until : fault.from;

@@ -5,6 +5,8 @@
 
 #include "sim.h"
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -47,7 +49,14 @@ private:
         int64_t from;
         int64_t until;
         bool begun;
-        drive_in_t last; // what the drive saw before it began
+        drive_in_t last;      // what the drive saw before it began …
+        drive_out_t last_out; // … and demanded
+    };
+
+    // What sensors read, of what they should.
+    struct Sensors {
+        std::array<double, PLANT_LEGS> current = {1, 1, 1};
+        double bus = 1;
     };
 
     void add(const FaultEntry &entry, int64_t from, int64_t until);
@@ -55,7 +64,8 @@ private:
     static void strike(const Fault &fault, const Seam &seam);
     void impose(int64_t tick, const Seam &seam);
     void impose_on_binding(const Fault &fault, hal_host_faults_t &hal) const;
-    static void impose_on_plant(const Fault &fault, plant_t &plant);
+    static void impose_on_plant(const Fault &fault, plant_t &plant, Sensors &sensors);
+    uint16_t duty_count(const Fault &fault, std::size_t leg) const;
     uint16_t current_count(double ampere) const;
     uint16_t bus_count(double volt) const;
     uint16_t count(double value) const;
@@ -64,6 +74,7 @@ private:
     int64_t next_ = NEVER; // tick at which one begins or ends
     hal_host_faults_t binding_{};
     BoardSettings board_;
+    double timer_counts_;
 };
 
 } // namespace nf

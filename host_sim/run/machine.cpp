@@ -80,6 +80,8 @@ plant_sensor_cfg_t make_plant_sensor(const Config &config)
         cfg.drift_lsb_s[phase] = real.adc_drift_lsb_s[phase];
         cfg.gain_error[phase] = real.adc_gain_error_pct[phase] / 100.0;
     }
+    cfg.measures_c = board.current_sensors == PLANT_LEGS;
+    cfg.gain_error[2] = real.adc_third_gain_error_pct / 100.0;
     cfg.temperature_points = static_cast<unsigned>(board.temperature_points_c.size());
     for (std::size_t k = 0; k < board.temperature_points_c.size(); k++) {
         cfg.temperature[k] = {board.temperature_points_c[k], board.temperature_points_pct[k] / 100};

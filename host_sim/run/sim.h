@@ -10,6 +10,7 @@
 
 extern "C" {
 #include "app.h"
+#include "cross_check.h"
 #include "hal_host.h"
 #include "plant.h"
 }
@@ -72,6 +73,9 @@ public:
     // One PWM period goes by.
     void advance()
     {
+        if (hal_.plant != nullptr) { // else its frames have what the background found
+            cross_check_step(&app_);
+        }
         hal_host_step(&hal_);
     }
 
@@ -107,6 +111,10 @@ public:
         return app_;
     }
     hal_t &hal()
+    {
+        return hal_;
+    }
+    const hal_t &hal() const
     {
         return hal_;
     }

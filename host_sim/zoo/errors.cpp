@@ -50,6 +50,7 @@ Errors draw_errors(const Draw &draw, const Specimen &specimen)
     const double mismatch_pct = draw.below("gain mismatch", 2) == 0 ? 2 : -2;
     errors.adc_gain_error_pct[0] = mismatch_pct / 2;
     errors.adc_gain_error_pct[1] = -mismatch_pct / 2;
+    errors.adc_third_gain_error_pct = draw.uniform("third gain", {-2, 2});
     errors.bus_ripple_pct = 5;
     errors.bus_ripple_hz = draw.below("mains", 2) == 0 ? 100 : 300; // one phase or three
     errors.load_share = draw.uniform("load", {0, 0.5});

@@ -24,6 +24,7 @@ struct Errors {
     double adc_noise_lsb = 0;
     double adc_offset_lsb[2] = {0, 0};
     double adc_gain_error_pct[2] = {0, 0};
+    double adc_third_gain_error_pct = 0;
     double bus_ripple_pct = 0;
     double bus_ripple_hz = 0;
     double load_share = 0; // from the start on

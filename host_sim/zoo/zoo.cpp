@@ -71,8 +71,9 @@ std::string error_tables(const Errors &errors, const Specimen &specimen)
            line("adc_noise_lsb", errors.adc_noise_lsb) +
            fmt::format("adc_offset_lsb = [{:.4g}, {:.4g}]\n", errors.adc_offset_lsb[0],
                        errors.adc_offset_lsb[1]) +
-           fmt::format("adc_gain_error_pct = [{:.4g}, {:.4g}]\n", errors.adc_gain_error_pct[0],
-                       errors.adc_gain_error_pct[1]);
+           fmt::format("adc_gain_error_pct = [{:.4g}, {:.4g}]\nadc_third_gain_error_pct = {:.4g}\n",
+                       errors.adc_gain_error_pct[0], errors.adc_gain_error_pct[1],
+                       errors.adc_third_gain_error_pct);
 }
 
 std::string binding_lines(const Binding &binding, const Board &board)
@@ -162,7 +163,8 @@ std::string board_file(const Reference &reference)
            line("bus_full_scale_v", board.bus_full_scale_v) +
            line("bus_nominal_v", board.bus_nominal_v) + line("bus_min_v", board.bus_min_v) +
            line("bus_max_v", board.bus_max_v) + line("overcurrent_a", board.overcurrent_a) +
-           line("trip_a", board.trip_a) + line("offset_max_a", board.offset_max_a) +
+           line("trip_a", board.trip_a) + line("current_sensors", 3) +
+           line("offset_max_a", board.offset_max_a) +
            line("duty_margin_pct", board.duty_margin_pct) + line("dead_time_s", board.dead_time_s) +
            line("device_drop_v", board.device_drop_v) +
            fmt::format("offset_samples_log2 = {}\n", board.offset_samples_log2) +

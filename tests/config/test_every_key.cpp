@@ -157,16 +157,17 @@ std::string hal_header(const nf::Config &config)
     }
 }
 
-// A hash of what the drive did to the machine, and of the machine.
+// A hash of what the drive did to the machine, of the machine, and of the third current, which the background checks.
 class Watch : public nf::TickSink
 {
 public:
     void add(const nf::Tick &tick) override
     {
         const drive_out_t &out = tick.sim->out();
-        for (const double value : {tick.truth.theta_el_rad, tick.truth.omega_mech_rad_s,
-                                   tick.load_nm, static_cast<double>(out.compare.phase[0]),
-                                   static_cast<double>(out.compare.phase[1])}) {
+        for (const double value :
+             {tick.truth.theta_el_rad, tick.truth.omega_mech_rad_s, tick.load_nm,
+              static_cast<double>(out.compare.phase[0]), static_cast<double>(out.compare.phase[1]),
+              static_cast<double>(tick.sim->hal().seen_ic)}) {
             uint64_t bits = 0;
             std::memcpy(&bits, &value, sizeof bits);
             hash_ = (hash_ ^ bits) * 1099511628211U;

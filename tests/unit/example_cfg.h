@@ -122,8 +122,8 @@ static inline derating_cfg_t example_derating_cfg(void)
         .heat_max_q14 = 19661,                                     /* 1.2 */
         .heat = {.zero = 16384, .gain = 20481, .shift = 10U},      /* from 0.9 to 1: 1638.4 */
         .temperature = {.zero = 2048, .gain = 20481, .shift = 8U}, /* over 409.6 counts */
-        .temperature_lowest = 0,                                   /* it may read anything */
-        .temperature_highest = 4095,
+        .temperature_lowest = 51,                                  /* a quarter of 5 % of 4096 */
+        .temperature_highest = 4045,
         .temperature_periods = 25U,
         .bus_high = {.zero = 29127, .gain = 20481, .shift = 11U}, /* from 355 V to 400 V: 3276.8 */
         .bus_low = {.zero = 14564,
@@ -153,6 +153,8 @@ static inline supervision_cfg_t example_supervision_cfg(void)
         .stall_speed = 447392, /* 31.25 rpm */
         .stall_periods = 250U,
         .late_max = 10U,
+        .sum_max = 228,        /* 1 % of 20 A and 8 LSB of 2^4: 0.278 A */
+        .sum_share_q15 = 1966, /* 6 % */
         .late_window = 250U,
     };
 }
@@ -401,6 +403,8 @@ static inline void example_supervise_nothing(drive_cfg_t *cfg)
         .stall_speed = 1,
         .stall_periods = 1000000U,
         .late_max = 1000000U,
+        .sum_max = 1,
+        .sum_share_q15 = 0,
         .late_window = 1U,
     };
     cfg->oscillation.act = (uint32_t)OSCILLATION_ACT_NONE;

@@ -69,6 +69,8 @@ FIGURES = (
     Figure("faults", core_seconds=8, host=("test_fault_table",),
            **printed("docs/protection.md", "faults", "faults of an angle sensor",
                      by=(f"{HOST}/tests/scenario/test_fault_table", "--measure"))),
+    Figure("single_faults", core_seconds=2, host=("test_single_faults",),
+           **printed("docs/protection.md", "single faults", by=(f"{HOST}/tests/scenario/test_single_faults", "--measure"))),
     Figure("dead_time", "docs/design.md", 6, script("dead_time", f"{HOST}/motorsim"), host=("motorsim",)),
     Figure("stream", core_seconds=1, host=("stream_size",),
            **printed("docs/live.md", "stream", by=(f"{HOST}/tests/live/stream_size",))),

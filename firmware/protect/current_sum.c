@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: MIT */
+#include "current_sum.h"
+
+#include "fx.h"
+
+#define SAMPLES_MIN (16U) /* of a window; fewer are no mean */
+#define SHARE_SHIFT (15U)
+
+void current_sum_begin(current_sum_t *state)
+{
+    state->samples = 0U;
+    state->sum = 0U;
+    state->all = 0U;
+}
+
+void current_sum_reset(current_sum_t *state)
+{
+    state->zero_sum = 0;
+    state->zeros = 0;
+    current_sum_begin(state);
+}
+
+void current_sum_zero(current_sum_t *state, int32_t sum)
+{
+    if (state->zeros < (int32_t)CURRENT_SUM_SAMPLES_MAX) {
+        state->zero_sum += sum;
+        state->zeros++;
+    }
+}
+
+/* Without a zero there is nothing to compare with: the sum is taken for right. */
+static int32_t sum_of(const current_sum_t *state, const current_sum_in_t *in)
+{
+    int32_t sum = 0;
+
+    if (state->zeros > 0) {
+        sum = in->sum - (state->zero_sum / state->zeros);
+    }
+    return sum;
+}
+
+/* The mean that is allowed beside the currents of this window. */
+static uint32_t largest_sum(const current_sum_t *state, const supervision_cfg_t *cfg)
+{
+    const uint64_t share = (uint64_t)state->all * fx_unsigned(cfg->sum_share_q15);
+    const uint32_t mean = (uint32_t)(share >> SHARE_SHIFT) / state->samples;
+
+    return fx_unsigned(cfg->sum_max) + mean;
+}
+
+static fault_id_t judge(const current_sum_t *state, const supervision_cfg_t *cfg, fault_t *fault)
+{
+    const uint32_t mean = state->sum / state->samples;
+    const uint32_t largest = largest_sum(state, cfg);
+    fault_id_t id = FAULT_NONE;
+
+    if (mean > largest) {
+        id = FAULT_CURRENT_SUM;
+        *fault = (fault_t){.id = id, .value = (int32_t)mean, .limit = (int32_t)largest};
+    }
+    return id;
+}
+
+fault_id_t current_sum_step(current_sum_t *state, const supervision_cfg_t *cfg,
+                            const current_sum_in_t *in, bool ends, fault_t *fault)
+{
+    const int32_t sum = sum_of(state, in);
+    const int32_t c = sum - in->a - in->b;
+    fault_id_t id = FAULT_NONE;
+
+    state->sum += fx_unsigned(fx_abs(sum));
+    state->all += fx_unsigned(fx_abs(in->a) + fx_abs(in->b) + fx_abs(c));
+    state->samples++;
+    if ((state->samples >= CURRENT_SUM_SAMPLES_MAX) || (ends && (state->samples >= SAMPLES_MIN))) {
+        id = judge(state, cfg, fault);
+        current_sum_begin(state);
+    }
+    return id;
+}
