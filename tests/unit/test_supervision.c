@@ -30,6 +30,130 @@ static void assert_fault(fault_id_t id, int32_t value, int32_t limit)
     TEST_ASSERT_EQUAL_INT32(limit, fault.limit);
 }
 
+/* ---- voltage in RUN ---- */
+
+#define EMF (8000)
+
+static uint32_t voltage_rounds(supervision_voltage_t in, uint32_t most)
+{
+    uint32_t rounds = 0U;
+
+    while ((rounds < most) &&
+           (supervision_check_voltage(&state, &cfg, &in, &fault) == FAULT_NONE)) {
+        rounds++;
+    }
+    return rounds;
+}
+
+TEST(test_twice_the_voltage_and_a_quarter_of_the_emf_for_half_a_mean_is_implausible)
+{
+    const int32_t most = (2 * cfg.voltage_max) + (EMF / 4);
+    const supervision_voltage_t just = {.voltage = {.d = most, .q = -most}, .emf = EMF};
+    const supervision_voltage_t beyond = {.voltage = {.d = 0, .q = -most - 1}, .emf = EMF};
+
+    TEST_ASSERT_EQUAL_UINT32(1000U, voltage_rounds(just, 1000U));
+    TEST_ASSERT_EQUAL_UINT32(8U, voltage_rounds(beyond, 1000U));
+    assert_fault(FAULT_CURRENT_IMPLAUSIBLE, most + 1, most);
+}
+
+TEST(test_a_voltage_that_is_excused_or_far_from_the_reference_is_not_judged)
+{
+    const supervision_voltage_t excused = {.voltage = {32767, 32767}, .excused = true};
+    const supervision_voltage_t swings = {.voltage = {32767, 32767},
+                                          .off_reference = cfg.speed_error_max / 2};
+
+    TEST_ASSERT_EQUAL_UINT32(1000U, voltage_rounds(excused, 1000U));
+    TEST_ASSERT_EQUAL_UINT32(1000U, voltage_rounds(swings, 1000U));
+}
+
+/* What is at its limit neither counts nor is forgotten. */
+TEST(test_a_voltage_between_two_that_are_at_the_limit_counts)
+{
+    const supervision_voltage_t wrong = {.voltage = {32767, 0}};
+    const supervision_voltage_t excused = {.voltage = {32767, 0}, .excused = true};
+
+    for (uint32_t k = 0U; k < 8U; k++) {
+        TEST_ASSERT_EQUAL_UINT32(1U, voltage_rounds(wrong, 1U));
+        TEST_ASSERT_EQUAL_UINT32(5U, voltage_rounds(excused, 5U));
+    }
+    TEST_ASSERT_EQUAL_UINT32(0U, voltage_rounds(wrong, 1U));
+}
+
+/* ---- flux ---- */
+
+#define FLUX_ONE (0x40000000)
+#define FLUX_SETTLES (256U) /* 2^(4 + 4) periods */
+
+static fault_id_t flux(int32_t flux_q30, uint32_t periods)
+{
+    fault_id_t id = FAULT_NONE;
+
+    for (uint32_t k = 0U; (k < periods) && (id == FAULT_NONE); k++) {
+        id = supervision_check_flux(&state, &cfg, flux_q30, &fault);
+    }
+    return id;
+}
+
+TEST(test_a_flux_may_settle_anywhere_and_is_judged_from_then_on)
+{
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, flux(FLUX_ONE, FLUX_SETTLES - 1U));
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, flux((FLUX_ONE / 4) * 5, 1000U));
+    TEST_ASSERT_EQUAL_INT(FAULT_FLUX_IMPLAUSIBLE, flux(FLUX_ONE, 1000U));
+}
+
+/* 5/64 either way; a change of 1 LSB of Q14 less is none. */
+TEST(test_a_flux_that_jumps_by_5_of_64_is_implausible)
+{
+    const int32_t jump = (FLUX_ONE / 64) * 5;
+
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        supervision_reset(&state);
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, flux(FLUX_ONE, FLUX_SETTLES));
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, flux(FLUX_ONE + (sign * (jump - 65536)), 1000U));
+        supervision_reset(&state);
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, flux(FLUX_ONE, FLUX_SETTLES));
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, flux(FLUX_ONE + (sign * ((jump / 4) * 5)), 4U));
+        TEST_ASSERT_EQUAL_INT(FAULT_FLUX_IMPLAUSIBLE,
+                              flux(FLUX_ONE + (sign * ((jump / 4) * 5)), 1U));
+        TEST_ASSERT_INT32_WITHIN(32, 1600,
+                                 fault.value); /* 5 of 256 parts: so far the mean has followed */
+        TEST_ASSERT_INT32_WITHIN(3, 1280, fault.limit); /* 5/64 of that */
+    }
+}
+
+/* By 4/64 a second, to the end of its range: the mean follows. */
+TEST(test_a_flux_that_creeps_is_no_fault)
+{
+    int32_t now = FLUX_ONE;
+
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, flux(now, FLUX_SETTLES));
+    while (now < ((FLUX_ONE / 4) * 5)) {
+        now += (FLUX_ONE / 16) / (int32_t)FLUX_SETTLES;
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, flux(now, 1U));
+    }
+}
+
+TEST(test_another_flux_in_the_file_settles_anew)
+{
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, flux(FLUX_ONE, FLUX_SETTLES));
+    supervision_forget_flux(&state);
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, flux((FLUX_ONE / 4) * 5, 1000U));
+}
+
+TEST(test_the_fault_of_a_weak_phase_comes_in_place_of_a_voltage_or_a_flux)
+{
+    const supervision_voltage_t wrong = {.voltage = {32767, 0}};
+
+    state.suspect = (fault_t){.id = FAULT_LOST_PHASE, .value = 3, .limit = 9};
+    TEST_ASSERT_EQUAL_UINT32(8U, voltage_rounds(wrong, 1000U));
+    assert_fault(FAULT_LOST_PHASE, 3, 9);
+    supervision_reset(&state);
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, flux(FLUX_ONE, FLUX_SETTLES));
+    state.suspect = (fault_t){.id = FAULT_ADC_STUCK, .value = 4, .limit = 8};
+    TEST_ASSERT_EQUAL_INT(FAULT_ADC_STUCK, flux((FLUX_ONE / 4) * 3, 1000U));
+    assert_fault(FAULT_ADC_STUCK, 4, 8);
+}
+
 /* ---- phases ---- */
 
 typedef struct {

@@ -1,0 +1,126 @@
+/* SPDX-License-Identifier: MIT */
+/* What the background checks, and how a fault of it comes into the drive. */
+#include "cross_check.h"
+#include "example_app.h"
+
+void setUp(void)
+{
+    power_on();
+}
+
+/* Ticks, each with a pass of the background. */
+static void pass(uint32_t count)
+{
+    for (uint32_t k = 0U; k < count; k++) {
+        tick(1U);
+        cross_check_step(&app);
+    }
+}
+
+static uint32_t window(void)
+{
+    return (cfg.slow_ticks * SUPERVISION_STEPS) << cfg.supervision.mean_shift;
+}
+
+/* As if the current were controlled, for the ticks of a window: nothing else acts. */
+static void pass_controlled(uint32_t count)
+{
+    for (uint32_t k = 0U; k < count; k++) {
+        app.drive.state = DRIVE_STATE_RUN;
+        app.drive.tick++;
+        cross_check_step(&app);
+    }
+}
+
+TEST(test_a_sum_beside_zero_is_told_within_two_windows_and_the_drive_latches_it)
+{
+    pass(EXAMPLE_CALIBRATION_TICKS);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, app.drive.state);
+    hardware.health.adc_ic = (uint16_t)(EXAMPLE_MIDDLE + 100U);
+    pass_controlled(2U * window());
+    TEST_ASSERT_TRUE(app.fails);
+    app.drive.state = DRIVE_STATE_READY;
+    tick_period();
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, app.drive.state);
+    TEST_ASSERT_EQUAL_INT(FAULT_CURRENT_SUM, app.drive.fault.id);
+    TEST_ASSERT_EQUAL_INT32(800, app.drive.fault.value); /* 100 counts of 12 bits */
+    TEST_ASSERT_TRUE(app.drive.fault.limit < 800);
+    cross_check_step(&app);
+    TEST_ASSERT_FALSE(app.fails);
+}
+
+TEST(test_what_is_off_from_the_calibration_on_is_a_zero_and_no_fault)
+{
+    hardware.health.adc_ic = (uint16_t)(EXAMPLE_MIDDLE + 100U);
+    pass(EXAMPLE_CALIBRATION_TICKS);
+    pass_controlled(3U * window());
+    TEST_ASSERT_FALSE(app.fails);
+}
+
+TEST(test_no_current_is_judged_at_rest_nor_at_an_end_of_a_converter)
+{
+    pass(EXAMPLE_CALIBRATION_TICKS);
+    hardware.health.adc_ic = (uint16_t)(EXAMPLE_MIDDLE + 100U);
+    pass(3U * window());
+    TEST_ASSERT_FALSE(app.fails);
+    hardware.health.adc_ic = 4095U;
+    pass_controlled(3U * window());
+    TEST_ASSERT_FALSE(app.fails);
+}
+
+TEST(test_many_passes_within_a_tick_are_one_sample)
+{
+    pass(EXAMPLE_CALIBRATION_TICKS);
+    hardware.health.adc_ic = (uint16_t)(EXAMPLE_MIDDLE + 100U);
+    for (uint32_t k = 0U; k < (4U * window()); k++) {
+        app.drive.state = DRIVE_STATE_RUN;
+        cross_check_step(&app);
+    }
+    TEST_ASSERT_TRUE(app.check.sum.samples <= 1U);
+    TEST_ASSERT_FALSE(app.fails);
+}
+
+TEST(test_a_new_calibration_measures_the_zero_of_the_sum_anew)
+{
+    pass(EXAMPLE_CALIBRATION_TICKS);
+    hardware.health.adc_ic = (uint16_t)(EXAMPLE_MIDDLE + 100U);
+    app.drive.state = DRIVE_STATE_INIT;
+    pass(EXAMPLE_CALIBRATION_TICKS);
+    pass_controlled(3U * window());
+    TEST_ASSERT_FALSE(app.fails);
+}
+
+/* In place of the user's command, which is as it was afterwards. */
+TEST(test_a_fault_of_the_background_leaves_the_command_in_the_mailbox)
+{
+    const drive_command_t command = {.target = 7, .mode = (uint8_t)DRIVE_MODE_SPEED, .request = 0U};
+    const fault_t fault = {.id = FAULT_CURRENT_SUM, .value = 70000, .limit = -1};
+
+    pass(EXAMPLE_CALIBRATION_TICKS);
+    command_mailbox_post(&app.mailbox, &command);
+    app_fail(&app, &fault);
+    tick_period();
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_FAIL, app.in.command.request);
+    TEST_ASSERT_EQUAL_INT(FAULT_CURRENT_SUM, app.drive.fault.id);
+    TEST_ASSERT_EQUAL_INT32(65535, app.drive.fault.value);
+    TEST_ASSERT_EQUAL_INT32(0, app.drive.fault.limit);
+    cross_check_step(&app);
+    tick_period();
+    TEST_ASSERT_EQUAL_INT32(7, app.in.command.target);
+    TEST_ASSERT_EQUAL_UINT8(0U, app.in.command.request);
+}
+
+TEST(test_a_number_that_is_no_fault_is_none)
+{
+    const int ids[] = {(int)FAULT_NONE, (int)FAULT_COUNT, 255};
+
+    for (uint32_t k = 0U; k < (sizeof ids / sizeof ids[0]); k++) {
+        const fault_t fault = {.id = (fault_id_t)ids[k], .value = 1, .limit = 1};
+
+        power_on();
+        pass(EXAMPLE_CALIBRATION_TICKS);
+        app_fail(&app, &fault);
+        tick_period();
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, app.drive.state);
+    }
+}
