@@ -67,6 +67,8 @@ typedef struct {
     uint32_t late_ticks; /* that ended too late, since the start */
     uint32_t load_pct;   /* the longest tick that did not, of a PWM period; 0: not measured */
     bool tick_lost;      /* the control interrupt stays away, and will not come again */
+    /* what the binding has found wrong with its chip, so that the gates stay open until a reset; NULL: nothing */
+    const char *why_barred;
 } hal_health_t;
 
 /* Context: background; the tick may come in between. Does not wait. */

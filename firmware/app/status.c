@@ -149,6 +149,15 @@ static void add_short(text_t *text, const drive_t *drive)
     }
 }
 
+/* What keeps the gates open until a reset. */
+static void add_bar(text_t *text, const char *why)
+{
+    if (why != NULL) {
+        text_add(text, ", until a reset: ");
+        text_add(text, why);
+    }
+}
+
 static void add_torque(text_t *text, const app_t *app, const about_t *about, int32_t torque_q28)
 {
     const int64_t base = units_torque_base(&about->rotation, about->current_full_scale_ua,
@@ -196,6 +205,7 @@ static void add_speed(text_t *text, const app_t *app, const about_t *about)
 void status_add(text_t *text, const app_t *app, const hal_t *hal, const about_t *about)
 {
     add_state(text, &app->drive, about);
+    add_bar(text, hal_health(hal).why_barred);
     add_short(text, &app->drive);
     add_swing(text, &app->drive, about);
     add_speed(text, app, about);

@@ -5,25 +5,53 @@
 #include "reg.h"
 #include "stm32g431.h"
 
-#define WAIT_STATES_170MHZ (4U)
-
 #define AF_TIM1_CH1N (4U) /* also CH3N */
 #define AF_TIM1 (6U)
 #define AF_USART2 (7U)
 
+#define PORT_BYTES (GPIOB - GPIOA)
+#define PIN_NAME_ROOM (5U)
+
 typedef struct {
-    uint32_t port;
-    uint32_t pin;
-    uint32_t function;
-    uint32_t resistor;
+    uint8_t port; /* 0: A */
+    uint8_t number;
+    uint8_t mode;
+    uint8_t function;
+    uint8_t resistor;
+    char name[PIN_NAME_ROOM];
 } pin_t;
 
-/* Shunts, amplifier outputs, bus voltage, temperature. */
-#define ANALOG_A \
-    ((1UL << 0) | (1UL << 1) | (1UL << 2) | (1UL << 3) | (1UL << 5) | (1UL << 6) | (1UL << 7))
-#define ANALOG_B ((1UL << 0) | (1UL << 1) | (1UL << 2) | (1UL << 14))
+/* The gates come first. */
+#define GATES (6U)
 
-#define LED_PIN (6U)
+/*
+ * The gates' are pulled down: open while the timer does not drive yet. Then the serial line, shunts, amplifier
+ * outputs, bus voltage and temperature, and the LED.
+ */
+static const pin_t PINS[] = {
+    {0U, 8U, GPIO_MODE_ALTERNATE, AF_TIM1, GPIO_PULL_DOWN, "PA8"},
+    {0U, 9U, GPIO_MODE_ALTERNATE, AF_TIM1, GPIO_PULL_DOWN, "PA9"},
+    {0U, 10U, GPIO_MODE_ALTERNATE, AF_TIM1, GPIO_PULL_DOWN, "PA10"},
+    {2U, 13U, GPIO_MODE_ALTERNATE, AF_TIM1_CH1N, GPIO_PULL_DOWN, "PC13"},
+    {0U, 12U, GPIO_MODE_ALTERNATE, AF_TIM1, GPIO_PULL_DOWN, "PA12"},
+    {1U, 15U, GPIO_MODE_ALTERNATE, AF_TIM1_CH1N, GPIO_PULL_DOWN, "PB15"},
+    {1U, 3U, GPIO_MODE_ALTERNATE, AF_USART2, 0U, "PB3"},
+    {1U, 4U, GPIO_MODE_ALTERNATE, AF_USART2, GPIO_PULL_UP, "PB4"},
+    {0U, 0U, GPIO_MODE_ANALOG, 0U, 0U, "PA0"},
+    {0U, 1U, GPIO_MODE_ANALOG, 0U, 0U, "PA1"},
+    {0U, 2U, GPIO_MODE_ANALOG, 0U, 0U, "PA2"},
+    {0U, 3U, GPIO_MODE_ANALOG, 0U, 0U, "PA3"},
+    {0U, 5U, GPIO_MODE_ANALOG, 0U, 0U, "PA5"},
+    {0U, 6U, GPIO_MODE_ANALOG, 0U, 0U, "PA6"},
+    {0U, 7U, GPIO_MODE_ANALOG, 0U, 0U, "PA7"},
+    {1U, 0U, GPIO_MODE_ANALOG, 0U, 0U, "PB0"},
+    {1U, 1U, GPIO_MODE_ANALOG, 0U, 0U, "PB1"},
+    {1U, 2U, GPIO_MODE_ANALOG, 0U, 0U, "PB2"},
+    {1U, 14U, GPIO_MODE_ANALOG, 0U, 0U, "PB14"},
+    {2U, 6U, GPIO_MODE_OUTPUT, 0U, 0U, "PC6"},
+};
+
+#define PIN_COUNT (sizeof(PINS) / sizeof(PINS[0]))
 
 /* A block takes no access in the two cycles after its clock was enabled, RM0440 7.2: the reading lasts longer. */
 static void enable_clocks(uint32_t address, uint32_t bits)
@@ -36,10 +64,10 @@ static bool raise_power(void)
 {
     enable_clocks(RCC_APB1ENR1, RCC_APB1ENR1_PWR);
     reg_clear(PWR_CR5, PWR_CR5_R1MODE);
-    reg_change(FLASH_ACR, FLASH_ACR_LATENCY, WAIT_STATES_170MHZ);
+    reg_change(FLASH_ACR, FLASH_ACR_LATENCY, FLASH_ACR_LATENCY_4);
     reg_set(FLASH_ACR, FLASH_ACR_PRFTEN | FLASH_ACR_ICEN | FLASH_ACR_DCEN);
     return reg_wait(PWR_CR5, PWR_CR5_R1MODE, 0U) && reg_wait(PWR_SR2, PWR_SR2_VOSF, 0U) &&
-           reg_wait(FLASH_ACR, FLASH_ACR_LATENCY, WAIT_STATES_170MHZ);
+           reg_wait(FLASH_ACR, FLASH_ACR_LATENCY, FLASH_ACR_LATENCY_4);
 }
 
 /* The oscillator of 16 MHz, from which the PLL is fed. */
@@ -51,8 +79,7 @@ static bool start_oscillator(void)
 
 static bool start_pll(void)
 {
-    reg_write(RCC_PLLCFGR,
-              RCC_PLLCFGR_SRC_HSI16 | RCC_PLLCFGR_M_4 | RCC_PLLCFGR_N_85 | RCC_PLLCFGR_REN);
+    reg_write(RCC_PLLCFGR, RCC_PLLCFGR_170MHZ);
     reg_set(RCC_CR, RCC_CR_PLLON);
     return reg_wait(RCC_CR, RCC_CR_PLLRDY, RCC_CR_PLLRDY);
 }
@@ -75,60 +102,84 @@ bool clock_init(void)
     return raise_power() && start_oscillator() && start_pll() && switch_to_pll();
 }
 
-static void set_mode(uint32_t port, uint32_t pin, uint32_t mode)
+static uint32_t port_of(const pin_t *pin)
 {
-    reg_change(port + GPIO_MODER, 3UL << (2U * pin), mode << (2U * pin));
+    return GPIOA + (pin->port * PORT_BYTES);
+}
+
+/* Two bits a pin. */
+static void set_pair(const pin_t *pin, uint32_t offset, uint32_t value)
+{
+    const uint32_t place = 2U * (uint32_t)pin->number;
+
+    reg_change(port_of(pin) + offset, 3UL << place, value << place);
+}
+
+static bool pair_is(const pin_t *pin, uint32_t offset, uint32_t value)
+{
+    return ((reg_read(port_of(pin) + offset) >> (2U * (uint32_t)pin->number)) & 3U) == value;
+}
+
+/* The half of the register pair that has the pin's function. */
+static uint32_t function_address(const pin_t *pin)
+{
+    return port_of(pin) + GPIO_AFRL + (4U * ((uint32_t)pin->number / 8U));
+}
+
+static uint32_t function_place(const pin_t *pin)
+{
+    return 4U * ((uint32_t)pin->number % 8U);
 }
 
 /* Function and resistor first: the pin must not show another function for a moment. */
-static void set_alternate(const pin_t *pin)
+static void set_pin(const pin_t *pin)
 {
-    const uint32_t half = pin->port + GPIO_AFRL + (4U * (pin->pin / 8U));
-    const uint32_t nibble = 4U * (pin->pin % 8U);
+    const uint32_t place = function_place(pin);
 
-    reg_change(half, 0xFUL << nibble, pin->function << nibble);
-    reg_change(pin->port + GPIO_PUPDR, 3UL << (2U * pin->pin), pin->resistor << (2U * pin->pin));
-    reg_change(pin->port + GPIO_OSPEEDR, 3UL << (2U * pin->pin),
-               GPIO_SPEED_HIGH << (2U * pin->pin));
-    set_mode(pin->port, pin->pin, GPIO_MODE_ALTERNATE);
-}
-
-static void set_analog(uint32_t port, uint32_t pins)
-{
-    for (uint32_t pin = 0U; pin < 16U; pin++) {
-        if ((pins & (1UL << pin)) != 0U) {
-            set_mode(port, pin, GPIO_MODE_ANALOG);
-        }
+    if (pin->mode == GPIO_MODE_ALTERNATE) {
+        reg_change(function_address(pin), 0xFUL << place, (uint32_t)pin->function << place);
+        set_pair(pin, GPIO_PUPDR, pin->resistor);
+        set_pair(pin, GPIO_OSPEEDR, GPIO_SPEED_HIGH);
     }
+    set_pair(pin, GPIO_MODER, pin->mode);
 }
-
-#define PINS (8U)
 
 void clock_pins(void)
 {
-    /* The gates' are pulled down: open while the timer does not drive yet. */
-    static const pin_t pins[PINS] = {
-        {GPIOA, 8U, AF_TIM1, GPIO_PULL_DOWN},
-        {GPIOA, 9U, AF_TIM1, GPIO_PULL_DOWN},
-        {GPIOA, 10U, AF_TIM1, GPIO_PULL_DOWN},
-        {GPIOC, 13U, AF_TIM1_CH1N, GPIO_PULL_DOWN},
-        {GPIOA, 12U, AF_TIM1, GPIO_PULL_DOWN},
-        {GPIOB, 15U, AF_TIM1_CH1N, GPIO_PULL_DOWN},
-        {GPIOB, 3U, AF_USART2, 0U},
-        {GPIOB, 4U, AF_USART2, GPIO_PULL_UP},
-    };
-
-    enable_clocks(RCC_AHB2ENR, RCC_AHB2ENR_GPIOA | RCC_AHB2ENR_GPIOB | RCC_AHB2ENR_GPIOC |
-                                   RCC_AHB2ENR_ADC12 | RCC_AHB2ENR_DAC3);
+    enable_clocks(RCC_AHB2ENR, RCC_AHB2ENR_USED);
     enable_clocks(RCC_APB1ENR1, RCC_APB1ENR1_USART2);
-    enable_clocks(RCC_APB2ENR, RCC_APB2ENR_SYSCFG | RCC_APB2ENR_TIM1);
+    enable_clocks(RCC_APB2ENR, RCC_APB2ENR_USED);
     reg_set(PWR_CR3, PWR_CR3_UCPD1_DBDIS);
-    for (uint32_t k = 0U; k < PINS; k++) {
-        set_alternate(&pins[k]);
+    for (uint32_t k = 0U; k < PIN_COUNT; k++) {
+        set_pin(&PINS[k]);
     }
-    set_analog(GPIOA, ANALOG_A);
-    set_analog(GPIOB, ANALOG_B);
-    set_mode(GPIOC, LED_PIN, GPIO_MODE_OUTPUT);
+}
+
+uint32_t clock_pin_count(void)
+{
+    return PIN_COUNT;
+}
+
+bool clock_pin_holds(uint32_t pin)
+{
+    const pin_t *const it = &PINS[pin];
+    const uint32_t function = (reg_read(function_address(it)) >> function_place(it)) & 0xFU;
+
+    return pair_is(it, GPIO_MODER, it->mode) && pair_is(it, GPIO_PUPDR, it->resistor) &&
+           (function == it->function);
+}
+
+const char *clock_pin_name(uint32_t pin)
+{
+    return PINS[pin].name;
+}
+
+/* The second way, beside that through the timer. */
+void clock_release_gates(void)
+{
+    for (uint32_t k = 0U; k < GATES; k++) {
+        set_pair(&PINS[k], GPIO_MODER, GPIO_MODE_INPUT);
+    }
 }
 
 void clock_wait_us(unsigned int us)

@@ -6,6 +6,7 @@
 #define CLOCK_H
 
 #include <stdbool.h>
+#include <stdint.h>
 
 /*
  * System, timer and bus clocks to 170 MHz from the internal 16 MHz oscillator: 16 MHz / 4 · 85 / 2, with
@@ -17,6 +18,17 @@ bool clock_init(void);
 
 /* Pins as the table in docs/board_bring_up.md says. Gate pins drive low only when TIM1 does; pull-downs hold them. */
 void clock_pins(void);
+
+/*
+ * Whether a pin has the mode, the function and the resistor that clock_pins() gave it, and its name, such as "PA8". pin: below
+ * clock_pin_count(). Context: background.
+ */
+uint32_t clock_pin_count(void);
+bool clock_pin_holds(uint32_t pin);
+const char *clock_pin_name(uint32_t pin);
+
+/* Turn the gates' pins into inputs, which the pull-downs hold low whatever the timer does. Context: background. */
+void clock_release_gates(void);
 
 /* Waits for 1 to 90000 µs. Context: before the tick guard is started, whose counter it uses. */
 void clock_wait_us(unsigned int us);

@@ -1,29 +1,26 @@
 /* SPDX-License-Identifier: MIT */
 #include "guard.h"
 
-/* 32 kHz / 4: a count is 125 µs. */
-#define WATCHDOG_COUNTS (8U)
-#define PATIENT_COUNTS (400U)
+#include "settings.h"
+
+/* Counts less one, of 125 µs each: 32 kHz / 4. */
+#define IWDG_RLR_PATIENT (399U)
 
 /* Above the control interrupt, so that it can end a tick that hangs. */
 static void start_tick_guard(void)
 {
-    const uint32_t period = 2U * BOARD.timer_counts;
-
-    reg_write(SCB_SHPR3, 0U);
-    reg_write(NVIC_IPR4, NVIC_ADC1_2_PRIORITY_1);
-    reg_write(SYST_RVR, period + (period / 2U) - 1U);
+    settings_write(SETTINGS_GUARD);
     reg_write(SYST_CVR, 0U);
     reg_write(SYST_CSR, SYST_CSR_RUN);
 }
 
-static bool set_watchdog(uint32_t counts)
+static bool set_watchdog(uint32_t reload)
 {
     bool taken;
 
     reg_write(IWDG_KR, IWDG_KR_UNLOCK);
     reg_write(IWDG_PR, 0U);
-    reg_write(IWDG_RLR, counts - 1U);
+    reg_write(IWDG_RLR, reload);
     taken = reg_wait(IWDG_SR, 0xFFFFFFFFU, 0U);
     guard_feed();
     return taken;
@@ -36,7 +33,7 @@ bool guard_start(void)
     reg_write(DBGMCU_APB1FZR1, DBGMCU_IWDG_STOP);
     reg_write(DBGMCU_APB2FZ, DBGMCU_TIM1_STOP);
     reg_write(IWDG_KR, IWDG_KR_START);
-    started = set_watchdog(WATCHDOG_COUNTS);
+    started = set_watchdog(IWDG_RLR_STRICT);
     start_tick_guard();
     reg_write(NVIC_ISER0, 1UL << NVIC_ADC1_2);
     return started;
@@ -70,10 +67,10 @@ void guard_release_ticks(void)
 
 bool guard_be_patient(void)
 {
-    return set_watchdog(PATIENT_COUNTS);
+    return set_watchdog(IWDG_RLR_PATIENT);
 }
 
 bool guard_be_strict(void)
 {
-    return set_watchdog(WATCHDOG_COUNTS);
+    return set_watchdog(IWDG_RLR_STRICT);
 }

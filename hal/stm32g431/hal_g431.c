@@ -2,6 +2,8 @@
 #include "hal_g431.h"
 
 #include "barrier.h"
+#include "check.h"
+#include "clock.h"
 #include "guard.h"
 #include "pwm.h"
 #include "sensing.h"
@@ -26,9 +28,11 @@ const char *hal_g431_init(hal_t *hal)
         why = "the trip level's DAC does not become ready";
     } else {
         pwm_init();
-        if (!sensing_init(&hal->temperature)) {
-            why = "a converter does not become ready";
-        }
+        why = trip_try();
+        pwm_connect();
+    }
+    if ((why == NULL) && !sensing_init(&hal->temperature)) {
+        why = "a converter does not become ready";
     }
     return why;
 }
@@ -42,7 +46,11 @@ const char *hal_g431_start(void)
     } else if (!guard_start()) {
         why = "the watchdog does not start";
     } else {
+        why = check_all();
+    }
+    if (why == NULL) {
         barrier_compiler(); /* all that the first tick finds is in memory */
+        guard_restart();
         sensing_start();
     }
     return why;
@@ -62,7 +70,7 @@ static uint16_t take_flags(hal_t *hal)
     if (broken) {
         hal->gates_on = false;
     }
-    return (uint16_t)((broken || hal->tick_lost) ? (late | DRIVE_FLAG_BREAK) : late);
+    return (uint16_t)((broken || hal->barred) ? (late | DRIVE_FLAG_BREAK) : late);
 }
 
 /*
@@ -106,11 +114,11 @@ static void set_gates(hal_t *hal, bool enable)
 {
     if (!enable) {
         hal_open_gates(hal);
-    } else if (!hal->gates_on && !hal->tick_lost && !reg_any(TIM1_SR, PWM_BREAK_FLAGS)) {
+    } else if (!hal->gates_on && !hal->barred && !reg_any(TIM1_SR, PWM_BREAK_FLAGS)) {
         reg_set(TIM1_BDTR, TIM_BDTR_MOE);
         hal->gates_on = true;
         /* Break or tick guard may have come between the look above and the output's enabling. */
-        if (hal->tick_lost || reg_any(TIM1_SR, PWM_BREAK_FLAGS)) {
+        if (hal->barred || reg_any(TIM1_SR, PWM_BREAK_FLAGS)) {
             hal_open_gates(hal);
         }
     } else {
@@ -171,11 +179,23 @@ hal_health_t hal_health(const hal_t *hal)
         .late_ticks = hal->overruns,
         .load_pct = (hal->longest * 50U) / BOARD.timer_counts,
         .tick_lost = hal->tick_lost,
+        .why_barred = hal->why_barred,
     };
+}
+
+void hal_g431_bar(hal_t *hal, const char *why)
+{
+    if (hal->why_barred == NULL) {
+        hal->why_barred = why;
+    }
+    hal->barred = true;
+    hal_open_gates(hal);
+    clock_release_gates();
 }
 
 void hal_g431_tick_lost(hal_t *hal)
 {
     hal->tick_lost = true;
+    hal->barred = true;
     hal_open_gates(hal);
 }

@@ -20,7 +20,9 @@ struct hal {
     uint32_t overruns;       /* ticks that ended too late: the rest duty acted */
     uint32_t longest;        /* timer ticks from the sampling instant to the end of a tick */
     bool gates_on;           /* asked for and not broken since */
-    volatile bool tick_lost; /* set by the tick guard: gates stay open, the watchdog starves */
+    volatile bool tick_lost; /* set by the tick guard: the watchdog starves */
+    volatile bool barred;    /* the gates stay open until a reset */
+    const char *why_barred;  /* NULL: a lost tick, or nothing */
     bool late;               /* the last tick ended too late */
     uint16_t phase_c;        /* the third shunt, as the other two; the drive does without it */
     uint16_t temperature;    /* raw counts, the last that was converted */
@@ -34,6 +36,12 @@ const char *hal_g431_init(hal_t *hal);
 
 /* Start the first tick. NULL, or what does not work. */
 const char *hal_g431_start(void);
+
+/*
+ * The chip is not what it should be: the gates open by both ways and stay open until a reset, and the drive sees a break in each
+ * frame. `why` outlives the call. The first reason is kept. Context: background.
+ */
+void hal_g431_bar(hal_t *hal, const char *why);
 
 /* A tick was skipped or hangs. Context: tick guard's exception. */
 void hal_g431_tick_lost(hal_t *hal);

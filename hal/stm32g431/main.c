@@ -5,6 +5,7 @@
  */
 #include "app.h"
 #include "board.h"
+#include "check.h"
 #include "clock.h"
 #include "cpu.h"
 #include "drive_config.h"
@@ -50,6 +51,16 @@ void SysTick_Handler(void)
     hal_g431_tick_lost(&hardware);
 }
 
+/* One finding is enough: what follows from it, as other modes of the pins, is none. */
+static void check(void)
+{
+    const char *const why = (hardware.why_barred == NULL) ? check_step() : NULL;
+
+    if (why != NULL) {
+        hal_g431_bar(&hardware, why);
+    }
+}
+
 /* Never returns. A lost tick ends the feeding, and the watchdog ends this. */
 static void background(void)
 {
@@ -63,6 +74,7 @@ static void background(void)
             fed = tick;
             led_show(app.drive.state, tick);
         }
+        check();
         recorder_service(&recorder, &app.drive);
         link_step(&serial);
         cpu_wait();
@@ -87,12 +99,13 @@ static const char *bring_up(void)
     return why;
 }
 
-/* The gates are open, no interrupt runs, the watchdog may or may not. The console tells why. */
+/* The gates are open, no control interrupt runs. The console tells why, so the watchdog is fed if it runs. */
 static void stay(const char *why)
 {
     link_say(&serial, "cannot start:");
     link_say(&serial, why);
     for (;;) {
+        guard_feed();
         led_show(DRIVE_STATE_FAULT, 0U);
         link_step(&serial);
     }
@@ -114,7 +127,7 @@ int main(void)
     static const about_t of_image = {DRIVE_ABOUT, .build = &build_id_note[BUILD_ID_FIRST_WORD]};
     const char *why = NULL;
 
-    reg_write(SCB_VTOR, 0x08000000U);
+    reg_write(SCB_VTOR, SCB_VTOR_IMAGE);
     if (!clock_init()) {
         why = "the clock does not settle"; /* and the baud rate is wrong: nobody will read it */
     }

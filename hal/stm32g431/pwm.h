@@ -8,8 +8,8 @@
  * the middle of the low sides' on-time.
  *
  * Break. The comparators of trip.h clear the main output enable (MOE) without the core; then all six
- * outputs are low. A lockup of the core does the same. Dead time, break and idle levels are locked until
- * reset.
+ * outputs are low. The same do a lockup of the core, a wrong parity of the RAM and a supply that sinks. Dead
+ * time, break and idle levels are locked until reset.
  */
 #ifndef PWM_H
 #define PWM_H
@@ -24,8 +24,11 @@
 /* Flags of a break: of the comparators, and of the system. */
 #define PWM_BREAK_FLAGS (TIM_SR_BIF | TIM_SR_SBIF)
 
-/* All but the counter's start; gates open. */
+/* All but the outputs and the counter's start; gates open. */
 void pwm_init(void);
+
+/* The outputs to the gates, which stay open. Call when the trip has been tried: until then nothing that the timer does reaches a gate. */
+void pwm_connect(void);
 
 /*
  * Start the counter and bring its update event to the peak. Which end of its ramp a timer updates at

@@ -17,6 +17,12 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* RM0440 table 163 and data sheet table 4: inputs of the converters. */
+#define SENSING_CHANNEL_BUS (1UL)          /* ADC1, PA0 */
+#define SENSING_CHANNEL_SHUNT (3UL)        /* ADC1: PA2, first amplifier; ADC2: PA6, second */
+#define SENSING_CHANNEL_TEMPERATURE (5UL)  /* ADC1, PB14 */
+#define SENSING_CHANNEL_AMPLIFIER_3 (18UL) /* ADC2, inside */
+
 #define SENSING_COUNT_MAX (4095U)
 #define SENSING_MIDDLE (2048U)
 

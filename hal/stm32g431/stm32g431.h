@@ -17,6 +17,10 @@
 #define FLASH_ACR_DCEN (1UL << 10)  /* data cache */
 #define FLASH_ACR_ICRST (1UL << 11) /* empties the one, while it is off */
 #define FLASH_ACR_DCRST (1UL << 12)
+#define FLASH_ACR_LATENCY_4 (4U)
+#define FLASH_ACR_AT_170MHZ \
+    (FLASH_ACR_LATENCY_4 | FLASH_ACR_PRFTEN | FLASH_ACR_ICEN | FLASH_ACR_DCEN)
+#define FLASH_ACR_COUNTED (FLASH_ACR_LATENCY | FLASH_ACR_PRFTEN | FLASH_ACR_ICEN | FLASH_ACR_DCEN)
 #define FLASH_KEYR (0x40022008U)
 #define FLASH_KEY_1 (0x45670123U)
 #define FLASH_KEY_2 (0xCDEF89ABU)
@@ -37,6 +41,10 @@
 #define FLASH_STORE (0x0801F000U) /* the last two pages, see stm32g431.ld */
 
 /* --- Power, 6.4 ------------------------------------------------------------------------------- */
+#define PWR_CR2 (0x40007004U)
+#define PWR_CR2_PVDE (1UL << 0)     /* the supply is watched */
+#define PWR_CR2_PLS_2_8V (5UL << 1) /* against 2.8 V */
+#define PWR_CR2_COUNTED (0xFU)
 #define PWR_CR3 (0x40007008U)
 #define PWR_CR3_UCPD1_DBDIS (1UL << 14) /* no dead-battery pull-downs; one sits on PB4 */
 #define PWR_SR2 (0x40007014U)
@@ -50,30 +58,40 @@
 #define RCC_CR_HSIRDY (1UL << 10)
 #define RCC_CR_PLLON (1UL << 24)
 #define RCC_CR_PLLRDY (1UL << 25)
+#define RCC_CR_COUNTED (RCC_CR_HSION | RCC_CR_HSIRDY | RCC_CR_PLLON | RCC_CR_PLLRDY)
 #define RCC_CFGR (0x40021008U)
 #define RCC_CFGR_SW (3U)
 #define RCC_CFGR_SW_PLL (3U)
 #define RCC_CFGR_SWS (3UL << 2)
 #define RCC_CFGR_SWS_PLL (3UL << 2)
 #define RCC_CFGR_HPRE (0xFUL << 4)
-#define RCC_CFGR_HPRE_2 (8UL << 4) /* the core at half the system clock */
+#define RCC_CFGR_HPRE_2 (8UL << 4)  /* the core at half the system clock */
+#define RCC_CFGR_PPRE (0x3FUL << 8) /* of both peripheral buses */
+#define RCC_CFGR_COUNTED (RCC_CFGR_SW | RCC_CFGR_SWS | RCC_CFGR_HPRE | RCC_CFGR_PPRE)
 #define RCC_PLLCFGR (0x4002100CU)
 #define RCC_PLLCFGR_SRC_HSI16 (2U)
 #define RCC_PLLCFGR_M_4 (3UL << 4)
 #define RCC_PLLCFGR_N_85 (85UL << 8)
 #define RCC_PLLCFGR_REN (1UL << 24) /* R = 2 with bits 26:25 at zero */
+#define RCC_PLLCFGR_170MHZ \
+    (RCC_PLLCFGR_SRC_HSI16 | RCC_PLLCFGR_M_4 | RCC_PLLCFGR_N_85 | RCC_PLLCFGR_REN)
 #define RCC_AHB2ENR (0x4002104CU)
 #define RCC_AHB2ENR_GPIOA (1UL << 0)
 #define RCC_AHB2ENR_GPIOB (1UL << 1)
 #define RCC_AHB2ENR_GPIOC (1UL << 2)
 #define RCC_AHB2ENR_ADC12 (1UL << 13)
 #define RCC_AHB2ENR_DAC3 (1UL << 18)
+#define RCC_AHB2ENR_USED \
+    (RCC_AHB2ENR_GPIOA | RCC_AHB2ENR_GPIOB | RCC_AHB2ENR_GPIOC | RCC_AHB2ENR_ADC12 | \
+     RCC_AHB2ENR_DAC3)
 #define RCC_APB1ENR1 (0x40021058U)
 #define RCC_APB1ENR1_USART2 (1UL << 17)
 #define RCC_APB1ENR1_PWR (1UL << 28)
+#define RCC_APB1ENR1_USED (RCC_APB1ENR1_USART2 | RCC_APB1ENR1_PWR)
 #define RCC_APB2ENR (0x40021060U)
 #define RCC_APB2ENR_SYSCFG (1UL << 0) /* comparators and operational amplifiers too */
 #define RCC_APB2ENR_TIM1 (1UL << 11)
+#define RCC_APB2ENR_USED (RCC_APB2ENR_SYSCFG | RCC_APB2ENR_TIM1)
 #define RCC_CSR (0x40021094U)
 #define RCC_CSR_RMVF (1UL << 23)     /* clears the reset causes */
 #define RCC_CSR_IWDGRSTF (1UL << 29) /* the independent watchdog made the last reset */
@@ -83,6 +101,7 @@
 #define GPIOB (0x48000400U)
 #define GPIOC (0x48000800U)
 #define GPIO_MODER (0x00U) /* two bits a pin */
+#define GPIO_MODE_INPUT (0U)
 #define GPIO_MODE_OUTPUT (1U)
 #define GPIO_MODE_ALTERNATE (2U)
 #define GPIO_MODE_ANALOG (3U)
@@ -97,6 +116,11 @@
 /* --- System configuration, 10.2 --------------------------------------------------------------- */
 #define SYSCFG_CFGR2 (0x4001001CU)
 #define SYSCFG_CFGR2_CLL (1UL << 0) /* a lockup of the core is a break of the timers, until reset */
+#define SYSCFG_CFGR2_SPL (1UL << 1) /* the same of a wrong parity of the RAM */
+#define SYSCFG_CFGR2_PVDL \
+    (1UL << 2) /* the same of a supply that sinks below the level of PWR_CR2 */
+#define SYSCFG_CFGR2_BREAKS (SYSCFG_CFGR2_CLL | SYSCFG_CFGR2_SPL | SYSCFG_CFGR2_PVDL)
+#define SYSCFG_CFGR2_SPF (1UL << 8) /* a wrong parity was read; written as 1 to clear */
 
 /* --- Converters, 21.6 and 21.7 ---------------------------------------------------------------- */
 #define ADC1 (0x50000000U)
@@ -154,7 +178,8 @@
 #define COMP_CSR_EN (1UL << 0)
 #define COMP_CSR_INMSEL_DAC3 (4UL << 4)
 #define COMP_CSR_HYST_10MV (1UL << 16)
-#define COMP_CSR_LOCK (1UL << 31) /* read-only until reset */
+#define COMP_CSR_VALUE (1UL << 30) /* the output, before the timer's polarity */
+#define COMP_CSR_LOCK (1UL << 31)  /* read-only until reset */
 
 /* --- Operational amplifiers, 25.5 ------------------------------------------------------------- */
 #define OPAMP1_CSR (0x40010300U) /* plus PA1, minus PA3, output PA2 */
@@ -167,6 +192,7 @@
 #define OPAMP_CSR_INTEN (1UL << 8)          /* output to the converter only */
 #define OPAMP_CSR_PGA_GAIN_SHIFT (14U)      /* 0…5: 2, 4, 8, 16, 32, 64 */
 #define OPAMP_CSR_PGA_MINUS_PIN (8UL << 14) /* the foot of the divider is the minus pin */
+#define OPAMP_CSR_COUNTED (0x8007FFFFU) /* without the trimming and the output of a calibration */
 
 /* --- Timer 1, 28.6 ---------------------------------------------------------------------------- */
 #define TIM1_CR1 (0x40012C00U)
@@ -191,6 +217,7 @@
 #define TIM1_PSC (0x40012C28U)
 #define TIM1_ARR (0x40012C2CU)
 #define TIM1_RCR (0x40012C30U)
+#define TIM_RCR_EACH_PEAK (1U) /* an update at each second end of the ramp */
 #define TIM1_CCR1 (0x40012C34U)
 #define TIM1_CCR2 (0x40012C38U)
 #define TIM1_CCR3 (0x40012C3CU)
@@ -234,6 +261,7 @@
 #define IWDG_KR_START (0xCCCCU)
 #define IWDG_PR (0x40003004U) /* 0: the 32 kHz oscillator divided by 4 */
 #define IWDG_RLR (0x40003008U)
+#define IWDG_RLR_STRICT (7U)  /* 8 counts of 125 µs */
 #define IWDG_SR (0x4000300CU) /* zero when all values are taken over */
 
 /* --- Debug, 47.6: what stops while a debugger holds the core ---------------------------------- */
@@ -254,8 +282,10 @@
 #define NVIC_ICPR0 (0xE000E280U)
 #define NVIC_IPR4 (0xE000E410U) /* interrupts 16 to 19 */
 #define NVIC_ADC1_2 (18U)
+#define NVIC_ADC1_2_PRIORITY (0xFFUL << 16)
 #define NVIC_ADC1_2_PRIORITY_1 (0x10UL << 16)
 #define SCB_VTOR (0xE000ED08U)
+#define SCB_VTOR_IMAGE (0x08000000U)
 #define SCB_SHPR3 (0xE000ED20U) /* SysTick in the top byte */
 
 #endif

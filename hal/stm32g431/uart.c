@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #include "uart.h"
 
-#include "board.h"
 #include "reg.h"
+#include "settings.h"
 #include "stm32g431.h"
 
 void uart_init(void)
 {
-    reg_write(USART2_BRR, (BOARD_CLOCK_HZ + (BOARD.baud / 2U)) / BOARD.baud);
+    settings_write(SETTINGS_LINE);
     reg_write(USART2_CR1, USART_CR1_FIFOEN | USART_CR1_TE | USART_CR1_RE | USART_CR1_UE);
 }
 

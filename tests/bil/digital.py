@@ -53,6 +53,7 @@ class Power:
         self.regulator = Awaited(chip, REGULATOR_SETTLING)
         self.halved = 0
         self.pwr = Block("PWR", 0x40007000, {
+            "CR2": (0x04, Register(0, 0xF)),
             "CR3": (0x08, Register(0x8000, 1 << 14)),
             "SR2": (0x14, Register(0, 0, lambda: self._settling() << 10)),
             "CR5": (0x80, Register(0x100, 0x100, on_write=self._set_range)),
@@ -200,7 +201,8 @@ class Timer(Block):
         return BREAK_FILTER[code]
 
     def gates_on(self):
-        return bool(bit(self["BDTR"], 15))
+        """The main output is on, and outputs of channels are connected to it."""
+        return bool(bit(self["BDTR"], 15)) and self["CCER"] != 0
 
     def dead_time(self):
         """In cycles, RM0440 28.6.20."""
@@ -220,6 +222,11 @@ class Timer(Block):
         if self.broken:
             self["BDTR"] &= ~(1 << 15)
             self["SR"] |= 1 << 7
+
+    def break_by_system(self):
+        """RM0440 28.6.5, SBIF."""
+        self["SR"] |= 1 << 13
+        self["BDTR"] &= ~(1 << 15)
 
     def fire(self):
         self.due += self["ARR"]
@@ -477,9 +484,26 @@ class System(Block):
         return value
 
 
-def configuration_block(clocked):
-    """System configuration: what else is a break of the timers."""
-    return Block("SYSCFG", 0x40010000, {"CFGR2": (0x1C, Register(0, 1))}, clocked)
+class Configuration(Block):
+    """System configuration: what else is a break of the timers. RM0440 10.2.8: what is set there stays until reset."""
+
+    CORE, PARITY, SUPPLY = 1 << 0, 1 << 1, 1 << 2
+    PARITY_FLAG = 1 << 8
+
+    def __init__(self, chip, clocked):
+        self.chip = chip
+        super().__init__("SYSCFG", 0x40010000, {"CFGR2": (0x1C, Register(0, 0x107, on_write=self._write))}, clocked)
+
+    def _write(self, value):
+        flag = self["CFGR2"] & ~value & self.PARITY_FLAG
+        self["CFGR2"] = (self["CFGR2"] | value) & 7 | flag
+
+    def fail(self, source):
+        """The RAM's parity is wrong, or the supply sinks; a wrong parity is an NMI, too, and leaves a flag."""
+        if source == self.PARITY:
+            self["CFGR2"] |= self.PARITY_FLAG
+        if self["CFGR2"] & source:
+            self.chip.timer.break_by_system()
 
 
 def debug_block():

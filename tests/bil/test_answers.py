@@ -111,13 +111,18 @@ def late(looks):
 
 
 def pass_time(made, wait):
-    """Before each look there is time for what it is for."""
+    """Before each look there is time for what it is for. Where nothing runs yet, or an exception comes in place of a flag, a
+    look is for something else."""
     register = register_of(made, wait)
     before = register.on_read or (lambda: register.value)
 
+    def is_awaited(value):
+        runs = wait.block != "TIM1" or made.chip.timer.due != NEVER
+        return runs and value & wait.mask == wait.refused and not (wait == COUNTED and value & 2)
+
     def read():
         value = before()
-        if value & wait.mask == wait.refused:
+        if is_awaited(value):
             made.chip.advance(made.chip.timer.due - made.chip.now if wait.block == "TIM1" else LONG)
             value = before()
         return value

@@ -292,7 +292,7 @@ class ModelsNotice(unittest.TestCase):
         for block, key, told in (
                 ("DAC3", "CR", "the trip level's DAC does not become ready"),
                 ("ADC2", "CR", "a converter does not become ready"),
-                ("TIM1", "ARR", "the timer does not update at its peak")):
+                ("TIM1", "ARR", "the timer does not enable its output")):
             with self.subTest(block):
                 made = make()
                 found = next(one for one in made.chip.blocks if one.name == block)

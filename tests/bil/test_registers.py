@@ -121,7 +121,8 @@ def expected():
         "TIM1_AF1": 1 << 1 | 1 << 2 | 1 << 4 | inverted,
         # Locked; idle and run level driven; break on, active high, through 6 samples each 4 clocks apart; gates open.
         "TIM1_BDTR": dead_time_code() | 1 << 8 | 1 << 10 | 1 << 11 | 1 << 12 | 1 << 13 | 6 << 16,
-        "SYSCFG_CFGR2": 1,                           # a lockup of the core opens the gates
+        "SYSCFG_CFGR2": 7,                           # lockup of the core, parity of the RAM and supply open the gates
+        "PWR_CR2": 1 | 5 << 1,                       # the supply, against 2.8 V
         "ADC12_CCR": 3 << 16,
         "ADC1_CR": 1 | 1 << 3 | 1 << 28,
         "ADC2_CR": 1 | 1 << 3 | 1 << 28,

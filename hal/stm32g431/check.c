@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: MIT */
+#include "check.h"
+
+#include "clock.h"
+#include "settings.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+#define REASON_ROOM (48U)
+
+static uint32_t next_row; /* of the settings, then of the pins */
+static char reason[REASON_ROOM];
+
+static uint32_t append(uint32_t length, const char *text)
+{
+    uint32_t end = length;
+
+    for (uint32_t k = 0U; (text[k] != '\0') && (end < (REASON_ROOM - 1U)); k++) {
+        reason[end] = text[k];
+        end++;
+    }
+    reason[end] = '\0';
+    return end;
+}
+
+static const char *changed(const char *kind, const char *name)
+{
+    (void)append(append(append(0U, kind), name), " is not as it was set");
+    return reason;
+}
+
+static const char *check_row(uint32_t row)
+{
+    const uint32_t pin = row - settings_count();
+    const char *why = NULL;
+
+    if (row < settings_count()) {
+        why = settings_hold(row) ? NULL : changed("register ", settings_name(row));
+    } else {
+        why = clock_pin_holds(pin) ? NULL : changed("pin ", clock_pin_name(pin));
+    }
+    return why;
+}
+
+const char *check_all(void)
+{
+    const uint32_t rows = settings_count() + clock_pin_count();
+    const char *why = NULL;
+
+    for (uint32_t row = 0U; (why == NULL) && (row < rows); row++) {
+        why = check_row(row);
+    }
+    return why;
+}
+
+const char *check_step(void)
+{
+    const uint32_t rows = settings_count() + clock_pin_count();
+
+    next_row = ((next_row + 1U) < rows) ? (next_row + 1U) : 0U;
+    return check_row(next_row);
+}

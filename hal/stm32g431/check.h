@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The chip checks itself: once in whole before the first tick, then in the background for as long as it runs, a few
+ * registers a pass. docs/safety.md has the faults that it finds.
+ */
+#ifndef CHECK_H
+#define CHECK_H
+
+/* All registers and pins that protect. NULL, or the first that is not as it was written. */
+const char *check_all(void);
+
+/* The next of them. NULL, or what is wrong with it: the text stays as it is until the next that is wrong. Context: background. */
+const char *check_step(void);
+
+#endif

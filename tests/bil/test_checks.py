@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: MIT
+"""target.loop.checks: the chip checks itself. Each part that protects is broken in the model, and the image has to find it.
+
+test_checks.py IMAGE BOARD CLOCK [TEST...], as scenario.py; all tests, or those named.
+"""
+
+import sys
+import unittest
+
+import analogue
+from digital import CLOCK_HZ, Configuration
+from rig import CALIBRATION_TICKS, answer, booted, make, ready, run, running
+
+ROUND_TICKS = 100  # more than there are registers and pins: one is looked at in each pass of the background
+GIVING_UP_S = 0.1  # more than the start takes
+
+# A bit of each register that protects, and of each kind of pin. Not of those whose change ends the ticks at once: the guard of the tick
+# finds it.
+FLIPS = {
+    "TIM1_CR1": 1 << 5, "TIM1_CR2": 1 << 8, "TIM1_CCMR1": 1 << 4, "TIM1_CCMR2": 1 << 3, "TIM1_CCER": 1 << 2,
+    "TIM1_BDTR": 1 << 0, "TIM1_AF1": 1 << 2, "TIM1_ARR": 1 << 3, "TIM1_RCR": 1 << 0, "TIM1_PSC": 1 << 0,
+    "COMP1_CSR": 1 << 0, "COMP2_CSR": 1 << 16, "COMP4_CSR": 1 << 31, "DAC3_DHR12R1": 1 << 5, "DAC3_DHR12R2": 1 << 5,
+    "DAC3_CR": 1 << 1, "DAC3_MCR": 1 << 8, "OPAMP1_CSR": 1 << 14, "OPAMP2_CSR": 1 << 5, "OPAMP3_CSR": 1 << 7,
+    "ADC12_CCR": 1 << 16, "ADC1_CFGR": 1 << 12, "ADC1_SMPR1": 1 << 3, "ADC1_SMPR2": 1 << 24, "ADC1_SQR1": 1 << 6,
+    "ADC1_JSQR": 1 << 17, "ADC2_CFGR": 1 << 12, "ADC2_SMPR1": 1 << 9, "ADC2_SMPR2": 1 << 25, "ADC2_SQR1": 1 << 7,
+    "ADC2_JSQR": 1 << 21, "RCC_CFGR": 1 << 8, "RCC_PLLCFGR": 1 << 8, "RCC_CR": 1 << 24, "RCC_AHB2ENR": 1 << 18,
+    "FLASH_ACR": 1 << 2, "PWR_CR5": 1 << 8, "PWR_CR2": 1 << 1, "SYSCFG_CFGR2": 1 << 1, "IWDG_PR": 1 << 0,
+    "IWDG_RLR": 1 << 4, "SCB_SHPR3": 1 << 28, "NVIC_IPR4": 1 << 22, "NVIC_ISER0": 1 << 3,
+    "SYST_RVR": 1 << 3, "USART2_BRR": 1 << 5,
+}
+PIN_FLIPS = {"PA8": ("A", "MODER", 1 << 16), "PB15": ("B", "AFRH", 1 << 28), "PC13": ("C", "PUPDR", 1 << 27),
+             "PA1": ("A", "MODER", 1 << 2)}
+COMPARATORS = {"a": "1", "b": "2", "c": "4"}
+
+
+def register_of(made, name):
+    """By the name that the manual, and the image, have for it."""
+    block, _, key = name.partition("_")
+    block, key = {"COMP": ("COMP", f"{block[4:]}_{key}"), "OPAM": ("OPAMP", f"{block[5:]}_{key}")}.get(block[:4], (block, key))
+    if block in ("SCB", "NVIC", "SYST"):
+        block, key = "SYSTEM", name
+    return next(one for one in made.chip.blocks if one.name == block).register(key)
+
+
+def flip(made, name):
+    register_of(made, name).value ^= FLIPS[name]
+
+
+def gates_are_inputs(made):
+    return all(made.chip.ports[port].mode(pin) == 0
+               for port, pin in (("A", 8), ("A", 9), ("A", 10), ("C", 13), ("A", 12), ("B", 15)))
+
+
+class Registers(unittest.TestCase):
+    def assert_found(self, made, why):
+        self.assertFalse(made.chip.timer.gates_on())
+        self.assertTrue(gates_are_inputs(made))
+        self.assertIn(f", until a reset: {why} is not as it was set", answer(made, "status"))
+
+    def test_each_that_changes_while_the_drive_is_ready_is_named(self):
+        for name in FLIPS:
+            with self.subTest(name):
+                made = ready()
+                flip(made, name)
+                made.tick(ROUND_TICKS)
+                self.assert_found(made, f"register {name}")
+
+    def test_each_pin_that_changes_is_named(self):
+        for name, (port, key, bits) in PIN_FLIPS.items():
+            with self.subTest(name):
+                made = ready()
+                made.chip.ports[port][key] ^= bits
+                made.tick(ROUND_TICKS)
+                self.assert_found(made, f"pin {name}")
+
+    def test_one_that_changes_in_run_opens_the_gates_and_the_console_names_it_unasked(self):
+        made = running()
+        flip(made, "TIM1_ARR")
+        made.tick(ROUND_TICKS)
+        self.assertFalse(made.chip.timer.gates_on())
+        self.assertRegex(made.said(), "FAULT by BREAK .*, until a reset: register TIM1_ARR is not as it was set")
+
+    def test_a_clear_does_not_bring_the_gates_back(self):
+        made = running()
+        flip(made, "DAC3_DHR12R1")
+        made.tick(ROUND_TICKS)
+        flip(made, "DAC3_DHR12R1")
+        made.type("clear")
+        made.tick(CALIBRATION_TICKS)
+        run(made)
+        made.tick(ROUND_TICKS)
+        self.assertFalse(made.chip.timer.gates_on())
+        self.assertIn("register DAC3_DHR12R1 is not as it was set", made.said())
+
+    def test_the_first_reason_is_kept(self):
+        made = ready()
+        flip(made, "TIM1_PSC")
+        made.tick(ROUND_TICKS)
+        flip(made, "TIM1_CR2")
+        made.tick(ROUND_TICKS)
+        self.assert_found(made, "register TIM1_PSC")
+
+    def test_one_that_does_not_take_its_value_keeps_the_drive_from_starting(self):
+        made = make()
+        register = register_of(made, "OPAMP2_CSR")
+        register.on_read = lambda: register.value & ~(1 << 7)
+        made.go_on(GIVING_UP_S)
+        said = made.said()
+        self.assertIn("cannot start:\r\nregister OPAMP2_CSR is not as it was set\r\n", said)
+        self.assertNotIn("READY", said)
+
+    def test_a_chip_that_is_as_it_was_set_runs_on(self):
+        made = running()
+        made.tick(3 * ROUND_TICKS)
+        self.assertTrue(made.chip.timer.gates_on())
+        self.assertNotIn("until a reset", answer(made, "status"))
+
+
+class Trip(unittest.TestCase):
+    """The way from the level to the gates, which the start tries without current."""
+
+    def refuses(self, spoil):
+        made = make()
+        spoil(made)
+        made.go_on(GIVING_UP_S)
+        self.assertFalse(made.chip.timer.gates_on())
+        said = made.said()
+        self.assertIn("cannot start:\r\n", said)
+        return said.split("cannot start:\r\n")[1].strip()
+
+    def test_the_gates_never_open_while_it_is_tried_and_the_comparators_are_locked_behind(self):
+        made = make()
+        seen = []
+        timer = made.chip.timer
+        write = timer.register("BDTR").on_write
+
+        def look(value):
+            write(value)
+            seen.append((timer["BDTR"] >> 15 & 1, timer.gates_on()))
+
+        timer.register("BDTR").on_write = look
+        made.boot()
+        self.assertIn((1, False), seen)
+        self.assertNotIn(True, [gates for _, gates in seen])
+        for number in COMPARATORS.values():
+            self.assertEqual(made.chip.comparators[f"{number}_CSR"] >> 31, 1)
+
+    def test_a_comparator_that_never_trips_is_named_by_its_phase(self):
+        for phase, number in COMPARATORS.items():
+            def spoil(made, number=int(number)):
+                output = made.chip.comparators.output
+                made.chip.comparators.output = lambda asked: False if asked == number else output(asked)
+
+            with self.subTest(phase):
+                self.assertEqual(self.refuses(spoil), f"the comparator of phase {phase} does not open the gates")
+
+    def test_a_comparator_that_always_trips_is_found(self):
+        for number in COMPARATORS.values():
+            def spoil(made, number=int(number)):
+                output = made.chip.comparators.output
+                made.chip.comparators.output = lambda asked: (
+                    bool(made.chip.comparators[f"{asked}_CSR"] & 1) if asked == number else output(asked))
+
+            with self.subTest(number):
+                self.assertEqual(self.refuses(spoil), "a phase trips at rest")
+
+    def test_a_level_that_does_not_follow_its_register_is_found(self):
+        for channel, phase in ((1, "a"), (2, "b")):
+            def spoil(made, channel=channel):
+                voltage = made.chip.level.voltage
+                made.chip.level.voltage = lambda asked: 1000 if asked == channel else voltage(asked)
+
+            with self.subTest(channel):
+                self.assertEqual(self.refuses(spoil), f"the comparator of phase {phase} does not open the gates")
+
+    def test_a_break_that_does_not_reach_the_main_output_is_found(self):
+        def spoil(made):
+            made.chip.timer.set_break_input = lambda active: None
+
+        self.assertEqual(self.refuses(spoil), "the comparator of phase a does not open the gates")
+
+    def test_on_any_of_many_boards_it_passes(self):
+        for choose in (analogue.least, analogue.most, *map(analogue.drawn, range(4))):
+            self.assertNotIn("cannot start", booted(choose=choose).said())
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[4:]])
