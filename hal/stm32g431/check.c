@@ -2,6 +2,7 @@
 #include "check.h"
 
 #include "clock.h"
+#include "image.h"
 #include "settings.h"
 
 #include <stddef.h>
@@ -58,6 +59,13 @@ const char *check_step(void)
 {
     const uint32_t rows = settings_count() + clock_pin_count();
 
-    next_row = ((next_row + 1U) < rows) ? (next_row + 1U) : 0U;
-    return check_row(next_row);
+    const char *why = NULL;
+
+    if (!image_step()) {
+        why = CHECK_IMAGE;
+    } else {
+        next_row = ((next_row + 1U) < rows) ? (next_row + 1U) : 0U;
+        why = check_row(next_row);
+    }
+    return why;
 }

@@ -6,10 +6,12 @@
 #ifndef CHECK_H
 #define CHECK_H
 
+#define CHECK_IMAGE "the flash does not hold the image that was built"
+
 /* All registers and pins that protect. NULL, or the first that is not as it was written. */
 const char *check_all(void);
 
-/* The next of them. NULL, or what is wrong with it: the text stays as it is until the next that is wrong. Context: background. */
+/* The next of them, and the next words of the image. NULL, or what is wrong with it: the text stays as it is until the next that is wrong. Context: background. */
 const char *check_step(void);
 
 #endif

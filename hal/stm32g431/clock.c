@@ -146,6 +146,7 @@ static void set_pin(const pin_t *pin)
 
 void clock_pins(void)
 {
+    enable_clocks(RCC_AHB1ENR, RCC_AHB1ENR_CRC);
     enable_clocks(RCC_AHB2ENR, RCC_AHB2ENR_USED);
     enable_clocks(RCC_APB1ENR1, RCC_APB1ENR1_USART2);
     enable_clocks(RCC_APB2ENR, RCC_APB2ENR_USED);

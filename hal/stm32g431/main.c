@@ -12,6 +12,7 @@
 #include "flash.h"
 #include "guard.h"
 #include "hal_g431.h"
+#include "image.h"
 #include "led.h"
 #include "link.h"
 #include "pwm.h"
@@ -136,6 +137,9 @@ int main(void)
     live_config_init(&live, &app, &hardware, &of_image, &DRIVE_CONFIG);
     link_init(&serial, &live);
     greet();
+    if ((why == NULL) && !image_is_whole()) {
+        why = CHECK_IMAGE;
+    }
     if (why == NULL) {
         why = bring_up();
     }

@@ -38,6 +38,7 @@
 #define FLASH_ECCR (0x40022018U)
 #define FLASH_ECCR_ECCD \
     (1UL << 31) /* more wrong bits than can be corrected were read; written as 1 to clear */
+#define FLASH_IMAGE (0x08000000U)
 #define FLASH_STORE (0x0801F000U) /* the last two pages, see stm32g431.ld */
 
 /* --- Power, 6.4 ------------------------------------------------------------------------------- */
@@ -75,6 +76,8 @@
 #define RCC_PLLCFGR_REN (1UL << 24) /* R = 2 with bits 26:25 at zero */
 #define RCC_PLLCFGR_170MHZ \
     (RCC_PLLCFGR_SRC_HSI16 | RCC_PLLCFGR_M_4 | RCC_PLLCFGR_N_85 | RCC_PLLCFGR_REN)
+#define RCC_AHB1ENR (0x40021048U)
+#define RCC_AHB1ENR_CRC (1UL << 12)
 #define RCC_AHB2ENR (0x4002104CU)
 #define RCC_AHB2ENR_GPIOA (1UL << 0)
 #define RCC_AHB2ENR_GPIOB (1UL << 1)
@@ -121,6 +124,13 @@
     (1UL << 2) /* the same of a supply that sinks below the level of PWR_CR2 */
 #define SYSCFG_CFGR2_BREAKS (SYSCFG_CFGR2_CLL | SYSCFG_CFGR2_SPL | SYSCFG_CFGR2_PVDL)
 #define SYSCFG_CFGR2_SPF (1UL << 8) /* a wrong parity was read; written as 1 to clear */
+
+/* --- CRC unit, 16.4 --------------------------------------------------------------------------- */
+#define CRC_DR (0x40023000U)
+#define CRC_CR (0x40023008U)
+#define CRC_CR_RESET (1UL << 0)
+#define CRC_CR_REV_IN_WORD (3UL << 5) /* the lowest bit of a word first */
+#define CRC_CR_REV_OUT (1UL << 7)
 
 /* --- Converters, 21.6 and 21.7 ---------------------------------------------------------------- */
 #define ADC1 (0x50000000U)
@@ -285,7 +295,7 @@
 #define NVIC_ADC1_2_PRIORITY (0xFFUL << 16)
 #define NVIC_ADC1_2_PRIORITY_1 (0x10UL << 16)
 #define SCB_VTOR (0xE000ED08U)
-#define SCB_VTOR_IMAGE (0x08000000U)
+#define SCB_VTOR_IMAGE FLASH_IMAGE
 #define SCB_SHPR3 (0xE000ED20U) /* SysTick in the top byte */
 
 #endif

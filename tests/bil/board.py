@@ -59,6 +59,7 @@ class Chip:
         self.blocks = [*power.blocks, *self.ports.values(), self.timer, self.usart, self.watchdog,
                        self.system, self.level, self.comparators, self.amplifiers,
                        *self.converters, common, self.configuration,
+                       digital.Crc(power.enabled("AHB1ENR", 12)),
                        digital.debug_block()]
 
     @property

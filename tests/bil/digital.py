@@ -6,6 +6,7 @@ Facts from the reference manual RM0440 and the ARMv7-M architecture manual. Time
 """
 
 import collections
+import zlib
 
 from core import NEVER
 from flash import Flash
@@ -63,6 +64,7 @@ class Power:
             "CR": (0x00, Register(0x500, 0x01000500, self._control_read, self._control)),
             "CFGR": (0x08, Register(0x5, 0xFF, on_write=self._configure)),
             "PLLCFGR": (0x0C, Register(0x1000, 0x07007FF3, on_write=self._set_pll)),
+            "AHB1ENR": (0x48, Register(0x100, 0x1000)),
             "AHB2ENR": (0x4C, Register(0, 0x00052007)),
             "APB1ENR1": (0x58, Register(0, 0x10020000)),
             "APB2ENR": (0x60, Register(0, 0x801)),
@@ -504,6 +506,29 @@ class Configuration(Block):
             self["CFGR2"] |= self.PARITY_FLAG
         if self["CFGR2"] & source:
             self.chip.timer.break_by_system()
+
+
+class Crc(Block):
+    """The CRC unit with its polynomial of reset, in the order that makes it zlib's: RM0440 16.4."""
+
+    def __init__(self, clocked):
+        self.fed = bytearray()
+        super().__init__("CRC", 0x40023000, {
+            "DR": (0x00, Register(on_read=self._result, on_write=self._feed)),
+            "CR": (0x08, Register(0, 0xF9, on_write=self._control)),
+        }, clocked)
+
+    def _feed(self, value):
+        self.fed += value.to_bytes(4, "little")
+
+    def _result(self):
+        need(self["CR"] == 0xE0, "the CRC unit has another order of bits")
+        return zlib.crc32(self.fed) ^ 0xFFFFFFFF
+
+    def _control(self, value):
+        if bit(value, 0):
+            self.fed.clear()
+        self["CR"] = value & ~1
 
 
 def debug_block():

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The board of IMAGE BOARD CLOCK, a test's first arguments: as it comes, ready and running, without a motor."""
 
+import subprocess
 import sys
 import tomllib
 from pathlib import Path
@@ -68,3 +69,10 @@ def lose_a_conversion(made):
     trigger = made.chip.timer.trigger
     made.chip.timer.trigger = lambda: setattr(made.chip.timer, "trigger", trigger)
     return made.handle_next()
+
+
+def address_of(name):
+    """Of a variable, to whose name the linker may have added something."""
+    words = subprocess.run(["arm-none-eabi-nm", IMAGE], capture_output=True, text=True, check=True).stdout.split()
+    names = [word.partition(".")[0] for word in words]
+    return int(words[names.index(name) - 2], 16)

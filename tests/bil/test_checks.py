@@ -8,11 +8,12 @@ import sys
 import unittest
 
 import analogue
-from digital import CLOCK_HZ, Configuration
-from rig import CALIBRATION_TICKS, answer, booted, make, ready, run, running
+from core import FLASH_SIZE
+from rig import CALIBRATION_TICKS, address_of, answer, booted, make, ready, run, running
 
 ROUND_TICKS = 100  # more than there are registers and pins: one is looked at in each pass of the background
 GIVING_UP_S = 0.1  # more than the start takes
+WORD_BYTES, WORDS_A_TICK = 4, 2  # of the flash
 
 # A bit of each register that protects, and of each kind of pin. Not of those whose change ends the ticks at once: the guard of the tick
 # finds it.
@@ -114,6 +115,38 @@ class Registers(unittest.TestCase):
         made.tick(3 * ROUND_TICKS)
         self.assertTrue(made.chip.timer.gates_on())
         self.assertNotIn("until a reset", answer(made, "status"))
+
+
+class Image(unittest.TestCase):
+    """The flash, in which a bit has another value than the build gave it."""
+
+    TOLD = "the flash does not hold the image that was built"
+
+    def flip(self, made, address):
+        byte, = made.core.uc.mem_read(address, 1)
+        made.core.uc.mem_write(address, bytes([byte ^ 1 << 3]))
+
+    def places(self):
+        """Bytes that the start does not need: of the table of sines, and the last of the checksum."""
+        yield address_of("trig_sin_table") + 1001
+        yield address_of("image_seal") + 7
+
+    def test_one_bit_keeps_the_drive_from_starting(self):
+        for place in self.places():
+            with self.subTest(hex(place)):
+                made = make()
+                self.flip(made, place)
+                made.go_on(GIVING_UP_S)
+                said = made.said()
+                self.assertIn(f"cannot start:\r\n{self.TOLD}\r\n", said)
+                self.assertNotIn("READY", said)
+
+    def test_one_bit_that_changes_later_opens_the_gates(self):
+        made = ready()
+        self.flip(made, address_of("trig_sin_table") + 1001)
+        made.tick(round(FLASH_SIZE / WORD_BYTES / WORDS_A_TICK))
+        self.assertTrue(gates_are_inputs(made))
+        self.assertIn(f", until a reset: {self.TOLD}", answer(made, "status"))
 
 
 class Trip(unittest.TestCase):

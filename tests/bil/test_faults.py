@@ -7,7 +7,6 @@ test_faults.py IMAGE BOARD CLOCK [TEST...], as scenario.py; all tests, or those 
 import functools
 import re
 import struct
-import subprocess
 import sys
 import unittest
 
@@ -17,7 +16,7 @@ import console
 import core
 from digital import NEVER, CLOCK_HZ, WatchdogBites
 from registers import WrongAccess
-from rig import (BOARD, BUS, CALIBRATION_TICKS, FULL_SCALE_A, HAL, HALF_PERIOD, IMAGE, MIDDLE, STAGE, answer, booted,
+from rig import (BOARD, BUS, CALIBRATION_TICKS, FULL_SCALE_A, HAL, HALF_PERIOD, MIDDLE, STAGE, address_of, answer, booted,
                  lose_a_conversion, make, ready, run, running)
 
 REST = (HALF_PERIOD // 2,) * 3
@@ -36,13 +35,6 @@ LONG_BLOCK = b"NFCB" + struct.pack("<II", 1, 384) + bytes(1524)  # for the store
 # Pins of TIM1 and USART2 with their alternate function: data sheet, table 13.
 PINS = {("A", 8): 6, ("A", 9): 6, ("A", 10): 6, ("C", 13): 4, ("A", 12): 6, ("B", 15): 4,
         ("B", 3): 7, ("B", 4): 7}
-
-
-def address_of(name):
-    """Of a variable, to whose name the linker may have added something."""
-    words = subprocess.run(["arm-none-eabi-nm", IMAGE], capture_output=True, text=True, check=True).stdout.split()
-    names = [word.partition(".")[0] for word in words]
-    return int(words[names.index(name) - 2], 16)
 
 
 class Boots(unittest.TestCase):

@@ -20,7 +20,7 @@ GATES = {"A": (8, 9, 10, 12), "B": (15,), "C": (13,)}
 
 # Written to make something happen, or by each tick; what they do is tested as behaviour.
 ACTIONS = {"GPIOC_BSRR", "IWDG_KR", "SYSTEM_SYST_CVR", "RCC_CSR", "TIM1_EGR", "TIM1_SR", "TIM1_CCR1", "TIM1_CCR2",
-           "TIM1_CCR3", "ADC1_ISR", "ADC2_ISR", "USART2_TDR"}
+           "TIM1_CCR3", "CRC_DR", "ADC1_ISR", "ADC2_ISR", "USART2_TDR"}
 
 
 def placed(reset, width, fields):
@@ -82,6 +82,8 @@ def expected():
         "SYSTEM_SCB_VTOR": 0x08000000,
         "RCC_APB1ENR1": 1 << 17 | 1 << 28,           # USART2, PWR
         "RCC_APB2ENR": 1 << 0 | 1 << 11,             # SYSCFG, TIM1
+        "RCC_AHB1ENR": 1 << 8 | 1 << 12,             # flash as after reset, CRC unit
+        "CRC_CR": 7 << 5,                            # words and result with the lowest bit first
         "RCC_AHB2ENR": 7 | 1 << 13 | 1 << 18,        # ports, converters, DAC3
         "RCC_CR": 1 << 8 | 1 << 10 | 1 << 24 | 1 << 25,
         "RCC_PLLCFGR": 2 | 3 << 4 | 85 << 8 | 1 << 24,

@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: MIT */
+#include "image.h"
+
+#include "reg.h"
+#include "stm32g431.h"
+
+#include <stdint.h>
+
+#define WORDS_A_STEP (2U)
+#define WORD_BYTES (4U)
+
+/* stm32g431.ld puts it behind the image. */
+typedef struct {
+    uint32_t words; /* of the image, this one among them */
+    uint32_t crc;   /* of these */
+} image_seal_t;
+
+extern const image_seal_t image_seal;
+
+static uint32_t next_word;
+
+/* As zlib's crc32: the lowest bit first, from all ones, complemented at the end. */
+static void begin_round(void)
+{
+    reg_write(CRC_CR, CRC_CR_RESET | CRC_CR_REV_IN_WORD | CRC_CR_REV_OUT);
+    next_word = 0U;
+}
+
+/* The seal is read as a register is: what the build wrote there is not known when this is compiled. */
+static uint32_t words(void)
+{
+    const volatile image_seal_t *const seal = &image_seal;
+
+    return seal->words;
+}
+
+static bool is_right(void)
+{
+    const volatile image_seal_t *const seal = &image_seal;
+
+    return ~reg_read(CRC_DR) == seal->crc;
+}
+
+static void add_word(void)
+{
+    reg_write(CRC_DR, reg_read(FLASH_IMAGE + (next_word * WORD_BYTES)));
+    next_word++;
+}
+
+bool image_is_whole(void)
+{
+    bool is_whole;
+
+    begin_round();
+    while (next_word < words()) {
+        add_word();
+    }
+    is_whole = is_right();
+    begin_round();
+    return is_whole;
+}
+
+bool image_step(void)
+{
+    bool is_whole = true;
+
+    for (uint32_t k = 0U; (k < WORDS_A_STEP) && (next_word < words()); k++) {
+        add_word();
+    }
+    if (next_word >= words()) {
+        is_whole = is_right();
+        begin_round();
+    }
+    return is_whole;
+}
