@@ -28,7 +28,7 @@ void Reset_Handler(void)
 
 /* Exceptions 1 to 15. ARMv6-M has fewer: its reserved ones stay unused. */
 const vector_t core_vectors[CORE_VECTORS] __attribute__((section(".vectors.core"), used)) = {
-    Reset_Handler,      NMI_Handler,        HardFault_Handler,  MemManage_Handler,
+    reset_entry,        NMI_Handler,        HardFault_Handler,  MemManage_Handler,
     BusFault_Handler,   UsageFault_Handler, safe_state_handler, safe_state_handler,
     safe_state_handler, safe_state_handler, SVC_Handler,        DebugMon_Handler,
     safe_state_handler, PendSV_Handler,     SysTick_Handler,

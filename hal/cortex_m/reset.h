@@ -29,6 +29,12 @@ extern const uint32_t build_id_note[BUILD_ID_NOTE_WORDS];
 extern const vector_t core_vectors[CORE_VECTORS];
 
 /*
+ * Where the chip starts: Reset_Handler, by sections.ld, if a target has nothing to do before. A target that has ends by
+ * a jump to it.
+ */
+void reset_entry(void);
+
+/*
  * Brings up the memory (.data copied, .bss zero) and calls main(). Runs on the stack alone. A return of
  * main() ends in safe_state_handler().
  */

@@ -97,9 +97,20 @@ static bool switch_to_pll(void)
     return is_switched;
 }
 
-bool clock_init(void)
+static bool is_switched_up(void)
 {
     return raise_power() && start_oscillator() && start_pll() && switch_to_pll();
+}
+
+/* ram.S calls it. */
+__attribute__((used)) void clock_init(void)
+{
+    (void)is_switched_up();
+}
+
+bool clock_is_up(void)
+{
+    return (reg_read(RCC_CFGR) & RCC_CFGR_COUNTED) == (RCC_CFGR_SW_PLL | RCC_CFGR_SWS_PLL);
 }
 
 static uint32_t port_of(const pin_t *pin)

@@ -12,9 +12,10 @@
  * System, timer and bus clocks to 170 MHz from the internal 16 MHz oscillator: 16 MHz / 4 · 85 / 2, with
  * the regulator in boost mode and four wait states of the flash. The oscillator is accurate to 1 % and
  * needs no part outside of the chip; speeds are as accurate as it is.
- * Call once, first. False when regulator or clock do not settle.
+ * Called once, first, before there are variables. clock_is_up() is false when regulator or clock have not settled.
  */
-bool clock_init(void);
+void clock_init(void);
+bool clock_is_up(void);
 
 /* Pins as the table in docs/board_bring_up.md says. Gate pins drive low only when TIM1 does; pull-downs hold them. */
 void clock_pins(void);

@@ -16,6 +16,7 @@
 #include "led.h"
 #include "link.h"
 #include "pwm.h"
+#include "ram.h"
 #include "reset.h"
 #include "sensing.h"
 #include "uart.h"
@@ -41,7 +42,8 @@ void ADC1_2_IRQHandler(void)
 
 void NMI_Handler(void)
 {
-    if (!flash_forgive()) {
+    /* A wrong parity of the RAM is never forgiven. */
+    if (reg_any(SYSCFG_CFGR2, SYSCFG_CFGR2_SPF) || !flash_forgive()) {
         safe_state_handler();
     }
 }
@@ -112,6 +114,19 @@ static void stay(const char *why)
     }
 }
 
+/* What protects and only a programmer can set: docs/board_bring_up.md. */
+static void tell_options(void)
+{
+    const uint32_t options = reg_read(FLASH_OPTR);
+
+    if ((options & FLASH_OPTR_BOR_LEV) != FLASH_OPTR_BOR_LEV_4) {
+        link_say(&serial, "option bytes: no reset at 2.8 V of supply, set BOR_LEV = 4");
+    }
+    if ((options & FLASH_OPTR_SRAM_PE) != 0U) {
+        link_say(&serial, "option bytes: no parity of the RAM, set SRAM_PE = 0");
+    }
+}
+
 /* Whose numbers they are, and where they come from. */
 static void greet(void)
 {
@@ -121,6 +136,7 @@ static void greet(void)
     if (guard_has_bitten()) {
         link_say(&serial, "the watchdog made the last reset");
     }
+    tell_options();
 }
 
 int main(void)
@@ -129,7 +145,10 @@ int main(void)
     const char *why = NULL;
 
     reg_write(SCB_VTOR, SCB_VTOR_IMAGE);
-    if (!clock_init()) {
+    if (ram_fault != 0U) {
+        why = "the RAM does not hold what is written";
+    }
+    if (!clock_is_up()) {
         why = "the clock does not settle"; /* and the baud rate is wrong: nobody will read it */
     }
     clock_pins();

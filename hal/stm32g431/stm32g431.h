@@ -38,6 +38,10 @@
 #define FLASH_ECCR (0x40022018U)
 #define FLASH_ECCR_ECCD \
     (1UL << 31) /* more wrong bits than can be corrected were read; written as 1 to clear */
+#define FLASH_OPTR (0x40022020U)
+#define FLASH_OPTR_BOR_LEV (7UL << 8)   /* a reset below: 0: 1.7 V, 4: 2.8 V */
+#define FLASH_OPTR_BOR_LEV_4 (4UL << 8)
+#define FLASH_OPTR_SRAM_PE (1UL << 24) /* 0: the parity of the RAM is checked */
 #define FLASH_IMAGE (0x08000000U)
 #define FLASH_STORE (0x0801F000U) /* the last two pages, see stm32g431.ld */
 

@@ -25,6 +25,8 @@ PROGERR = 1 << 3
 LOCK, OPTLOCK = 1 << 31, 1 << 30
 PG, PER, STRT = 1, 2, 1 << 16
 CACHES = 3 << 9
+BOR_LEVEL, NO_PARITY = 7 << 8, 1 << 24  # of OPTR, RM0440 3.7.8
+GOOD_OPTIONS = 0xFAEFF8AA | 4 << 8      # those of a new chip, with a brown-out reset at 2.8 V, parity, and no BOOT0 pin
 BSY = 1 << 16
 
 
@@ -53,6 +55,7 @@ class Flash(Block):
             "KEYR": (0x08, Register(on_write=self._key)),
             "SR": (0x10, Register(0, ERRORS | 1, self._status, self._clear)),
             "CR": (0x14, Register(LOCK | OPTLOCK, LOCK | STRT | 0x3FB, on_write=self._control)),
+            "OPTR": (0x20, Register(GOOD_OPTIONS, 0)),
             "ECCR": (0x18, Register(0, 1 << 31, on_write=self._acknowledge)),
         })
         self.store = Block("STORE", STORE, {

@@ -7,8 +7,10 @@ test_checks.py IMAGE BOARD CLOCK [TEST...], as scenario.py; all tests, or those 
 import sys
 import unittest
 
+import unicorn
+
 import analogue
-from core import FLASH_SIZE
+from core import FLASH_SIZE, RAM, RAM_SIZE
 from rig import CALIBRATION_TICKS, address_of, answer, booted, make, ready, run, running
 
 ROUND_TICKS = 100  # more than there are registers and pins: one is looked at in each pass of the background
@@ -147,6 +149,44 @@ class Image(unittest.TestCase):
         made.tick(round(FLASH_SIZE / WORD_BYTES / WORDS_A_TICK))
         self.assertTrue(gates_are_inputs(made))
         self.assertIn(f", until a reset: {self.TOLD}", answer(made, "status"))
+
+
+class Memory(unittest.TestCase):
+    """The RAM, of which a bit does not take what is written, or a word is another one's."""
+
+    TOLD = "cannot start:\r\nthe RAM does not hold what is written\r\n"
+    PLACES = (RAM + 0x40, RAM + RAM_SIZE - 4)  # the stack's end, which is not used, and what is behind all variables
+
+    def boot(self, place, read):
+        """`read` gives what the word at `place` shows."""
+        made = make()
+        uc = made.core.uc
+
+        def look(*_):
+            word = int.from_bytes(uc.mem_read(place, WORD_BYTES), "little")
+            uc.mem_write(place, read(uc, word).to_bytes(WORD_BYTES, "little"))
+
+        uc.hook_add(unicorn.UC_HOOK_MEM_READ, look, begin=place, end=place + WORD_BYTES - 1)
+        made.go_on(GIVING_UP_S)
+        return made
+
+    def test_a_stuck_bit_keeps_the_drive_from_starting(self):
+        for place in self.PLACES:
+            for stuck in (lambda _, word: word | 1 << 7, lambda _, word: word & ~(1 << 30)):
+                with self.subTest(hex(place)):
+                    self.assertIn(self.TOLD, self.boot(place, stuck).said())
+
+    def test_a_word_that_shows_another_one_keeps_the_drive_from_starting(self):
+        place, other = self.PLACES[1], self.PLACES[1] - 0x1000
+
+        def alias(uc, _):
+            return int.from_bytes(uc.mem_read(other, WORD_BYTES), "little")
+
+        self.assertIn(self.TOLD, self.boot(place, alias).said())
+
+    def test_a_good_one_is_seen_as_such(self):
+        said = self.boot(self.PLACES[0], lambda _, word: word).said()
+        self.assertNotIn("cannot start", said)
 
 
 class Trip(unittest.TestCase):

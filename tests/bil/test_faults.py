@@ -14,7 +14,8 @@ import analogue
 import board
 import console
 import core
-from digital import NEVER, CLOCK_HZ, WatchdogBites
+from digital import NEVER, CLOCK_HZ, Configuration, WatchdogBites
+from flash import BOR_LEVEL, NO_PARITY
 from registers import WrongAccess
 from rig import (BOARD, BUS, CALIBRATION_TICKS, FULL_SCALE_A, HAL, HALF_PERIOD, MIDDLE, STAGE, address_of, answer, booted,
                  lose_a_conversion, make, ready, run, running)
@@ -189,7 +190,7 @@ class Ticks(unittest.TestCase):
         made = make(flashed=[(0x0801F000, LONG_BLOCK)])
         reading = address_of("is_reading")
         nmi = functools.partial(made.core.handle, 2, instructions=1000)
-        while not made.core.uc.mem_read(reading, 1)[0]:
+        while made.core.uc.mem_read(reading, 1) != b"\1":  # the test of the RAM leaves other values there
             made.core.step(STRIDE)
         made.chip.power.flash.tear()
         self.assertTrue(nmi())
@@ -199,6 +200,33 @@ class Ticks(unittest.TestCase):
         made.chip.power.flash.tear()
         self.assertFalse(made.core.handle(2, instructions=1000))
         self.assertFalse(made.chip.timer.gates_on())
+
+    def test_a_wrong_parity_of_the_ram_opens_the_gates_without_software_and_its_nmi_does_not_come_back(self):
+        made = running()
+        made.chip.configuration.fail(Configuration.PARITY)
+        self.assertFalse(made.chip.timer.gates_on())
+        made = running()
+        made.chip.configuration["CFGR2"] |= Configuration.PARITY_FLAG  # as if the break had not come
+        made.core.uc.mem_write(address_of("is_reading"), b"\1")
+        made.chip.power.flash.tear()
+        self.assertFalse(made.core.handle(2, instructions=1000))
+        self.assertFalse(made.chip.timer.gates_on())
+
+    def test_a_supply_that_sinks_opens_the_gates_without_software_and_is_a_break(self):
+        made = running()
+        made.chip.configuration.fail(Configuration.SUPPLY)
+        self.assertFalse(made.chip.timer.gates_on())
+        made.tick(2)
+        self.assertIn("FAULT by BREAK", made.said())
+
+    def test_the_console_tells_which_option_bytes_protect_less_than_they_could(self):
+        for wrong, told in ((BOR_LEVEL, "no reset at 2.8 V of supply, set BOR_LEV = 4"), (NO_PARITY, "no parity of the RAM, set SRAM_PE = 0")):
+            with self.subTest(told):
+                made = make()
+                made.chip.power.flash["OPTR"] ^= wrong
+                made.boot()
+                self.assertEqual(re.findall("option bytes: (.*)\r", made.said()), [told])
+        self.assertNotIn("option bytes", booted().said())
 
     def test_a_fault_with_no_stack_left_opens_the_gates(self):
         made = running()
