@@ -3,6 +3,7 @@
 
 #include "clock.h"
 #include "image.h"
+#include "pace.h"
 #include "settings.h"
 
 #include <stddef.h>
@@ -55,13 +56,15 @@ const char *check_all(void)
     return why;
 }
 
-const char *check_step(void)
+const char *check_step(uint32_t tick)
 {
     const uint32_t rows = settings_count() + clock_pin_count();
 
-    const char *why = NULL;
+    const char *why = pace_step(tick);
 
-    if (!image_step()) {
+    if (why != NULL) {
+        /* that is it */
+    } else if (!image_step()) {
         why = CHECK_IMAGE;
     } else {
         next_row = ((next_row + 1U) < rows) ? (next_row + 1U) : 0U;

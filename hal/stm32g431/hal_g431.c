@@ -5,6 +5,7 @@
 #include "check.h"
 #include "clock.h"
 #include "guard.h"
+#include "pace.h"
 #include "pwm.h"
 #include "sensing.h"
 #include "trip.h"
@@ -27,6 +28,7 @@ const char *hal_g431_init(hal_t *hal)
     if (!trip_init()) {
         why = "the trip level's DAC does not become ready";
     } else {
+        pace_init();
         pwm_init();
         why = trip_try();
         pwm_connect();

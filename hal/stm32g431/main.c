@@ -55,9 +55,9 @@ void SysTick_Handler(void)
 }
 
 /* One finding is enough: what follows from it, as other modes of the pins, is none. */
-static void check(void)
+static void check(uint32_t tick)
 {
-    const char *const why = (hardware.why_barred == NULL) ? check_step() : NULL;
+    const char *const why = (hardware.why_barred == NULL) ? check_step(tick) : NULL;
 
     if (why != NULL) {
         hal_g431_bar(&hardware, why);
@@ -77,7 +77,7 @@ static void background(void)
             fed = tick;
             led_show(app.drive.state, tick);
         }
-        check();
+        check(tick);
         recorder_service(&recorder, &app.drive);
         link_step(&serial);
         cpu_wait();

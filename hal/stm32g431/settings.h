@@ -22,6 +22,7 @@ typedef enum {
     SETTINGS_AMPLIFIERS,
     SETTINGS_SEQUENCES, /* of the converters */
     SETTINGS_LINE,      /* the serial one */
+    SETTINGS_PACE,      /* the timer that measures the clock */
     SETTINGS_GUARD      /* what the tick guard needs */
 } settings_group_t;
 

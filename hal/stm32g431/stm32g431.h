@@ -39,7 +39,7 @@
 #define FLASH_ECCR_ECCD \
     (1UL << 31) /* more wrong bits than can be corrected were read; written as 1 to clear */
 #define FLASH_OPTR (0x40022020U)
-#define FLASH_OPTR_BOR_LEV (7UL << 8)   /* a reset below: 0: 1.7 V, 4: 2.8 V */
+#define FLASH_OPTR_BOR_LEV (7UL << 8) /* a reset below: 0: 1.7 V, 4: 2.8 V */
 #define FLASH_OPTR_BOR_LEV_4 (4UL << 8)
 #define FLASH_OPTR_SRAM_PE (1UL << 24) /* 0: the parity of the RAM is checked */
 #define FLASH_IMAGE (0x08000000U)
@@ -98,7 +98,8 @@
 #define RCC_APB2ENR (0x40021060U)
 #define RCC_APB2ENR_SYSCFG (1UL << 0) /* comparators and operational amplifiers too */
 #define RCC_APB2ENR_TIM1 (1UL << 11)
-#define RCC_APB2ENR_USED (RCC_APB2ENR_SYSCFG | RCC_APB2ENR_TIM1)
+#define RCC_APB2ENR_TIM16 (1UL << 17)
+#define RCC_APB2ENR_USED (RCC_APB2ENR_SYSCFG | RCC_APB2ENR_TIM1 | RCC_APB2ENR_TIM16)
 #define RCC_CSR (0x40021094U)
 #define RCC_CSR_RMVF (1UL << 23)     /* clears the reset causes */
 #define RCC_CSR_IWDGRSTF (1UL << 29) /* the independent watchdog made the last reset */
@@ -251,6 +252,19 @@
 #define TIM_AF1_BKCMP1P (1UL << 10) /* comparator active low */
 #define TIM_AF1_BKCMP2P (1UL << 11)
 #define TIM_AF1_BKCMP4P (1UL << 13)
+
+/* --- Timer 16, 30.6 --------------------------------------------------------------------------- */
+#define TIM16_CR1 (0x40014400U)
+#define TIM16_SR (0x40014410U)
+#define TIM_SR_CC1IF (1UL << 1) /* a capture, until it is read */
+#define TIM_SR_CC1OF (1UL << 9) /* another one came before that */
+#define TIM16_CCMR1 (0x40014418U)
+#define TIM_CCMR_CAPTURE_EIGHTH (0xDUL) /* input 1, each eighth edge */
+#define TIM16_CCER (0x40014420U)
+#define TIM_CCER_CC1E (1UL << 0)
+#define TIM16_CCR1 (0x40014434U)
+#define TIM16_TISEL (0x4001445CU)
+#define TIM16_TISEL_LSI (6U) /* input 1 is the watchdog's oscillator */
 
 /* --- USART 2, 37.8 ---------------------------------------------------------------------------- */
 #define USART2_CR1 (0x40004400U)

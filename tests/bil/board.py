@@ -40,6 +40,7 @@ class Chip:
         self.usart = digital.Usart(self, baud, power.enabled("APB1ENR1", 17))
         self.watchdog = digital.Watchdog(self)
         self.system = digital.System(self)
+        self.pace = digital.Pace(self, power.enabled("APB2ENR", 17))
         self.configuration = digital.Configuration(self, system_clock)
         self.level = analogue.Level(self, power.enabled("AHB2ENR", 18))
         self.comparators = analogue.Comparators(self, parts, system_clock)
@@ -58,7 +59,7 @@ class Chip:
         self.timed = [self.timer, self.watchdog, self.system, self.comparators, *self.converters]
         self.blocks = [*power.blocks, *self.ports.values(), self.timer, self.usart, self.watchdog,
                        self.system, self.level, self.comparators, self.amplifiers,
-                       *self.converters, common, self.configuration,
+                       *self.converters, common, self.configuration, self.pace,
                        digital.Crc(power.enabled("AHB1ENR", 12)),
                        digital.debug_block()]
 

@@ -67,7 +67,7 @@ class Power:
             "AHB1ENR": (0x48, Register(0x100, 0x1000)),
             "AHB2ENR": (0x4C, Register(0, 0x00052007)),
             "APB1ENR1": (0x58, Register(0, 0x10020000)),
-            "APB2ENR": (0x60, Register(0, 0x801)),
+            "APB2ENR": (0x60, Register(0, 0x20801)),
             "CSR": (0x94, Register(reset_flags, 0x00800000, on_write=self._clear_flags)),
         })
         self.blocks = [self.pwr, self.flash, self.flash.store, self.rcc]
@@ -506,6 +506,49 @@ class Configuration(Block):
             self["CFGR2"] |= self.PARITY_FLAG
         if self["CFGR2"] & source:
             self.chip.timer.break_by_system()
+
+
+class Pace(Block):
+    """TIM16, which captures each eighth edge of the watchdog's oscillator. Its frequency is that at the speed that the clock should have:
+    a clock that is too fast sees it slower."""
+
+    def __init__(self, chip, clocked):
+        self.chip = chip
+        self.oscillator_hz = 32e3  # 0: it stands still
+        self.last = 0              # the time of the last capture
+        self.captured = self.missed = False
+        super().__init__("TIM16", 0x40014400, {
+            "CR1": (0x00, Register(0, 1, on_write=self._start)),
+            "SR": (0x10, Register(0, on_read=self._status, on_write=self._acknowledge)),
+            "CCMR1": (0x18, Register(0, 0xFF)),
+            "CCER": (0x20, Register(0, 1)),
+            "CCR1": (0x34, Register(0, 0, self._take)),
+            "TISEL": (0x5C, Register(0, 0xF)),
+        }, clocked)
+
+    def _start(self, value):
+        need((self["TISEL"], self["CCMR1"], self["CCER"]) == (6, 0xD, 1), "TIM16 does not capture each eighth edge of the LSI")
+        self["CR1"] = value
+        self.last = self.chip.now
+
+    def _pass(self):
+        period = 8 * CLOCK_HZ / self.oscillator_hz if self.oscillator_hz and self["CR1"] else NEVER
+        while self.last + period <= self.chip.now:
+            self.last += period
+            self.missed = self.missed or self.captured
+            self.captured = True
+
+    def _status(self):
+        self._pass()
+        return self.captured << 1 | self.missed << 9
+
+    def _acknowledge(self, value):
+        self.missed = self.missed and bool(bit(value, 9))
+
+    def _take(self):
+        self._pass()
+        self.captured = False
+        return round(self.last) & 0xFFFF
 
 
 class Crc(Block):

@@ -11,7 +11,7 @@ import unicorn
 
 import analogue
 from core import FLASH_SIZE, RAM, RAM_SIZE
-from rig import CALIBRATION_TICKS, address_of, answer, booted, make, ready, run, running
+from rig import CALIBRATION_TICKS, STAGE, address_of, answer, booted, make, ready, run, running
 
 ROUND_TICKS = 100  # more than there are registers and pins: one is looked at in each pass of the background
 GIVING_UP_S = 0.1  # more than the start takes
@@ -187,6 +187,56 @@ class Memory(unittest.TestCase):
     def test_a_good_one_is_seen_as_such(self):
         said = self.boot(self.PLACES[0], lambda _, word: word).said()
         self.assertNotIn("cannot start", said)
+
+
+class Clock(unittest.TestCase):
+    """The clock against the watchdog's oscillator, which has another frequency on each chip: data sheet, table 44."""
+
+    SLOW_HZ, FAST_HZ = 29.5e3, 34e3
+    TOLD = "the clock has another speed than its second oscillator allows"
+    FOUND_S = 0.2
+    CLOCK_OFF = 0.019  # of the internal oscillator, over all temperatures: less than 2 %
+
+    def after(self, oscillator_hz, clock, seconds):
+        """So long after the clock has become so many times as fast."""
+        made = ready()
+        made.chip.pace.oscillator_hz = oscillator_hz / clock
+        made.tick(round(seconds * STAGE["pwm_frequency_hz"]))
+        return made
+
+    def test_one_that_is_a_quarter_fast_or_slow_is_found_in_time_on_any_chip(self):
+        for oscillator_hz in (self.SLOW_HZ, self.FAST_HZ):
+            for clock in (0.75, 1.25, 0.5, 2):
+                with self.subTest(f"{oscillator_hz} Hz, {clock}"):
+                    made = self.after(oscillator_hz, clock, self.FOUND_S / 10)
+                    self.assertTrue(gates_are_inputs(made))
+                    self.assertIn(f", until a reset: {self.TOLD}", answer(made, "status"))
+
+    def test_one_within_the_tolerances_of_both_oscillators_is_not(self):
+        for oscillator_hz in (self.SLOW_HZ, self.FAST_HZ):
+            for clock in (1 - self.CLOCK_OFF, 1 + self.CLOCK_OFF):
+                with self.subTest(f"{oscillator_hz} Hz, {clock}"):
+                    made = self.after(oscillator_hz, clock, self.FOUND_S / 10)
+                    self.assertNotIn("until a reset", answer(made, "status"))
+
+    def test_an_oscillator_that_stands_still_is_found_in_time(self):
+        made = self.after(0, 1, self.FOUND_S)
+        self.assertTrue(gates_are_inputs(made))
+        self.assertIn(", until a reset: the second oscillator stands still", answer(made, "status"))
+
+    def test_in_run_the_gates_open(self):
+        made = running()
+        made.chip.pace.oscillator_hz /= 1.25
+        made.tick(ROUND_TICKS)
+        self.assertFalse(made.chip.timer.gates_on())
+        self.assertIn(self.TOLD, made.said())
+
+    def test_a_background_that_comes_late_for_a_while_finds_nothing(self):
+        made = running()
+        for _ in range(20):
+            made.tick(5, background=1)
+            made.tick(2)
+        self.assertTrue(made.chip.timer.gates_on())
 
 
 class Trip(unittest.TestCase):

@@ -20,7 +20,7 @@ GATES = {"A": (8, 9, 10, 12), "B": (15,), "C": (13,)}
 
 # Written to make something happen, or by each tick; what they do is tested as behaviour.
 ACTIONS = {"GPIOC_BSRR", "IWDG_KR", "SYSTEM_SYST_CVR", "RCC_CSR", "TIM1_EGR", "TIM1_SR", "TIM1_CCR1", "TIM1_CCR2",
-           "TIM1_CCR3", "CRC_DR", "ADC1_ISR", "ADC2_ISR", "USART2_TDR"}
+           "TIM1_CCR3", "TIM16_SR", "CRC_DR", "ADC1_ISR", "ADC2_ISR", "USART2_TDR"}
 
 
 def placed(reset, width, fields):
@@ -81,7 +81,7 @@ def expected():
     return dict(pins()) | {
         "SYSTEM_SCB_VTOR": 0x08000000,
         "RCC_APB1ENR1": 1 << 17 | 1 << 28,           # USART2, PWR
-        "RCC_APB2ENR": 1 << 0 | 1 << 11,             # SYSCFG, TIM1
+        "RCC_APB2ENR": 1 << 0 | 1 << 11 | 1 << 17,   # SYSCFG, TIM1, TIM16
         "RCC_AHB1ENR": 1 << 8 | 1 << 12,             # flash as after reset, CRC unit
         "CRC_CR": 7 << 5,                            # words and result with the lowest bit first
         "RCC_AHB2ENR": 7 | 1 << 13 | 1 << 18,        # ports, converters, DAC3
@@ -125,6 +125,10 @@ def expected():
         "TIM1_BDTR": dead_time_code() | 1 << 8 | 1 << 10 | 1 << 11 | 1 << 12 | 1 << 13 | 6 << 16,
         "SYSCFG_CFGR2": 7,                           # lockup of the core, parity of the RAM and supply open the gates
         "PWR_CR2": 1 | 5 << 1,                       # the supply, against 2.8 V
+        "TIM16_CR1": 1,
+        "TIM16_TISEL": 6,                            # the watchdog's oscillator
+        "TIM16_CCMR1": 1 | 3 << 2,                   # captured at each eighth edge
+        "TIM16_CCER": 1,
         "ADC12_CCR": 3 << 16,
         "ADC1_CR": 1 | 1 << 3 | 1 << 28,
         "ADC2_CR": 1 | 1 << 3 | 1 << 28,

@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: MIT */
+#include "pace.h"
+
+#include "board.h"
+#include "reg.h"
+#include "settings.h"
+#include "stm32g431.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#define EDGES (8U) /* from one capture to the next */
+#define OSCILLATOR_MIN_HZ (29500U)
+#define OSCILLATOR_MAX_HZ (34000U)
+#define CLOCK_OFF_PCT (2U)
+#define HUNDRED (100U)
+#define SPAN_MIN \
+    ((EDGES * (BOARD_CLOCK_HZ / OSCILLATOR_MAX_HZ) * (HUNDRED - CLOCK_OFF_PCT)) / HUNDRED)
+#define SPAN_MAX \
+    ((EDGES * (BOARD_CLOCK_HZ / OSCILLATOR_MIN_HZ) * (HUNDRED + CLOCK_OFF_PCT)) / HUNDRED)
+#define COUNTER_MASK (0xFFFFU)
+#define WRONG_MAX \
+    (4U) /* in a row. One can be wrong: a capture between the look at the flag and at the count */
+#define SILENCE_SHARE (10U) /* of a second */
+
+typedef struct {
+    uint32_t before;    /* the last capture */
+    uint32_t seen_tick; /* of it */
+    uint8_t wrong;      /* spans in a row */
+    bool has_before;
+} pace_t;
+
+static pace_t pace;
+
+void pace_init(void)
+{
+    settings_write(SETTINGS_PACE);
+}
+
+/* Two captures that followed each other are so far apart. */
+static const char *judge(uint32_t span)
+{
+    const bool is_wrong = (span < SPAN_MIN) || (span > SPAN_MAX);
+
+    pace.wrong = is_wrong ? (uint8_t)(pace.wrong + 1U) : 0U;
+    return (pace.wrong >= WRONG_MAX)
+               ? "the clock has another speed than its second oscillator allows"
+               : NULL;
+}
+
+static const char *take_capture(uint32_t tick, bool missed_one)
+{
+    const uint32_t capture = reg_read(TIM16_CCR1); /* takes the flag back */
+    const uint32_t span = (capture - pace.before) & COUNTER_MASK;
+    const char *const why = (pace.has_before && !missed_one) ? judge(span) : NULL;
+
+    pace.before = capture;
+    pace.has_before = true;
+    pace.seen_tick = tick;
+    return why;
+}
+
+static bool is_silent(uint32_t tick)
+{
+    const uint32_t ticks_per_second = BOARD_CLOCK_HZ / (2U * BOARD.timer_counts);
+
+    return (tick - pace.seen_tick) > (ticks_per_second / SILENCE_SHARE);
+}
+
+const char *pace_step(uint32_t tick)
+{
+    const uint32_t flags = reg_read(TIM16_SR);
+    const char *why = NULL;
+
+    if ((flags & TIM_SR_CC1IF) != 0U) {
+        reg_write(TIM16_SR, ~TIM_SR_CC1OF);
+        why = take_capture(tick, (flags & TIM_SR_CC1OF) != 0U);
+    } else if (is_silent(tick)) {
+        why = "the second oscillator stands still";
+    } else {
+        /* the next capture is on its way */
+    }
+    return why;
+}
