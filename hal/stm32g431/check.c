@@ -11,7 +11,6 @@
 
 #define REASON_ROOM (48U)
 
-static uint32_t next_row; /* of the settings, then of the pins */
 static char reason[REASON_ROOM];
 
 static uint32_t append(uint32_t length, const char *text)
@@ -58,6 +57,7 @@ const char *check_all(void)
 
 const char *check_step(uint32_t tick)
 {
+    static uint32_t next_row; /* of the settings, then of the pins */
     const uint32_t rows = settings_count() + clock_pin_count();
 
     const char *why = pace_step(tick);

@@ -41,7 +41,7 @@ static bool is_right(void)
     return ~reg_read(CRC_DR) == seal->crc;
 }
 
-static void add_word(void)
+static void feed_word(void)
 {
     reg_write(CRC_DR, reg_read(FLASH_IMAGE + (next_word * WORD_BYTES)));
     next_word++;
@@ -53,7 +53,7 @@ bool image_is_whole(void)
 
     begin_round();
     while (next_word < words()) {
-        add_word();
+        feed_word();
     }
     is_whole = is_right();
     begin_round();
@@ -65,7 +65,7 @@ bool image_step(void)
     bool is_whole = true;
 
     for (uint32_t k = 0U; (k < WORDS_A_STEP) && (next_word < words()); k++) {
-        add_word();
+        feed_word();
     }
     if (next_word >= words()) {
         is_whole = is_right();

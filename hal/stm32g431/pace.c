@@ -38,7 +38,7 @@ void pace_init(void)
 }
 
 /* Two captures that followed each other are so far apart. */
-static const char *judge(uint32_t span)
+static const char *judge_span(uint32_t span)
 {
     const bool is_wrong = (span < SPAN_MIN) || (span > SPAN_MAX);
 
@@ -52,7 +52,7 @@ static const char *take_capture(uint32_t tick, bool missed_one)
 {
     const uint32_t capture = reg_read(TIM16_CCR1); /* takes the flag back */
     const uint32_t span = (capture - pace.before) & COUNTER_MASK;
-    const char *const why = (pace.has_before && !missed_one) ? judge(span) : NULL;
+    const char *const why = (pace.has_before && !missed_one) ? judge_span(span) : NULL;
 
     pace.before = capture;
     pace.has_before = true;

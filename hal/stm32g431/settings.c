@@ -180,7 +180,7 @@ static uint32_t made(uint8_t made_of)
     return bits;
 }
 
-static uint32_t value_of(const setting_t *setting)
+static uint32_t value_of_row(const setting_t *setting)
 {
     return setting->value | made(setting->made_of);
 }
@@ -191,7 +191,7 @@ void settings_write(settings_group_t group)
         const setting_t *const setting = &SETTINGS[row];
 
         if (setting->group == (uint8_t)group) {
-            reg_write(setting->address, value_of(setting));
+            reg_write(setting->address, value_of_row(setting));
         }
     }
 }
@@ -202,7 +202,7 @@ uint32_t settings_value(uint32_t address)
 
     for (uint32_t row = 0U; row < ROWS; row++) {
         if (SETTINGS[row].address == address) {
-            value = value_of(&SETTINGS[row]);
+            value = value_of_row(&SETTINGS[row]);
         }
     }
     return value;
@@ -217,7 +217,7 @@ bool settings_hold(uint32_t row)
 {
     const setting_t *const setting = &SETTINGS[row];
 
-    return ((reg_read(setting->address) ^ value_of(setting)) & setting->mask) == 0U;
+    return ((reg_read(setting->address) ^ value_of_row(setting)) & setting->mask) == 0U;
 }
 
 const char *settings_name(uint32_t row)

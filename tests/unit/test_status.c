@@ -39,6 +39,15 @@ TEST(test_it_has_every_quantity_in_its_unit)
         status());
 }
 
+TEST(test_it_tells_what_keeps_the_gates_open_until_a_reset)
+{
+    calibrate();
+    TEST_ASSERT_NULL(strstr(status(), "until a reset"));
+    hardware.health = (hal_health_t){.why_barred = "register TIM1_BDTR is not as it was set"};
+    TEST_ASSERT_NOT_NULL(
+        strstr(status(), "READY, until a reset: register TIM1_BDTR is not as it was set, speed "));
+}
+
 TEST(test_before_the_first_tick_there_is_no_temperature)
 {
     TEST_ASSERT_NOT_NULL(strstr(status(), " V, 0 C, "));

@@ -15,6 +15,7 @@ from pathlib import Path
 
 NOT_SOURCES = ("build", ".cache")  # of the project's folder: shared by all copies
 FOR_THE_BUILD_ALONE = {"-MD": 1, "-MT": 2, "-MF": 2}  # options, with how many words they are
+SEAL = "seal.py"  # what is run after a link and makes the output what it is: without its checksum an image does not start
 SEVERAL = "Unity"  # the folder of the sources that CMake makes to include several
 DATA = "NEUROFOC_DATA"  # where the programs look for motors, boards and so on
 
@@ -48,7 +49,7 @@ class Build:
 
     @functools.cache
     def steps(self, output):
-        """The commands that make it, and where they run; what is run after a link is left out."""
+        """The commands that make it, and where they run; what is run after a link is left out, but for the seal."""
         steps = [[]]
         for word in shlex.split(self.commands[output]):
             if word == "&&":
@@ -60,7 +61,7 @@ class Build:
         if steps and steps[0][0] == "cd":
             place = Path(steps.pop(0)[1])
         after = next((at for at, step in enumerate(steps) if step[0] == "cd"), len(steps))
-        return place, steps[:after]
+        return place, steps[:after] + [step for step in steps[after:] if any(Path(word).name == SEAL for word in step)]
 
     @functools.cache
     def inputs(self, output):
