@@ -19,7 +19,8 @@ LEAST = 1024  # bytes of a part that the page names
 MARGIN = 0.05  # as a share: what the page shows need not follow each change
 PAGE = "docs/board_bring_up.md"
 KINDS = {"T": "code", "W": "code", "R": "constants", "D": "initialised variables", "B": "variables"}
-FLASH, RAM = (".vectors", ".text", ".rodata", ".note.gnu.build-id", ".data"), (".stack", ".data", ".bss")
+FLASH = (".vectors", ".text", ".rodata", ".note.gnu.build-id", ".data", ".checksum")
+RAM = (".stack", ".data", ".bss", ".noinit")
 
 
 def memory(image):
