@@ -9,20 +9,21 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* The longest: "register ", a name, " is not as it was set". */
 #define REASON_ROOM (48U)
 
 static char reason[REASON_ROOM];
 
 static uint32_t append(uint32_t length, const char *text)
 {
-    uint32_t end = length;
+    uint32_t k = 0U;
 
-    for (uint32_t k = 0U; (text[k] != '\0') && (end < (REASON_ROOM - 1U)); k++) {
-        reason[end] = text[k];
-        end++;
+    while (text[k] != '\0') {
+        reason[length + k] = text[k];
+        k++;
     }
-    reason[end] = '\0';
-    return end;
+    reason[length + k] = '\0';
+    return length + k;
 }
 
 static const char *changed(const char *kind, const char *name)

@@ -187,9 +187,7 @@ hal_health_t hal_health(const hal_t *hal)
 
 void hal_g431_bar(hal_t *hal, const char *why)
 {
-    if (hal->why_barred == NULL) {
-        hal->why_barred = why;
-    }
+    hal->why_barred = why;
     hal->barred = true;
     hal_open_gates(hal);
     clock_release_gates();

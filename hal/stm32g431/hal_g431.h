@@ -39,7 +39,7 @@ const char *hal_g431_start(void);
 
 /*
  * The chip is not what it should be: the gates open by both ways and stay open until a reset, and the drive sees a break in each
- * frame. `why` outlives the call. The first reason is kept. Context: background.
+ * frame. `why` outlives the call. Context: background.
  */
 void hal_g431_bar(hal_t *hal, const char *why);
 

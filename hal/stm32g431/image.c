@@ -41,10 +41,14 @@ static bool is_right(void)
     return ~reg_read(CRC_DR) == seal->crc;
 }
 
-static void feed_word(void)
+static void feed(uint32_t count)
 {
-    reg_write(CRC_DR, reg_read(FLASH_IMAGE + (next_word * WORD_BYTES)));
-    next_word++;
+    const uint32_t first = FLASH_IMAGE + (next_word * WORD_BYTES);
+
+    for (uint32_t at = first; at < (first + (count * WORD_BYTES)); at += WORD_BYTES) {
+        reg_write(CRC_DR, reg_read(at));
+    }
+    next_word += count;
 }
 
 bool image_is_whole(void)
@@ -52,9 +56,7 @@ bool image_is_whole(void)
     bool is_whole;
 
     begin_round();
-    while (next_word < words()) {
-        feed_word();
-    }
+    feed(words());
     is_whole = is_right();
     begin_round();
     return is_whole;
@@ -62,12 +64,11 @@ bool image_is_whole(void)
 
 bool image_step(void)
 {
+    const uint32_t left = words() - next_word;
     bool is_whole = true;
 
-    for (uint32_t k = 0U; (k < WORDS_A_STEP) && (next_word < words()); k++) {
-        feed_word();
-    }
-    if (next_word >= words()) {
+    feed((left < WORDS_A_STEP) ? left : WORDS_A_STEP);
+    if (left <= WORDS_A_STEP) {
         is_whole = is_right();
         begin_round();
     }

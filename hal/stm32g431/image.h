@@ -8,7 +8,7 @@
 
 #include <stdbool.h>
 
-/* Over the whole image, 2 ms. Call once, before the background runs. */
+/* Over the whole image, 3 ms at most. Call once, before the background runs. */
 bool image_is_whole(void);
 
 /* The next two words, round after round. False when a round ends with another CRC. Context: background. */
