@@ -56,11 +56,17 @@ const char *check_all(void)
     return why;
 }
 
-const char *check_step(uint32_t tick)
+static const char *check_next_row(void)
 {
-    static uint32_t next_row; /* of the settings, then of the pins */
+    static uint32_t row; /* of the settings, then of the pins */
     const uint32_t rows = settings_count() + clock_pin_count();
 
+    row = ((row + 1U) < rows) ? (row + 1U) : 0U;
+    return check_row(row);
+}
+
+const char *check_step(uint32_t tick)
+{
     const char *why = pace_step(tick);
 
     if (why != NULL) {
@@ -68,8 +74,7 @@ const char *check_step(uint32_t tick)
     } else if (!image_step()) {
         why = CHECK_IMAGE;
     } else {
-        next_row = ((next_row + 1U) < rows) ? (next_row + 1U) : 0U;
-        why = check_row(next_row);
+        why = check_next_row();
     }
     return why;
 }
