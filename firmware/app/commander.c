@@ -5,6 +5,8 @@
 
 #define LATCHED "a fault is latched; clear it first"
 #define NO_FAULT "there is no fault to clear"
+#define NO_POSITION "the rotor is not known at rest; a start counts from its own zero"
+#define RUN_FROM_ZERO (DRIVE_REQUEST_RUN | DRIVE_REQUEST_ZERO)
 
 uint32_t commander_ticket(const app_t *app)
 {
@@ -26,11 +28,17 @@ bool commander_take_ticket(app_t *app, uint32_t ticket)
     return counts;
 }
 
+/* A zero that the drive has not taken yet, so that the next command does not lose it. */
+static uint8_t zero_to_come(const app_t *app)
+{
+    return (uint8_t)(command_mailbox_take(&app->mailbox).request & DRIVE_REQUEST_ZERO);
+}
+
 static void request(app_t *app, uint8_t what)
 {
     drive_command_t command = command_mailbox_take(&app->mailbox);
 
-    command.request = what;
+    command.request = (uint8_t)(what | zero_to_come(app));
     command_mailbox_post(&app->mailbox, &command);
     commander_renew_ticket(app, 0U);
 }
@@ -60,6 +68,25 @@ const char *commander_clear(app_t *app)
         request(app, DRIVE_REQUEST_CLEAR);
     } else {
         why = NO_FAULT;
+    }
+    return why;
+}
+
+const char *commander_zero(app_t *app)
+{
+    const drive_t *const drive = &app->drive;
+    const char *why = NULL;
+
+    if ((drive->cfg == NULL) || !drive_knows_rotor(drive)) {
+        why = NO_POSITION;
+    } else {
+        drive_command_t command = command_mailbox_take(&app->mailbox);
+
+        command.request |= (uint8_t)DRIVE_REQUEST_ZERO;
+        if (command.mode == (uint8_t)DRIVE_MODE_POSITION) {
+            command.target = 0;
+        }
+        command_mailbox_post(&app->mailbox, &command);
     }
     return why;
 }
@@ -134,9 +161,9 @@ static const char *request_refused(const app_t *app, uint8_t what, bool counts)
 
     if (what == 0U) {
         why = NULL; /* a stop is always taken */
-    } else if (what > DRIVE_REQUEST_CLEAR) {
-        why = "the requests are 0, stop, 1, run, and 2, clear";
-    } else if (failed && (what == DRIVE_REQUEST_RUN)) {
+    } else if ((what > DRIVE_REQUEST_CLEAR) && (what != RUN_FROM_ZERO)) {
+        why = "the requests are 0, stop, 1, run, 2, clear, and 9, run with zero here";
+    } else if (failed && (what != DRIVE_REQUEST_CLEAR)) {
         why = LATCHED;
     } else if (!failed && (what == DRIVE_REQUEST_CLEAR)) {
         why = NO_FAULT;
@@ -154,7 +181,10 @@ const char *commander_command(app_t *app, const drive_command_t *command, bool c
     if (why == NULL) {
         why = request_refused(app, command->request, counts);
         if (why == NULL) {
-            command_mailbox_post(&app->mailbox, command);
+            drive_command_t taken = *command;
+
+            taken.request |= zero_to_come(app);
+            command_mailbox_post(&app->mailbox, &taken);
             commander_renew_ticket(app, 0U);
         }
     } else if (command->request == 0U) {
@@ -191,16 +221,25 @@ bool commander_is_at_rest(const app_t *app)
     return calm && !app->out.gate_enable && (command_mailbox_take(&app->mailbox).request == 0U);
 }
 
+/* What the drive has obeyed, or obeys no more. It was told of the zero in its last frame. */
+static uint8_t requests_over(const app_t *app)
+{
+    const bool failed = app->drive.state == DRIVE_STATE_FAULT;
+    const uint32_t level = failed ? DRIVE_REQUEST_RUN : DRIVE_REQUEST_CLEAR;
+
+    return (uint8_t)(level | (app->in.command.request & DRIVE_REQUEST_ZERO));
+}
+
 void commander_step(app_t *app)
 {
     const bool failed = app->drive.state == DRIVE_STATE_FAULT;
-    const uint8_t over = failed ? DRIVE_REQUEST_RUN : DRIVE_REQUEST_CLEAR;
+    const uint8_t over = requests_over(app);
     drive_command_t command;
 
     command_mailbox_mend(&app->mailbox);
     command = command_mailbox_take(&app->mailbox);
-    if (command.request == over) {
-        command.request = 0U; /* the ticket stays: whoever has cleared goes on */
+    if ((command.request & over) != 0U) {
+        command.request &= (uint8_t)~over; /* the ticket stays: whoever has cleared goes on */
         command_mailbox_post(&app->mailbox, &command);
     }
     if (failed && !app->failed) {

@@ -38,6 +38,12 @@ void commander_stop(app_t *app);
 /* Acknowledge the fault. Returns NULL, or why it is refused: there is none. */
 const char *commander_clear(app_t *app);
 
+/*
+ * Positions count from here on. In position mode the drive is to stay here: the target becomes 0. The request stays in force until the
+ * next take. Returns NULL, or why it is refused: with open gates and without a sensor nobody knows where the rotor is.
+ */
+const char *commander_zero(app_t *app);
+
 /* Speed mode with this electrical speed from now on, also while the drive runs. The caller keeps to the motor's limit. */
 void commander_set_speed(app_t *app, step_t speed);
 
@@ -67,7 +73,7 @@ bool commander_is_at_rest(const app_t *app);
 
 /*
  * Takes a clear back once the fault is left: kept, it would clear the next fault unseen. Takes a run back once there is a fault:
- * kept, whatever left FAULT would start the motor. Call once per pass of the background.
+ * kept, whatever left FAULT would start the motor. Takes a zero back once the drive has it. Call once per pass of the background.
  */
 void commander_step(app_t *app);
 

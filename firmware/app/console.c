@@ -194,6 +194,11 @@ static const char *run(console_t *console)
     return identify_is_busy(&console->identify) ? CONSOLE_MEASURING : commander_run(console->app);
 }
 
+static const char *zero(console_t *console)
+{
+    return identify_is_busy(&console->identify) ? CONSOLE_MEASURING : commander_zero(console->app);
+}
+
 static const char *identify(console_t *console)
 {
     return (console->dump_phase == CONSOLE_DUMP_NONE) ? identify_start(&console->identify)
@@ -219,7 +224,7 @@ static void do_other_line(console_t *console)
     } else {
         (void)answer(
             console,
-            "the commands are run, stop, clear, speed RPM, torque NM, status, dump, record, identify");
+            "the commands are run, stop, clear, speed RPM, torque NM, zero, status, dump, record, identify");
     }
 }
 
@@ -227,7 +232,7 @@ static void do_other_line(console_t *console)
 static bool is_command(const char *line)
 {
     return (text_after(line, "speed ") != NULL) || (text_after(line, "torque ") != NULL) ||
-           same(line, "run") || same(line, "clear") || same(line, "identify");
+           same(line, "run") || same(line, "clear") || same(line, "zero") || same(line, "identify");
 }
 
 /* Whether it commands the drive. */
@@ -251,6 +256,8 @@ static bool do_line(console_t *console, bool counts)
         commands = answer(console, NULL);
     } else if (same(line, "clear")) {
         commands = answer(console, commander_clear(console->app));
+    } else if (same(line, "zero")) {
+        commands = answer(console, zero(console));
     } else if (same(line, "identify")) {
         commands = answer(console, identify(console));
     } else {

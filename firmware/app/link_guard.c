@@ -29,7 +29,7 @@ bool link_guard_is_silent(const link_guard_t *guard, uint32_t tick, uint32_t tic
 
 static bool run_is_asked_for(const app_t *app)
 {
-    return command_mailbox_take(&app->mailbox).request == DRIVE_REQUEST_RUN;
+    return (command_mailbox_take(&app->mailbox).request & DRIVE_REQUEST_RUN) != 0U;
 }
 
 static void go_on_stopping(link_guard_t *guard, app_t *app)

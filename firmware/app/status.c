@@ -9,6 +9,7 @@
 
 #define Q14_ONE (16384)
 #define Q15_ONE (32768)
+#define Q32_TO_Q16_SHIFT (16U)
 #define HEAT_BASE (1000000U)    /* makes units_thousandths() give tenths of a per cent */
 #define CURRENT_BASE_RATIO (2U) /* I_b is twice the converter's full scale */
 
@@ -158,6 +159,20 @@ static void add_bar(text_t *text, const char *why)
     }
 }
 
+/* Where the rotor is, once position control counts it, and where it is to go. */
+static void add_position(text_t *text, const app_t *app, const about_t *about, bool known,
+                         int32_t target)
+{
+    if (known && (app->drive.mode == (uint8_t)DRIVE_MODE_POSITION)) {
+        const uint64_t from_zero = fx_unsigned64(drive_position_from_zero_q32(&app->drive));
+        const uint32_t turns_q16 = (uint32_t)((from_zero >> Q32_TO_Q16_SHIFT) & UINT32_MAX);
+
+        add_quantity(text, ", turn ", units_hundredth_turns(&about->rotation, fx_signed(turns_q16)),
+                     2U);
+    }
+    add_quantity(text, ", to turn ", units_hundredth_turns(&about->rotation, target), 2U);
+}
+
 static void add_torque(text_t *text, const app_t *app, const about_t *about, int32_t torque_q28)
 {
     const int64_t base = units_torque_base(&about->rotation, about->current_full_scale_ua,
@@ -191,8 +206,7 @@ static void add_speed(text_t *text, const app_t *app, const about_t *about)
         text_add(text, ", measuring the motor");
     } else if (command.mode == (uint8_t)DRIVE_MODE_POSITION) {
         text_add(text, unit);
-        add_quantity(text, ", to turn ", units_hundredth_turns(&about->rotation, command.target),
-                     2U);
+        add_position(text, app, about, known, command.target);
     } else if ((command.mode == (uint8_t)DRIVE_MODE_TORQUE) && has_begun) {
         text_add(text, unit);
         add_torque(text, app, about, command.target);

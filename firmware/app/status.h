@@ -5,7 +5,7 @@
  *     RUN, speed 1500 of 1500 rpm, phases 1.200 -0.600 -0.600 A, bus 24.010 V, 31 C, late 0, load 42 %
  *
  * With open gates and without a sensor nobody knows the speed: "READY, speed unknown, asked 1500 rpm, …".
- * In position mode "speed 1500 rpm, to turn 3.00" stands there, in torque mode "speed 1500 rpm, torque 2.500000 N m", and while the motor is measured "measuring the motor", instead
+ * In position mode "speed 1500 rpm, turn 2.75, to turn 3.00" stands there, in torque mode "speed 1500 rpm, torque 2.500000 N m", and while the motor is measured "measuring the motor", instead
  * of a speed that is asked for.
  * A fault follows the state's name, with value, limit and what to check; OSCILLATION with its frequency. Then comes the
  * frequency of a swing since the start that was no fault (oscillation.h), and whether the bandwidth of the speed loop is

@@ -7,6 +7,8 @@
 
 #define Q32_TO_Q16 (65536)
 #define Q15_TO_Q26 (2048)
+#define HALF_TURN_SHIFT (31U)
+#define WHOLE_TURN_SHIFT (32U)
 #define CHANGE_MAX (0x40000000) /* between the largest speeds of both directions */
 #define DISTANCE_MAX (0x7000U) /* in units: 1.75 braking distances, the softest stop needs 1 + 2c */
 
@@ -231,6 +233,34 @@ void speed_loop_learn(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t ch
     if ((cfg->inertia_rate != 0) && ramps) {
         move_to_inertia(loop, cfg, change < 0, integral_before_q26);
     }
+}
+
+/* Whole turns, rounded down, without what is beyond a multiple of `turn` (1…50). */
+static uint32_t multiple_below(int32_t whole, int32_t turn)
+{
+    const int32_t beyond = whole % turn;
+    const int32_t within = (beyond < 0) ? (beyond + turn) : beyond;
+
+    return fx_unsigned(whole) - (uint32_t)within;
+}
+
+void position_loop_recount(position_loop_t *loop, const position_loop_cfg_t *cfg,
+                           int64_t position_q32)
+{
+    const uint64_t half_turn = (uint64_t)cfg->pole_pairs << HALF_TURN_SHIFT;
+    const uint64_t zero = fx_unsigned64(loop->zero_q32);
+    const uint64_t ahead = (fx_unsigned64(position_q32) - zero) + half_turn;
+    const int32_t whole = fx_signed((uint32_t)(ahead >> WHOLE_TURN_SHIFT));
+    const uint64_t turned = multiple_below(whole, (int32_t)cfg->pole_pairs);
+
+    loop->zero_q32 = fx_signed64(zero + (turned << WHOLE_TURN_SHIFT));
+}
+
+int64_t position_loop_target(const position_loop_t *loop, int32_t target_q16)
+{
+    const int64_t from_zero = (int64_t)target_q16 * Q32_TO_Q16;
+
+    return fx_signed64(fx_unsigned64(loop->zero_q32) + fx_unsigned64(from_zero));
 }
 
 void position_loop_reset(position_loop_t *loop, int64_t position_q32, step_t speed)

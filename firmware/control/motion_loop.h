@@ -9,7 +9,8 @@
  * changes on a ramp is taken for J, until the next ramp.
  *
  * Position: a profile with limited speed, acceleration and deceleration runs to the target. The speed
- * reference is the profile's speed plus a gain times the position lag.
+ * reference is the profile's speed plus a gain times the position lag. Targets count from a zero. What the rotor has turned
+ * under another control is no way to go back: then the zero moves by whole turns of the shaft.
  *
  * Speeds are step_t (2^32 = one electrical turn a control tick), positions Q32 electrical turns in 64
  * bits, currents Q15 of I_b. Pure, total; call from the control interrupt.
@@ -61,11 +62,13 @@ typedef struct {
     int32_t gain;            /* speed = (lag, Q16 turns) · gain / 2^gain_shift, 0…32767 */
     uint32_t gain_shift;     /* 0…30 */
     uint32_t distance_shift; /* one distance unit = 2^distance_shift of Q32 turns, 8…48 */
+    uint32_t pole_pairs;     /* electrical turns in a turn of the shaft, 1…50 */
 } position_loop_cfg_t;
 
 typedef struct {
     int64_t profile_q32;  /* where the profile is */
     step_t profile_speed; /* how fast it goes */
+    int64_t zero_q32;     /* where targets count from */
 } position_loop_t;
 
 /* Allowed range of i_q*, lower ≤ upper, Q15 of I_b, ±16384. That of a motor has 0 in it, that of a slope may not. */
@@ -145,7 +148,17 @@ int32_t speed_loop_within(speed_loop_t *loop, const speed_loop_cfg_t *cfg,
 void speed_loop_learn(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t change,
                       int32_t integral_before_q26);
 
-/* Start the profile at the present position and speed, so that a rotor that turns brakes along it. */
+/*
+ * Moves the zero by whole turns of the shaft, so that the position is −½ to below +½ turn from it. Exact while the position is less
+ * than 2^31 electrical turns from the zero.
+ */
+void position_loop_recount(position_loop_t *loop, const position_loop_cfg_t *cfg,
+                           int64_t position_q32);
+
+/* The position of a target, Q16 electrical turns from the zero. */
+int64_t position_loop_target(const position_loop_t *loop, int32_t target_q16);
+
+/* Start the profile at the present position and speed, so that a rotor that turns brakes along it. The zero stays. */
 void position_loop_reset(position_loop_t *loop, int64_t position_q32, step_t speed);
 
 /*

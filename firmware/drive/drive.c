@@ -387,6 +387,9 @@ static bool attend(drive_t *drive, const drive_in_t *in)
     } else {
         obey(drive, in);
     }
+    if (((in->command.request & DRIVE_REQUEST_ZERO) != 0U) && drive_knows_rotor(drive)) {
+        run_set_zero(drive);
+    }
     /* Check this before the currents: a fault of the currents that late ticks cause is to be reported as LATE. */
     if ((in->flags & DRIVE_FLAG_LATE) != 0U) {
         count_late(drive);

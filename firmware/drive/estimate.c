@@ -16,10 +16,21 @@ void estimate_start(drive_t *drive, step_t speed, dq_t current)
                       trig_sincos(rotor_position_angle(&drive->position)));
 }
 
+/* Electrical turns of the shaft from the sensor's zero. */
+static int64_t turns_of(angle_t shaft, uint32_t pole_pairs)
+{
+    return (int64_t)shaft * (int64_t)pole_pairs;
+}
+
+/* The loop begins at the angle that it is to follow: so the count begins at the sensor's zero, whichever electrical turn that is. */
 void estimate_sense(drive_t *drive, uint16_t count)
 {
     const angle_t shaft = (angle_t)count * COUNT_TO_ANGLE;
 
+    if (drive->state == DRIVE_STATE_INIT) {
+        drive->angle_sensor.position.turns_q32 =
+            turns_of(shaft, drive->cfg->sampling.sensor_pole_pairs);
+    }
     angle_sensor_step(&drive->angle_sensor, shaft * drive->cfg->sampling.sensor_pole_pairs,
                       drive->model.observer.speed_limit);
     drive->position = drive->angle_sensor.position;

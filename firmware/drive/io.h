@@ -17,7 +17,12 @@ typedef enum {
 #define DRIVE_REQUEST_RUN (0x01U)   /* level: run while set */
 #define DRIVE_REQUEST_CLEAR (0x02U) /* acknowledge a fault, only without RUN */
 #define DRIVE_REQUEST_PROBE (0x04U) /* level: measure the motor while set, only without RUN */
-#define DRIVE_REQUEST_FAIL (0x08U)  /* the background has found a fault: alone */
+/*
+ * Level: here is the zero that positions count from, as long as it is set. In position control the target counts as 0 meanwhile, so a
+ * drive at rest stays where it is. It can be set with RUN and without; nothing happens where the rotor is not known.
+ */
+#define DRIVE_REQUEST_ZERO (0x08U)
+#define DRIVE_REQUEST_FAIL (0x10U)  /* the background has found a fault: alone */
 
 #define DRIVE_FLAG_BREAK (0x0001U) /* the power stage opened the gates by itself */
 /* The tick before ended too late: no voltage acted in place of its demand. */
@@ -26,8 +31,9 @@ typedef enum {
 /* The user's command. */
 typedef struct {
     /*
-     * SPEED: step_t, + turns α towards β; POSITION: Q16 electrical turns; TORQUE: Q28 of T_b (current_reference.h), + drives
-     * forwards; in PROBE the value of the word in `mode`; with FAIL the fault's value in the lower and its limit in the upper half
+     * SPEED: step_t, + turns α towards β; POSITION: Q16 electrical turns from the zero in force (motion_loop.h); TORQUE: Q28 of
+     * T_b (current_reference.h), + drives forwards; in PROBE the value of the word in `mode`; with FAIL the fault's value in
+     * the lower and its limit in the upper half
      */
     int32_t target;
     uint8_t

@@ -9,9 +9,25 @@
 
 #define TORQUE_ROUNDING_LOG2 (10U) /* the gain of the torque filter at rest is 1 within 2^-10 */
 #define Q14_TO_Q16 (4)
-#define Q16_TO_Q32 (65536)
 #define HELD_LOST_TIMES (100U) /* so many times longer than a rotor is lost for it has to be held */
 #define NEAR_SHARE (4) /* within 1/4 of the hand-over speed of its reference a rotor follows it */
+
+/*
+ * Without a sensor nobody knows how the rotor has turned while it was not driven, so its turns are counted anew. With one they are
+ * known, so a run goes on in the position control that the last one ended in.
+ */
+static void reset_position(drive_t *drive)
+{
+    position_loop_reset(&drive->position_loop, 0, 0);
+    if (!drive_has_sensor(drive)) {
+        drive->position_loop.zero_q32 = 0;
+        drive->mode = (uint8_t)DRIVE_MODE_SPEED;
+    } else if (drive->mode != (uint8_t)DRIVE_MODE_POSITION) {
+        drive->mode = (uint8_t)DRIVE_MODE_SPEED;
+    } else {
+        /* it goes on */
+    }
+}
 
 void run_reset(drive_t *drive)
 {
@@ -24,7 +40,7 @@ void run_reset(drive_t *drive)
     drive->voltage_drive.calm_periods = 0U;
     current_loop_reset(&drive->current_loop);
     speed_loop_reset(&drive->speed_loop, 0);
-    position_loop_reset(&drive->position_loop, 0, 0);
+    reset_position(drive);
     drive->speed_reference = 0;
     drive->signals.ratio_ab = (ab_t){0, 0};
     drive->ratio_acting = (ab_t){0, 0};
@@ -34,7 +50,6 @@ void run_reset(drive_t *drive)
     drive->torque_range = (torque_range_t){-drive->derating.motoring, drive->derating.motoring};
     drive->derating.voltage = (dq_t){0, 0};
     weakening_reset(&drive->weakening);
-    drive->mode = (uint8_t)DRIVE_MODE_SPEED;
 }
 
 void run_reset_sensed(drive_t *drive)
@@ -42,18 +57,34 @@ void run_reset_sensed(drive_t *drive)
     run_reset(drive);
     estimate_start_sensed(drive);
     speed_loop_reset(&drive->speed_loop, drive->observer.speed);
+    position_loop_reset(&drive->position_loop, drive->position.turns_q32, drive->observer.speed);
     drive->speed_reference = drive->observer.speed;
+}
+
+/* The profile's place in position control: the rotor is beside it by what the control lacks, and a target of 0 is not to move it. */
+void run_set_zero(drive_t *drive)
+{
+    const bool profiled =
+        drive_is_controlled(drive->state) && (drive->mode == (uint8_t)DRIVE_MODE_POSITION);
+
+    drive->position_loop.zero_q32 =
+        profiled ? drive->position_loop.profile_q32 : drive->position.turns_q32;
 }
 
 /*
  * The motion goes on as it is: the profile with this position and speed, the torque with the one that acts. From there it goes on a
- * slope: the torque that was asked for is not what the speed loop would have, nor is the ramp of a profile that of a speed.
+ * slope: the torque that was asked for is not what the speed loop would have, nor is the ramp of a profile that of a speed. What
+ * was turned without position control does not count.
  */
 static void change_mode(drive_t *drive, uint8_t mode, const rotor_position_t *position)
 {
     torque_loop_start(&drive->torque_loop, drive_flux(drive), drive_current_in_force(drive).q);
     torque_loop_bridge(&drive->torque_loop);
     drive->mode = mode;
+    if (mode == (uint8_t)DRIVE_MODE_POSITION) {
+        position_loop_recount(&drive->position_loop, &drive->cfg->position_loop,
+                              position->turns_q32);
+    }
     position_loop_reset(&drive->position_loop, position->turns_q32, drive->speed_loop.reference);
 }
 
@@ -132,6 +163,14 @@ NEVER_INLINED static void plan_torque(drive_t *drive, int32_t target_q28)
     drive->speed_reference = reference;
 }
 
+/* As long as the zero is set, it is the target too. */
+static int64_t target_position(const drive_t *drive, const drive_command_t *command)
+{
+    const bool zero = (command->request & DRIVE_REQUEST_ZERO) != 0U;
+
+    return position_loop_target(&drive->position_loop, zero ? 0 : command->target);
+}
+
 void run_plan(drive_t *drive, const drive_command_t *command, const rotor_position_t *position)
 {
     const drive_cfg_t *const cfg = drive->cfg;
@@ -143,7 +182,7 @@ void run_plan(drive_t *drive, const drive_command_t *command, const rotor_positi
         plan_torque(drive, command->target);
     } else if (drive->mode == (uint8_t)DRIVE_MODE_POSITION) {
         drive->speed_reference = position_loop_step(&drive->position_loop, &cfg->position_loop,
-                                                    (int64_t)command->target * Q16_TO_Q32,
+                                                    target_position(drive, command),
                                                     position->turns_q32, cfg->slow_ticks);
     } else {
         drive->speed_reference =

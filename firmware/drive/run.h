@@ -13,8 +13,14 @@
 /* Start with a rotor at rest at angle 0 and zero current. The model stays as it is. */
 void run_reset(drive_t *drive);
 
-/* The same at the angle and the speed that the sensor shows. */
+/*
+ * The same at the angle and the speed that the sensor shows. The zero of positions stays, and position control where the last run
+ * ended in it.
+ */
 void run_reset_sensed(drive_t *drive);
+
+/* Positions count from here on. Call it where drive_knows_rotor(). */
+void run_set_zero(drive_t *drive);
 
 /*
  * Computes the speed reference of the next slow period: ramp, position profile, or what a torque leads to.

@@ -217,6 +217,14 @@ static inline int64_t drive_position_q32(const drive_t *drive)
     return drive->position.turns_q32;
 }
 
+/* The same, from the zero that targets count from. */
+static inline int64_t drive_position_from_zero_q32(const drive_t *drive)
+{
+    const uint64_t zero = fx_unsigned64(drive->position_loop.zero_q32);
+
+    return fx_signed64(fx_unsigned64(drive->position.turns_q32) - zero);
+}
+
 /* i_d, i_q that the motor is to have now: the reference of the current control; without it the mean of what it has. */
 static inline dq_t drive_current_in_force(const drive_t *drive)
 {

@@ -31,7 +31,7 @@ enum class DriveMode {
 
 // A command of the user and a load are at most so large, either sign, in a scenario and from a person.
 constexpr double SPEED_COMMAND_MAX_RPM = 200000;
-constexpr double POSITION_COMMAND_MAX_RAD = 10000;
+constexpr double POSITION_COMMAND_MAX_RAD = 4000; // a command holds it with 50 pole pairs
 constexpr double LOAD_MAX_NM = 10000;
 constexpr double SPEED_COMMAND_MAX_PCT = 200; // of rated speed
 constexpr double LOAD_MAX_PCT = 300;          // of rated torque

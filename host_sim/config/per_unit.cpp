@@ -688,6 +688,7 @@ position_loop_cfg_t make_position_loop(const MotorSettings &motor, const TuningS
                   "half the PWM frequency in rad/s");
     c.gain = g.value;
     c.gain_shift = g.shift;
+    c.pole_pairs = static_cast<uint32_t>(motor.pole_pairs);
     return c;
 }
 
@@ -839,6 +840,12 @@ double Bases::step_from_rpm(double rpm) const
 double Bases::rpm_from_step(double step) const
 {
     return step / step_from_rpm(1.0);
+}
+
+double Bases::position_max_turns() const
+{
+    constexpr double ELECTRICAL = 32767; // Q16 in 32 bits
+    return std::floor(ELECTRICAL / pole_pairs);
 }
 
 double Bases::turns_from_mech_rad(double rad) const

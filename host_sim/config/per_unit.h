@@ -45,6 +45,7 @@ struct Bases {
     double step_from_rpm(double rpm) const; // mechanical rpm to step_t
     double rpm_from_step(double step) const;
     double turns_from_mech_rad(double rad) const; // mechanical angle to electrical turns
+    double position_max_turns() const;            // whole turns of the shaft that a command holds
 };
 
 // Bus current for one of current and voltage each: power is 1.5·(v_d·i_d + v_q·i_q). Q15 of it is the firmware's.

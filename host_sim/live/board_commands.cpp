@@ -38,7 +38,6 @@ using debug::Outcome;
 
 constexpr double Q16 = 65536.0;
 constexpr double Q28 = 268435456.0;
-constexpr int POSITION_DIGITS = 9; // a step of the command is no smaller
 constexpr int DUMP_TRIES = 5;
 constexpr double PASS_S = 0.02;         // between two looks at what has come
 constexpr int DUMP_PASSES = 6000;       // 120 s: all its lines at 9600 baud
@@ -76,6 +75,7 @@ std::string BoardCommands::help()
     return "run, stop, clear        as on the board's console\n"
            "speed RPM               of the shaft\n"
            "position 1.5 | 540deg   of the shaft, in turns or degrees\n"
+           "zero                    positions count from here on; in position mode the rotor stays here\n"
            "torque NM               of the motor, in N·m\n"
            "set KEY=VALUE ...       keys of motor, board or tuning file; all act from one tick on\n"
            "get [PART]              the settings in force, those with PART in their path\n"
@@ -100,7 +100,7 @@ std::optional<drive_command_t> BoardCommands::in_force() const
                        follower_.now_s() < commanded_s_ + follower_.oldest_s();
     std::optional<drive_command_t> now = newer ? commanded_ : follower_.shadow().command();
     if (now) {
-        now->request &= static_cast<uint8_t>(~DRIVE_REQUEST_CLEAR);
+        now->request &= static_cast<uint8_t>(~(DRIVE_REQUEST_CLEAR | DRIVE_REQUEST_ZERO));
     }
     const bool measures = now && (now->request & DRIVE_REQUEST_PROBE) != 0;
     if (now && !measures && now->mode > DRIVE_MODE_TORQUE) {
@@ -277,17 +277,32 @@ Answer BoardCommands::speed(const std::string &value)
     });
 }
 
+// At rest the board says whether it knows where the rotor is.
+Answer BoardCommands::zero()
+{
+    if (!runs()) {
+        return of_verdict(follower_.client().line("zero"));
+    }
+    return amend([](drive_command_t &wanted) {
+        wanted.request |= static_cast<uint8_t>(DRIVE_REQUEST_ZERO);
+        if (wanted.mode == DRIVE_MODE_POSITION) {
+            wanted.target = 0;
+        }
+    });
+}
+
 Answer BoardCommands::position(const std::string &value)
 {
     const bool degrees = debug::ends_with(value, "deg");
     const std::optional<double> found = number(degrees ? value.substr(0, value.size() - 3) : value);
-    const double one = follower_.bases().pole_pairs * Q16 / (degrees ? 360.0 : 1.0);
-    const double target = std::round(found.value_or(0) * one);
-    if (!found || target < INT32_MIN || target > INT32_MAX) {
-        return refused(fmt::format("position takes turns, or degrees as 90deg, {}{}, found \"{}\"",
-                                   limits_text(INT32_MIN / one, INT32_MAX / one, POSITION_DIGITS),
-                                   degrees ? " degrees" : " turns", readable(value)));
+    const double turn = degrees ? 360 : 1;
+    const double most = follower_.bases().position_max_turns() * turn;
+    if (!found || std::abs(*found) > most) {
+        return refused(fmt::format(
+            "position takes turns, or degrees as 90deg, {:.0f} to {:.0f}{}, found \"{}\"", -most,
+            most, degrees ? " degrees" : " turns", readable(value)));
     }
+    const double target = *found / turn * follower_.bases().pole_pairs * Q16;
     return amend([&](drive_command_t &wanted) {
         wanted.mode = DRIVE_MODE_POSITION;
         wanted.target = static_cast<int32_t>(std::lround(target));
@@ -483,6 +498,7 @@ Answer BoardCommands::execute(const std::string &line)
         {"clear", [this] { return request(DRIVE_REQUEST_CLEAR); }},
         {"speed", [&] { return speed(rest); }},
         {"position", [&] { return position(rest); }},
+        {"zero", [this] { return zero(); }},
         {"torque", [&] { return torque(rest); }},
         {"set", [&] { return configuration_.set(rest); }},
         {"get", [&] { return configuration_.get(rest); }},

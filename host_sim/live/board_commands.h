@@ -80,6 +80,7 @@ private:
     debug::Answer identify(const std::string &plate, OutputFile *file);
     bool measures() const;
     debug::Answer speed(const std::string &value);
+    debug::Answer zero();
     debug::Answer position(const std::string &value);
     debug::Answer torque(const std::string &value);
     debug::Answer store();

@@ -36,7 +36,7 @@ double speed_command(const Tick &t)
 
 double position_estimated(const Tick &t)
 {
-    const double turns = static_cast<double>(t.position_estimate_q32) / Q32;
+    const double turns = static_cast<double>(t.position_estimate_q32 - t.position_zero_q32) / Q32;
     return turns * 2.0 * PI / t.sim->bases().pole_pairs;
 }
 

@@ -239,22 +239,16 @@ Json request(const Json &given)
     return knobs_of(s);
 }
 
-// Degrees count from where the rotor was believed to be when positions were first asked for.
+// Degrees count from where the rotor was believed to be when positions were first asked for, those of the drive from the zero
+// of the turn that it was in.
 double position_rad(PlaySession &s, double value_deg)
 {
     const Tick &tick = s.stepper.timeline.tick();
     if (s.mode != DriveMode::position) {
-        s.origin_rad = si_value(*debug::named_signal("position_estimated_rad").signal, tick);
+        s.origin_rad = std::remainder(
+            si_value(*debug::named_signal("position_estimated_rad").signal, tick), TWO_PI);
     }
-    const double rad = s.origin_rad + value_deg * RAD_PER_DEG;
-    constexpr double FURTHEST_TURNS = std::numeric_limits<int32_t>::max() / 65536.0; // of a command
-    const double furthest_rad = FURTHEST_TURNS / tick.sim->bases().turns_from_mech_rad(1);
-    if (std::abs(rad) > furthest_rad) {
-        throw std::runtime_error(fmt::format(
-            "position: the rotor is {:.0f} turns from its start; allowed: at most {:.0f}. Begin anew",
-            rad / RAD_PER_DEG / 360, std::floor(furthest_rad / RAD_PER_DEG / 360)));
-    }
-    return rad;
+    return s.origin_rad + value_deg * RAD_PER_DEG;
 }
 
 // What may be commanded in a mode, either way, and its unit.

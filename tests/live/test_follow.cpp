@@ -560,6 +560,39 @@ TEST(a_torque_is_commanded_in_newton_metres)
     TEST_ASSERT_DOUBLE_WITHIN(TORQUE_SHARE * TORQUE_NM, TORQUE_NM, mean_nm);
 }
 
+double shaft_turns(const Bench &bench)
+{
+    plant_view_t truth{};
+    plant_view(&bench.board.run().sim().plant(), &truth);
+    return truth.theta_mech_rad / (2 * 3.14159265358979);
+}
+
+// At rest the drive does not know where the rotor is, and the board's console says so.
+TEST(a_zero_moves_nothing_and_positions_count_from_it)
+{
+    constexpr double TURNS = 0.01;
+    Bench bench(scripted("60", {"scenario.load=[{time_s = 59, torque_nm = 0}]"}));
+    leave_alone(bench, SETTLES_S);
+    bench.follower.connect();
+    bench.pass(RESYNC_S);
+    bench.do_line("position 0.75"); // of the turn that it is in
+    bench.pass(SETTLES_S);
+    const double there = shaft_turns(bench);
+    TEST_ASSERT_DOUBLE_WITHIN(TURNS, 0.75, there - std::floor(there));
+    bench.do_line("zero");
+    bench.pass(SETTLES_S);
+    TEST_ASSERT_EQUAL(DRIVE_REQUEST_RUN, told(bench).request);
+    TEST_ASSERT_EQUAL_INT32(0, told(bench).target);
+    TEST_ASSERT_DOUBLE_WITHIN(TURNS, there, shaft_turns(bench));
+    bench.do_line("position -1.5");
+    bench.pass(SETTLES_S);
+    TEST_ASSERT_DOUBLE_WITHIN(TURNS, there - 1.5, shaft_turns(bench));
+    bench.do_line("stop");
+    bench.do_line("zero");
+    bench.pass(RESYNC_S);
+    TEST_ASSERT_EQUAL(0, told(bench).request);
+}
+
 TEST(a_speed_before_the_command_in_force_is_known_is_refused_and_the_motor_runs_on)
 {
     Bench bench(scripted("60"));
@@ -594,17 +627,17 @@ TEST(what_a_refusal_names_as_the_range_is_taken_at_both_ends)
     bench.follower.connect();
     bench.pass(1);
     const std::string turns = bench.refusal_of("position 1e9");
-    TEST_ASSERT_EQUAL_STRING("position takes turns, or degrees as 90deg, -16384 to 16383.9999 "
+    TEST_ASSERT_EQUAL_STRING("position takes turns, or degrees as 90deg, -16383 to 16383 "
                              "turns, found \"1e9\"",
                              turns.c_str());
     const std::string degrees = bench.refusal_of("position 1e9deg");
-    TEST_ASSERT_TRUE(degrees.find("-5898240 to 5898239.99 degrees") != std::string::npos);
-    for (const char *const inside : {"position -16384", "position 16383.9999",
-                                     "position -5898240deg", "position 5898239.99deg", "speed 0"}) {
+    TEST_ASSERT_TRUE(degrees.find("-5897880 to 5897880 degrees") != std::string::npos);
+    for (const char *const inside : {"position -16383", "position 16383", "position -5897880deg",
+                                     "position 5897880deg", "speed 0"}) {
         bench.do_line(inside);
     }
-    for (const char *const outside : {"position 16384", "position -16384.0001",
-                                      "position 5898240deg", "position -5898240.01deg"}) {
+    for (const char *const outside : {"position 16383.0001", "position -16383.0001",
+                                      "position 5897880.1deg", "position -5897880.1deg"}) {
         (void)bench.refusal_of(outside);
     }
     for (const char *const command : {"speed ", "torque "}) {

@@ -106,6 +106,7 @@ static inline position_loop_cfg_t example_position_loop_cfg(void)
         .gain = 26354,        /* 2π·5/s·T·2^16 = 205.887, times 2^7 */
         .gain_shift = 7U,
         .distance_shift = 19U,
+        .pole_pairs = 2U,
     };
 }
 

@@ -187,3 +187,67 @@ TEST(test_a_clear_that_is_taken_back_leaves_the_ticket)
     TEST_ASSERT_EQUAL_UINT8(0U, taken().request);
     TEST_ASSERT_NULL(run_with(ticket));
 }
+
+/* ---- where positions count from ---- */
+
+TEST(test_without_a_sensor_there_is_no_zero_at_rest)
+{
+    TEST_ASSERT_EQUAL_STRING("the rotor is not known at rest; a start counts from its own zero",
+                             commander_zero(&app));
+    TEST_ASSERT_EQUAL_UINT8(0U, taken().request);
+}
+
+static void run_in(drive_mode_t mode, int32_t target)
+{
+    const drive_command_t asked = {
+        .target = target, .mode = (uint8_t)mode, .request = (uint8_t)DRIVE_REQUEST_RUN};
+
+    command_mailbox_post(&app.mailbox, &asked);
+    tick_period();
+    app.drive.state = DRIVE_STATE_RUN;
+}
+
+TEST(test_a_zero_is_in_force_until_the_drive_has_taken_it_and_no_longer)
+{
+    run_in(DRIVE_MODE_SPEED, 77);
+    TEST_ASSERT_NULL(commander_zero(&app));
+    commander_step(&app);
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN | DRIVE_REQUEST_ZERO, taken().request);
+    TEST_ASSERT_EQUAL_INT32(77, taken().target);
+    commander_step(&app);
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, taken().request);
+}
+
+TEST(test_a_zero_in_position_mode_asks_the_drive_to_stay)
+{
+    run_in(DRIVE_MODE_POSITION, 77);
+    TEST_ASSERT_NULL(commander_zero(&app));
+    TEST_ASSERT_EQUAL_INT32(0, taken().target);
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_POSITION, taken().mode);
+}
+
+TEST(test_a_zero_that_is_not_taken_yet_outlives_the_next_command)
+{
+    const drive_command_t next = {
+        .target = 5, .mode = (uint8_t)DRIVE_MODE_SPEED, .request = (uint8_t)DRIVE_REQUEST_RUN};
+
+    run_in(DRIVE_MODE_SPEED, 77);
+    TEST_ASSERT_NULL(commander_zero(&app));
+    TEST_ASSERT_NULL(commander_command(&app, &next, true, EXAMPLE_SPEED_STEP));
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN | DRIVE_REQUEST_ZERO, taken().request);
+    TEST_ASSERT_EQUAL_INT32(5, taken().target);
+}
+
+TEST(test_a_command_may_run_with_zero_here)
+{
+    const drive_command_t next = {.target = 5,
+                                  .mode = (uint8_t)DRIVE_MODE_POSITION,
+                                  .request = (uint8_t)(DRIVE_REQUEST_RUN | DRIVE_REQUEST_ZERO)};
+
+    run_in(DRIVE_MODE_POSITION, 77);
+    TEST_ASSERT_NULL(commander_command(&app, &next, true, EXAMPLE_SPEED_STEP));
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN | DRIVE_REQUEST_ZERO, taken().request);
+    commander_step(&app);
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, taken().request);
+    TEST_ASSERT_EQUAL_INT32(5, taken().target);
+}

@@ -9,7 +9,7 @@
 
 #define SAID_MAX (4096U)
 #define HELP \
-    "error: the commands are run, stop, clear, speed RPM, torque NM, status, dump, record, identify\r\n"
+    "error: the commands are run, stop, clear, speed RPM, torque NM, zero, status, dump, record, identify\r\n"
 #define WRONG_SPEED "error: speed takes a whole number of rpm, at most 2000 either way\r\n"
 
 static struct {
@@ -96,8 +96,8 @@ void setUp(void)
 
 TEST(test_what_comes_late_commands_nothing_unless_it_is_a_stop)
 {
-    static const char *const refused[] = {"run\n", "clear\n", "speed 100\n", "torque 0.1\n",
-                                          "identify\n"};
+    static const char *const refused[] = {"run\n",        "clear\n",    "speed 100\n",
+                                          "torque 0.1\n", "identify\n", "zero\n"};
 
     tick(EXAMPLE_CALIBRATION_TICKS);
     counts = false;
@@ -496,4 +496,16 @@ TEST(test_a_line_that_is_stuck_does_not_leave_the_current_on)
     line.room = SIZE_MAX;
     (void)said_to("");
     assert_contains("identify refused: it has not ended within 2 minutes\r\n", said_to(""));
+}
+
+TEST(test_a_zero_says_whether_the_rotor_is_known)
+{
+    ready();
+    TEST_ASSERT_EQUAL_STRING(
+        "error: the rotor is not known at rest; a start counts from its own zero\r\n",
+        said_to("zero\n"));
+    app.drive.state = DRIVE_STATE_RUN;
+    (void)said_to("");
+    TEST_ASSERT_EQUAL_STRING("ok\r\n", said_to("zero\n"));
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_ZERO, command_mailbox_take(&app.mailbox).request);
 }

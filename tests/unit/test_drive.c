@@ -17,6 +17,8 @@
 #define CALIBRATION_TICKS (256U)
 #define STEPS_PER_RPM (14316.56) /* 2 pole pairs, 10 kHz */
 
+#define TURN_Q32 ((int64_t)1 << 32)
+
 static drive_cfg_t cfg;
 static drive_t drive;
 static drive_in_t in;
@@ -812,8 +814,9 @@ TEST(test_change_to_position_mode_takes_the_present_position_as_its_start)
     nn_observer_start(&drive.observer, &cfg.observer, 0, (dq_t){0, 0},
                       trig_sincos(rotor_position_angle(&drive.position)));
     in.command.mode = DRIVE_MODE_POSITION;
-    in.command.target = (int32_t)(123456789012 / 65536);
+    in.command.target = (int32_t)((123456789012 - (28 * TURN_Q32)) / 65536); /* of 14 turns */
     ticks(cfg.slow_ticks);
+    TEST_ASSERT_EQUAL_INT64(28 * TURN_Q32, drive.position_loop.zero_q32);
     TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_POSITION, drive.mode);
     /* Within the rest that the Q16 command cannot express: the profile starts there. */
     TEST_ASSERT_TRUE(llabs(drive.position_loop.profile_q32 - 123456789012) < 1000000);
@@ -1096,22 +1099,135 @@ TEST(test_change_to_position_mode_at_speed_has_no_bump_and_comes_back_to_the_tar
 
     for (uint32_t i = 0U; i < (sizeof speeds_rpm / sizeof speeds_rpm[0]); i++) {
         example_motor_t m = example_motor_at(0.0, 0.0);
+        int64_t before = 0;
         int64_t target = 0;
 
         setUp();
         ask_to_run((int32_t)lround(speeds_rpm[i] * STEPS_PER_RPM));
         run_motor(&m, 6000U, 0.0);
         in.command.mode = DRIVE_MODE_POSITION;
-        in.command.target = (int32_t)(drive_position_q32(&drive) / 65536);
-        target = (int64_t)in.command.target * 65536;
+        in.command.target = 0;
+        before = drive_position_q32(&drive);
         for (uint32_t k = 0U; k < 1500U; k++) {
             run_without_bump(&m);
         }
+        target = drive.position_loop.zero_q32;
+        TEST_ASSERT_EQUAL_INT64(0, target % (2 * TURN_Q32)); /* where it started, in this turn */
+        TEST_ASSERT_TRUE(llabs(target - before) <= (TURN_Q32 + (TURN_Q32 / 10)));
         TEST_ASSERT_EQUAL_INT64(target, drive.position_loop.profile_q32);
         TEST_ASSERT_EQUAL_INT32(0, drive.position_loop.profile_speed);
         TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, (double)target / 4294967296.0 / 2.0,
                                   (double)drive_position_q32(&drive) / 4294967296.0 / 2.0);
     }
+}
+
+/* As after half a day at 1800 rpm. The zero is the start of the turn of the shaft that is nearest: half a turn of it is 1 electrical one. */
+TEST(test_a_change_to_position_mode_unwinds_no_turn_that_speed_control_has_made)
+{
+    static const int64_t turns[] = {1000000, -1000000, 1000000001};
+
+    for (uint32_t i = 0U; i < (sizeof turns / sizeof turns[0]); i++) {
+        example_motor_t m = example_motor_at(0.0, 0.0);
+        double start = 0.0;
+
+        setUp();
+        ask_to_run((int32_t)lround(60.0 * STEPS_PER_RPM));
+        run_motor(&m, 6000U, 0.0);
+        in.command.target = 0;
+        run_motor(&m, 2000U, 0.0);
+        drive.position.turns_q32 += turns[i] * 2 * TURN_Q32;
+        start = m.angle;
+        in.command.mode = DRIVE_MODE_POSITION;
+        run_motor(&m, 10000U, 0.0);
+        TEST_ASSERT_TRUE(fabs(m.angle - start) < (2.0 * EXAMPLE_PI * 1.02));
+        TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, 0.0,
+                                  remainder(m.angle / 2.0 / (2.0 * EXAMPLE_PI), 1.0));
+        TEST_ASSERT_EQUAL_INT64(0, drive.position_loop.profile_q32 - drive.position_loop.zero_q32);
+    }
+}
+
+static double shaft_turns(const example_motor_t *m)
+{
+    return m->angle / 2.0 / (2.0 * EXAMPLE_PI);
+}
+
+/* The request stays for so long as the drive takes to be told of another one. */
+static void zero_here(example_motor_t *m)
+{
+    in.command.request = DRIVE_REQUEST_RUN | DRIVE_REQUEST_ZERO;
+    run_motor(m, 2U * cfg.slow_ticks, 0.0);
+    in.command.request = DRIVE_REQUEST_RUN;
+}
+
+TEST(test_a_zero_at_rest_in_position_mode_moves_nothing_and_targets_count_from_it)
+{
+    example_motor_t m = example_motor_at(0.0, 0.0);
+    int64_t profile = 0;
+
+    ask_to_run(0);
+    in.command.mode = DRIVE_MODE_POSITION;
+    in.command.target = (int32_t)lround(1.3 * 2.0 * 65536.0);
+    run_motor(&m, 10000U, 0.0);
+    profile = drive.position_loop.profile_q32;
+    zero_here(&m);
+    TEST_ASSERT_EQUAL_INT64(profile, drive.position_loop.profile_q32);
+    in.command.target = 0;
+    run_motor(&m, 2000U, 0.0);
+    TEST_ASSERT_EQUAL_INT64(profile, drive.position_loop.profile_q32);
+    TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, 1.3, shaft_turns(&m));
+    in.command.target = -2 * 65536;
+    run_motor(&m, 10000U, 0.0);
+    TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, 0.3, shaft_turns(&m));
+    TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, -1.0,
+                              (double)drive_position_from_zero_q32(&drive) / 4294967296.0 / 2.0);
+}
+
+/* The profile brakes along its ramp, and comes back to where it was when the request ended. */
+TEST(test_a_zero_on_the_way_has_no_jump_and_the_rotor_comes_back_to_it)
+{
+    example_motor_t m = example_motor_at(0.0, 0.0);
+    double there = 0.0;
+
+    ask_to_run(0);
+    in.command.mode = DRIVE_MODE_POSITION;
+    in.command.target = 20 * 65536;
+    run_motor(&m, 3000U, 0.0);
+    TEST_ASSERT_TRUE(abs(drive.position_loop.profile_speed) > (10 * cfg.position_loop.ramp));
+    in.command.request = DRIVE_REQUEST_RUN | DRIVE_REQUEST_ZERO;
+    in.command.target = 0;
+    run_without_bump(&m);
+    run_without_bump(&m);
+    in.command.request = DRIVE_REQUEST_RUN;
+    there = shaft_turns(&m);
+    for (uint32_t k = 0U; k < 1000U; k++) {
+        run_without_bump(&m);
+    }
+    TEST_ASSERT_EQUAL_INT64(drive.position_loop.zero_q32, drive.position_loop.profile_q32);
+    TEST_ASSERT_DOUBLE_WITHIN(0.02, there, shaft_turns(&m));
+}
+
+TEST(test_a_zero_in_speed_mode_is_where_the_rotor_is_and_changes_nothing_else)
+{
+    example_motor_t m = example_motor_at(0.0, 0.0);
+    step_t before = 0;
+
+    ask_to_run((int32_t)lround(600.0 * STEPS_PER_RPM));
+    run_motor(&m, 6000U, 0.0);
+    before = drive.speed_loop.reference;
+    zero_here(&m);
+    TEST_ASSERT_EQUAL_INT32(before, drive.speed_loop.reference);
+    TEST_ASSERT_TRUE(drive.position_loop.zero_q32 != 0);
+    TEST_ASSERT_TRUE(llabs(drive_position_from_zero_q32(&drive)) < (TURN_Q32 / 10));
+}
+
+TEST(test_without_a_sensor_a_zero_at_rest_is_none)
+{
+    go_to(DRIVE_STATE_READY);
+    drive.position.turns_q32 = 5 * TURN_Q32; /* of the last run */
+    in.command.request = DRIVE_REQUEST_ZERO;
+    ticks(20U);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
+    TEST_ASSERT_EQUAL_INT64(0, drive.position_loop.zero_q32);
 }
 
 TEST(test_a_late_tick_leaves_the_observer_without_voltage)

@@ -10,7 +10,7 @@
 #include "testing.h"
 
 #define HELP \
-    "error: the commands are run, stop, clear, speed RPM, torque NM, status, dump, record, identify\r\n"
+    "error: the commands are run, stop, clear, speed RPM, torque NM, zero, status, dump, record, identify\r\n"
 #define TICKS_OF_PAUSE (20000U) /* 2 s at 10 kHz */
 #define PASSES_ALONE (100000U)  /* where no tick runs */
 #define PASSES_PAUSE (2000000U)
@@ -451,7 +451,8 @@ TEST(test_a_command_reaches_the_drive_as_a_whole)
 TEST(test_a_command_that_is_refused_changes_nothing)
 {
     const char *const too_fast = "the speed is beyond that of the motor";
-    const char *const request = "the requests are 0, stop, 1, run, and 2, clear";
+    const char *const request =
+        "the requests are 0, stop, 1, run, 2, clear, and 9, run with zero here";
 
     assert_command("", 0U, DRIVE_MODE_SPEED, 77);
     assert_command(too_fast, DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, EXAMPLE_SPEED_STEP + 1);

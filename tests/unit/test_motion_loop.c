@@ -988,3 +988,68 @@ TEST(test_between_the_ends_the_largest_current_has_15_bits)
     expect_within(0, 0, 16384, 16383, SPEED_END_NONE);
     expect_within(0, 0, -16384, -16384, SPEED_END_NONE);
 }
+
+/* ---- where positions count from ---- */
+
+TEST(test_a_recount_moves_the_zero_by_whole_turns_to_within_half_a_turn_of_the_position)
+{
+    seeded_t seed = {0x2E20U};
+
+    for (uint32_t pole_pairs = 1U; pole_pairs <= 50U; pole_pairs++) {
+        const int64_t turn_q32 = (int64_t)pole_pairs * TURN_Q32;
+
+        cfg.pole_pairs = pole_pairs;
+        for (uint32_t k = 0U; k < 200U; k++) {
+            const int64_t whole = (int64_t)seeded_in(&seed, -1000000000, 1000000000) * TURN_Q32;
+            const int64_t position_q32 = whole + seeded_in(&seed, 0, INT32_MAX);
+            const int64_t zero_q32 = (int64_t)seeded_in(&seed, -1000000000, 1000000000) * 65536;
+
+            loop.zero_q32 = zero_q32;
+            position_loop_recount(&loop, &cfg, position_q32);
+            TEST_ASSERT_EQUAL_INT64(0, (loop.zero_q32 - zero_q32) % turn_q32);
+            TEST_ASSERT_TRUE((2 * (position_q32 - loop.zero_q32)) >= -turn_q32);
+            TEST_ASSERT_TRUE((2 * (position_q32 - loop.zero_q32)) < turn_q32);
+        }
+    }
+}
+
+TEST(test_a_recount_ends_at_half_a_turn)
+{
+    static const struct {
+        int64_t position_q32; /* with 3 pole pairs half a turn is 1.5 electrical ones */
+        int64_t zero_q32;
+    } cases[] = {
+        {0, 0},
+        {(3 * TURN_Q32 / 2) - 1, 0},
+        {3 * TURN_Q32 / 2, 3 * TURN_Q32},
+        {-3 * TURN_Q32 / 2, 0},
+        {(-3 * TURN_Q32 / 2) - 1, -3 * TURN_Q32},
+    };
+
+    cfg.pole_pairs = 3U;
+    for (uint32_t k = 0U; k < (sizeof cases / sizeof cases[0]); k++) {
+        loop.zero_q32 = 0;
+        position_loop_recount(&loop, &cfg, cases[k].position_q32);
+        TEST_ASSERT_EQUAL_INT64(cases[k].zero_q32, loop.zero_q32);
+    }
+}
+
+/* The count of the rotor has wrapped in between. */
+TEST(test_a_target_and_a_recount_go_on_where_the_position_wraps)
+{
+    cfg.pole_pairs = 3U;
+    loop.zero_q32 = INT64_MAX - TURN_Q32;
+    TEST_ASSERT_EQUAL_INT64(INT64_MIN + (TURN_Q32 - 1), position_loop_target(&loop, 2 * 65536));
+    TEST_ASSERT_EQUAL_INT64(INT64_MAX - (2 * TURN_Q32), position_loop_target(&loop, -65536));
+    position_loop_recount(&loop, &cfg, INT64_MIN + (3 * TURN_Q32));
+    TEST_ASSERT_EQUAL_INT64(INT64_MIN + ((2 * TURN_Q32) - 1), loop.zero_q32);
+}
+
+TEST(test_a_target_has_both_ends_of_its_word)
+{
+    loop.zero_q32 = 7;
+    TEST_ASSERT_EQUAL_INT64(((int64_t)INT32_MAX * 65536) + 7,
+                            position_loop_target(&loop, INT32_MAX));
+    TEST_ASSERT_EQUAL_INT64(((int64_t)INT32_MIN * 65536) + 7,
+                            position_loop_target(&loop, INT32_MIN));
+}

@@ -118,6 +118,20 @@ TEST(test_a_position_is_asked_for_in_turns_and_is_no_speed)
     TEST_ASSERT_EQUAL_STRING_LEN("INIT, speed unknown, to turn 3.00, phases ", status(), 42U);
 }
 
+/* 1 000 000 turns of the shaft lie before the zero. */
+TEST(test_a_rotor_is_told_in_turns_from_the_zero)
+{
+    const drive_command_t position = {.target = 6 * 65536, .mode = (uint8_t)DRIVE_MODE_POSITION};
+
+    command_mailbox_post(&app.mailbox, &position);
+    app.drive.state = DRIVE_STATE_RUN;
+    app.drive.mode = (uint8_t)DRIVE_MODE_POSITION;
+    app.drive.position_loop.zero_q32 = (int64_t)2000000 << 32;
+    app.drive.position.turns_q32 = app.drive.position_loop.zero_q32 - ((int64_t)11 << 31);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(status(), " rpm, turn -2.75, to turn 3.00, phases "),
+                                 text.characters);
+}
+
 TEST(test_a_torque_is_asked_for_in_newton_metres_and_is_no_speed)
 {
     const drive_command_t torque = {.target = 0x8000000, .mode = (uint8_t)DRIVE_MODE_TORQUE};

@@ -110,6 +110,76 @@ TEST(test_both_directions_reach_their_speed_without_i_d)
     }
 }
 
+/* ---- positions with a sensor ---- */
+
+#define SHAFT_TURN_Q32 ((int64_t)POLE_PAIRS << 32)
+
+static double shaft_turns_from_zero(void)
+{
+    return (double)drive_position_from_zero_q32(&drive) / (double)SHAFT_TURN_Q32;
+}
+
+static void hold_at(double turns)
+{
+    in.command.request = DRIVE_REQUEST_RUN;
+    in.command.mode = (uint8_t)DRIVE_MODE_POSITION;
+    in.command.target = (int32_t)lround(turns * POLE_PAIRS * 65536.0);
+    ticks(20000U);
+}
+
+static void stop(void)
+{
+    in.command.request = 0U;
+    ticks(10U);
+}
+
+#define SHAFT_TOLERANCE (2.0 / 360.0)
+
+/* Which of its electrical turns the rotor is in the sensor tells. */
+TEST(test_positions_count_from_the_zero_of_the_sensor)
+{
+    begin_with_sensor(1.5 * 2.0 * EXAMPLE_PI, 0.0); /* three quarters of a turn of the shaft */
+    ticks(200U);
+    TEST_ASSERT_DOUBLE_WITHIN(SHAFT_TOLERANCE, 0.75, shaft_turns_from_zero());
+}
+
+TEST(test_a_run_in_position_mode_goes_on_with_the_count_of_the_one_before)
+{
+    hold_at(5.25);
+    TEST_ASSERT_DOUBLE_WITHIN(SHAFT_TOLERANCE, 5.25, shaft_turns_from_zero());
+    stop();
+    hold_at(5.0);
+    TEST_ASSERT_DOUBLE_WITHIN(SHAFT_TOLERANCE, 5.0, shaft_turns_from_zero());
+    TEST_ASSERT_EQUAL_INT64(0, drive.position_loop.zero_q32);
+}
+
+TEST(test_a_run_in_another_mode_ends_the_count)
+{
+    hold_at(5.25);
+    stop();
+    run_at(0.0);
+    ticks(100U);
+    hold_at(0.0);
+    TEST_ASSERT_EQUAL_INT64(5 * SHAFT_TURN_Q32, drive.position_loop.zero_q32);
+    stop();
+    hold_at(-1.0);
+    TEST_ASSERT_DOUBLE_WITHIN(SHAFT_TOLERANCE, -1.0, shaft_turns_from_zero());
+    TEST_ASSERT_EQUAL_INT64(5 * SHAFT_TURN_Q32, drive.position_loop.zero_q32);
+}
+
+TEST(test_a_zero_at_rest_is_where_the_sensor_sees_the_rotor)
+{
+    begin_with_sensor(1.0, 0.0);
+    ticks(200U);
+    in.command.request = DRIVE_REQUEST_ZERO;
+    ticks(20U);
+    stop();
+    TEST_ASSERT_DOUBLE_WITHIN(SHAFT_TOLERANCE, 0.0, shaft_turns_from_zero());
+    hold_at(0.0);
+    TEST_ASSERT_DOUBLE_WITHIN(SHAFT_TOLERANCE, 1.0 / (2.0 * EXAMPLE_PI * POLE_PAIRS),
+                              (double)drive_position_q32(&drive) / (double)SHAFT_TURN_Q32);
+}
+
 static void run_with_little_current(uint32_t count)
 {
     for (uint32_t k = 0U; k < count; k++) {
@@ -199,11 +269,12 @@ TEST(test_a_position_is_for_current_control_and_a_speed_again_for_the_voltage)
     run_at(600.0);
     ticks(10000U);
     in.command.mode = (uint8_t)DRIVE_MODE_POSITION;
-    in.command.target = (int32_t)(drive.position.turns_q32 / 65536) + (40 * 65536);
+    in.command.target = 40 * 65536;
     TEST_ASSERT_TRUE(jump_at_change(false) < JUMP_LSB);
     ticks(PATIENCE_TICKS);
     TEST_ASSERT_FALSE(drive.voltage_drive.active);
-    TEST_ASSERT_INT32_WITHIN(655, in.command.target, (int32_t)(drive.position.turns_q32 / 65536));
+    TEST_ASSERT_INT32_WITHIN(655, in.command.target,
+                             (int32_t)(drive_position_from_zero_q32(&drive) / 65536));
     run_at(600.0);
     TEST_ASSERT_TRUE(jump_at_change(true) < JUMP_LSB);
 }

@@ -21,6 +21,11 @@ function lineOf({ mode, value }: Target): string {
     return `${mode} ${rounded(value, mode)}${UNITS[mode]}`;
 }
 
+// The drive counts from the zero of the turn that it is in when position control begins.
+function withinTurn(deg: number): number {
+    return deg - 360 * Math.round(deg / 360);
+}
+
 export class Steering {
     private target = AT_REST; // of the knob
     private inForce = AT_REST;
@@ -115,8 +120,8 @@ export class Steering {
         }
         this.target = target;
         if (this.mode === "position" && this.originDeg === undefined && this.rotorDeg !== undefined) {
-            this.originDeg = this.rotorDeg;
-            this.target = this.isChosen ? { mode: "position", value: this.rotorDeg } : target;
+            this.originDeg = this.isChosen ? withinTurn(this.rotorDeg) : this.rotorDeg;
+            this.target = this.isChosen ? { mode: "position", value: this.originDeg } : target;
         }
     }
 
