@@ -38,7 +38,10 @@ typedef struct {
 
 /* RUN, with or without a start-up. */
 typedef struct {
-    /* share of a change of the speed reference that ω̂ takes on at once, 0…16384; 0: the published law */
+    /*
+     * share of a change of the speed reference, in torque control of the one that the torque makes, that ω̂ takes on at once,
+     * 0…16384; 0: the published law
+     */
     int32_t acceleration_q14;
 } run_cfg_t;
 

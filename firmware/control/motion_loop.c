@@ -16,6 +16,8 @@
 #define RATIO_ONE_Q17 (131072)
 #define RATIO_SHIFT (4U) /* Q17 to Q13 */
 #define Q13_TO_Q17 (16)
+#define Q15_TO_Q30 (32768)
+#define RESPONSE_SHIFT_MAX (30) /* where 2^30 is the only change that is left */
 
 void speed_loop_lower(speed_loop_t *loop)
 {
@@ -79,6 +81,31 @@ int32_t speed_loop_accelerate(speed_loop_t *loop, const speed_loop_cfg_t *cfg, s
 
     loop->reference = limited;
     return fx_clamp(torque, range.lower, range.upper);
+}
+
+/* change = net·2^(16 + shift − lift)/inertia; the division gives it over 2^(1 + shift − lift). */
+static step_t scaled_response(const speed_loop_cfg_t *cfg, int32_t quotient)
+{
+    /*@ split cfg->inertia_lift; */
+    const uint32_t up = (uint32_t)fx_min((int32_t)cfg->inertia_shift + 1, RESPONSE_SHIFT_MAX);
+    const int32_t largest = fx_asr(CHANGE_MAX, up);
+    const uint32_t scale = (uint32_t)1U << up;
+    const int32_t lowered = fx_asr(quotient, cfg->inertia_lift);
+
+    return fx_clamp(lowered, -largest, largest) * (int32_t)scale;
+}
+
+step_t speed_loop_response(const speed_loop_t *loop, const speed_loop_cfg_t *cfg, int32_t current)
+{
+    const int32_t net = fx_sat16(current - pi_output(&loop->pi));
+    const int32_t ratio_q13 = fx_asr(loop->inertia_q17, RATIO_SHIFT);
+    const int32_t inertia = fx_asr(cfg->inertia * ratio_q13, 13U);
+    step_t change = 0;
+
+    if (inertia > 0) {
+        change = scaled_response(cfg, (net * Q15_TO_Q30) / inertia);
+    }
+    return change;
 }
 
 static uint32_t is_heavy(const speed_loop_t *loop)

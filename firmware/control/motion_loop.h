@@ -118,6 +118,12 @@ step_t speed_loop_ramp(const speed_loop_t *loop, const speed_loop_cfg_t *cfg, st
 int32_t speed_loop_accelerate(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference,
                               torque_range_t range);
 
+/*
+ * The other way: returns by how much i_q (Q15 of I_b, ±32768) changes the speed in a slow period, beyond the load that the integral
+ * holds. Rounded down, saturated to ±2^30. 0 where no inertia is known. One division.
+ */
+step_t speed_loop_response(const speed_loop_t *loop, const speed_loop_cfg_t *cfg, int32_t current);
+
 /* Start so that zero error and a constant reference give i_q* = `current` (Q15 of I_b, ±32767). */
 void speed_loop_start(speed_loop_t *loop, step_t reference, int32_t current);
 

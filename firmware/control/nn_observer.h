@@ -148,7 +148,8 @@ void nn_observer_follow(nn_observer_t *obs, step_t speed);
 /*
  * Once a slow period in RUN: ω̂ moves on by what the reference of the speed has changed. The proportional path makes the
  * estimate follow a ramp with the delay T·κ_p/κ; the rotor follows its reference, so this change needs no error to be
- * found. Only while the rotor follows its reference. change: ±2^30. ω̂ is limited to ±speed_limit.
+ * found. Only while the rotor follows its reference. In torque
+ * control: by what the torque changes. change: ±2^30. ω̂ is limited to ±speed_limit.
  */
 void nn_observer_accelerate(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t change);
 

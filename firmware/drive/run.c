@@ -298,19 +298,48 @@ static void wait_at_limit(drive_t *drive, step_t before)
     }
 }
 
-/*
- * While the rotor follows the ramp or the profile, so does the estimate, without waiting for an error. A rotor that was
- * caught turning, or that its torque cannot accelerate, is elsewhere.
- */
-static void lead_estimate(drive_t *drive, step_t before)
+/* change: ±2^30 */
+static void accelerate_estimate(drive_t *drive, step_t change)
+{
+    const int32_t share_q14 = drive->cfg->run.acceleration_q14;
+
+    nn_observer_accelerate(&drive->observer, &drive->model.observer,
+                           fx_mul_32x16(change, share_q14) * Q14_TO_Q16);
+}
+
+/* A rotor that was caught turning, or that its torque cannot accelerate, is elsewhere than its reference. */
+static void lead_along_ramp(drive_t *drive, step_t before)
 {
     const step_t reference = drive->speed_loop.reference;
-    const int32_t share_q14 = drive->cfg->run.acceleration_q14;
     const step_t near = drive->cfg->startup.handover_speed / NEAR_SHARE;
 
-    if ((share_q14 != 0) && (fx_abs(before - drive->observer.speed) <= near)) {
-        nn_observer_accelerate(&drive->observer, &drive->model.observer,
-                               fx_mul_32x16(reference - before, share_q14) * Q14_TO_Q16);
+    if (fx_abs(before - drive->observer.speed) <= near) {
+        accelerate_estimate(drive, reference - before);
+    }
+}
+
+/*
+ * In torque control the reference is the estimate itself or the slope near standstill, and the torque accelerates many times faster
+ * than a ramp. The rotor is where its torque takes it. Below some 40 % of rated speed the observer of a motor with much R is too
+ * slow to find that from its error: it lost the angle.
+ */
+NEVER_INLINED static void lead_by_torque(drive_t *drive)
+{
+    const int32_t torque = drive->signals.current_ref.q;
+
+    accelerate_estimate(drive,
+                        speed_loop_response(&drive->speed_loop, &drive->cfg->speed_loop, torque));
+}
+
+/* While the rotor does what it is asked for, so does the estimate, without waiting for an error. */
+static void lead_estimate(drive_t *drive, step_t before)
+{
+    if (drive->cfg->run.acceleration_q14 == 0) {
+        /* the published law */
+    } else if (drive->mode == (uint8_t)DRIVE_MODE_TORQUE) {
+        lead_by_torque(drive);
+    } else {
+        lead_along_ramp(drive, before);
     }
 }
 
@@ -361,7 +390,7 @@ static void learn_inertia(drive_t *drive, step_t before, int32_t integral_before
     }
 }
 
-/* The torque is free within the window of speeds. Then no speed is asked for, and no ramp waits, teaches or leads. */
+/* The torque is free within the window of speeds. Then no speed is asked for, and no ramp waits or teaches. */
 NEVER_INLINED static void control_free_torque(drive_t *drive, torque_range_t range)
 {
     const speed_window_t window = torque_loop_window(
@@ -409,7 +438,6 @@ static void follow_ramp(drive_t *drive, step_t before, int32_t integral_before)
     } else {
         wait_at_limit(drive, before);
     }
-    lead_estimate(drive, before);
 }
 
 /*
@@ -426,9 +454,7 @@ RARE static void bridge_current_q(drive_t *drive)
     choose_current_q(drive, range);
     torque_loop_arrive(&drive->torque_loop, drive->signals.current_ref.q, range);
     filter_current_q(drive);
-    if (!run_torque_is_free(drive)) {
-        lead_estimate(drive, before);
-    }
+    lead_estimate(drive, before);
 }
 
 static void control_current_q(drive_t *drive)
@@ -441,6 +467,7 @@ static void control_current_q(drive_t *drive)
     if (!run_torque_is_free(drive)) {
         follow_ramp(drive, before, integral_before);
     }
+    lead_estimate(drive, before);
 }
 
 /* HELD when the current is to be imposed. It has all that speed control needs within it. */

@@ -149,7 +149,7 @@ const std::vector<Field> FIELDS = {
     {"observer", "rho_max", "", -1, 3.9, OPTIONAL, tuning<&T::observer_rho_max>, "largest ρ = R/(ωL) by which the error is rotated; 0 is the published law; -1: by rule"},
     {"observer", "feedback", "", -1, 0.3, OPTIONAL, tuning<&T::observer_feedback>, "share of the current error that the network takes over in a sample; 0 is the published law; -1: by rule", WITH_OBSERVER},
     {"observer", "frame_share", "", 0, 1, OPTIONAL, tuning<&T::observer_frame_share>, "share of the turn of the measured current with the frame that the gradient counts; 0 is the published law", WITH_OBSERVER},
-    {"observer", "acceleration_feed_forward", "", 0, 1, OPTIONAL, tuning<&T::observer_acceleration>, "share of the speed reference's acceleration that the estimate takes on; 0 is the published law", WITH_STARTUP},
+    {"observer", "acceleration_feed_forward", "", 0, 1, OPTIONAL, tuning<&T::observer_acceleration>, "share of the acceleration of the speed reference, in torque control of the torque, that the estimate takes on; 0 is the published law", WITH_STARTUP},
     {"observer", "kappa_speed_pct", "%", 0, 100, OPTIONAL, tuning<&T::kappa_speed_pct>, "of motor.rated_speed_rpm: below it κ falls with the speed; 0: never", WITH_STARTUP},
     {"observer", "kappa_least", "", 0.1, 1, OPTIONAL, tuning<&T::kappa_least>, "to this share of it at least", WITH_STARTUP},
     {"observer", "pace_speed_pct", "%", 0, 100, OPTIONAL, tuning<&T::pace_speed_pct>, "of motor.rated_speed_rpm: below it κ_p, ρ and the current loop's bandwidth fall with the speed, κ with its square; 0: never", WITH_STARTUP},

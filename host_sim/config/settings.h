@@ -149,10 +149,11 @@ struct TuningSettings {
     double low_speed_bandwidth_hz = 0; // of the speed loop, where that is less; 0: the same
     double observer_frame_share =
         0; // 0…1, of the measured current's turn with the frame, in the gradient
-    double observer_acceleration = 0; // 0…1, share of the reference's acceleration that ω̂ takes on
-    double pace_speed_pct = 0;        // of rated speed: the gains are whole from it on; 0: always
-    double pace_least = 0.25;         // share of them that is left below
-    double kappa_speed_pct = 0;       // likewise κ alone
+    double observer_acceleration =
+        0; // 0…1, share of the acceleration of reference or torque that ω̂ takes on
+    double pace_speed_pct = 0;  // of rated speed: the gains are whole from it on; 0: always
+    double pace_least = 0.25;   // share of them that is left below
+    double kappa_speed_pct = 0; // likewise κ alone
     double kappa_least = 0.5;
     double startup_current_pct =
         0; // imposed below the hand-over speed, of the continuous current; 0: no

@@ -32,6 +32,10 @@ public:
     {
     }
 
+    explicit RunBench(const Config &whole) : config(whole), sim(config)
+    {
+    }
+
     void tick()
     {
         now = believed_tick(sim, 0);

@@ -989,6 +989,69 @@ TEST(test_between_the_ends_the_largest_current_has_15_bits)
     expect_within(0, 0, -16384, -16384, SPEED_END_NONE);
 }
 
+/* ---- what a torque makes of the speed ---- */
+
+/* The currents that accelerate() returns are rounded down: a change is found again within what an LSB of current is. */
+TEST(test_the_response_to_a_torque_is_the_change_that_asks_for_it)
+{
+    static const int32_t ratios_q17[] = {32768, 131072, 200000, 524288};
+    static const struct {
+        int32_t inertia;
+        uint32_t shift;
+        uint32_t lift;
+    } scales[] = {{16384, 8U, 0U}, {32767, 3U, 0U}, {20000, 0U, 0U}, {30000, 0U, 5U}};
+
+    torque = (torque_range_t){-16384, 16384};
+    for (uint32_t k = 0U; k < 16U; k++) {
+        const int32_t ratio_q17 = ratios_q17[k / 4U];
+        const int32_t share = ratio_q17 / 32768; /* of J, in quarters */
+
+        speed_cfg.inertia = scales[k % 4U].inertia;
+        speed_cfg.inertia_shift = scales[k % 4U].shift;
+        speed_cfg.inertia_lift = scales[k % 4U].lift;
+        speed_loop.inertia_q17 = ratio_q17;
+        for (int32_t size = 40; size <= 4000; size *= 10) {
+            /* so that it takes about `size` of current */
+            const double lsb = 65536.0 * pow(2.0, speed_cfg.inertia_shift) /
+                               pow(2.0, speed_cfg.inertia_lift) / speed_cfg.inertia /
+                               (ratio_q17 / 131072.0);
+            const step_t change = (step_t)lround(size * lsb);
+            int32_t current = 0;
+
+            speed_loop_start(&speed_loop, 0, 500);
+            current = speed_loop_accelerate(&speed_loop, &speed_cfg, change, torque);
+            TEST_ASSERT_DOUBLE_WITHIN((2.0 + (size / 1000.0)) * lsb + 2.0 + share, change,
+                                      speed_loop_response(&speed_loop, &speed_cfg, current + 500));
+            TEST_ASSERT_DOUBLE_WITHIN((2.0 + (size / 1000.0)) * lsb + 2.0 + share, -change,
+                                      speed_loop_response(&speed_loop, &speed_cfg, 500 - current));
+        }
+    }
+}
+
+TEST(test_a_torque_that_holds_the_load_changes_no_speed)
+{
+    speed_loop_start(&speed_loop, 0, -700);
+    TEST_ASSERT_EQUAL_INT32(0, speed_loop_response(&speed_loop, &speed_cfg, -700));
+}
+
+TEST(test_without_an_inertia_a_torque_has_no_response)
+{
+    speed_cfg.inertia = 0;
+    TEST_ASSERT_EQUAL_INT32(0, speed_loop_response(&speed_loop, &speed_cfg, 16384));
+}
+
+/* The largest change has 2^30, whatever the scale. */
+TEST(test_a_response_saturates)
+{
+    for (uint32_t shift = 16U; shift <= 30U; shift++) {
+        speed_cfg.inertia = 16384;
+        speed_cfg.inertia_shift = shift;
+        speed_cfg.inertia_lift = 0U;
+        TEST_ASSERT_EQUAL_INT32(1 << 30, speed_loop_response(&speed_loop, &speed_cfg, 32767));
+        TEST_ASSERT_EQUAL_INT32(-(1 << 30), speed_loop_response(&speed_loop, &speed_cfg, -32768));
+    }
+}
+
 /* ---- where positions count from ---- */
 
 TEST(test_a_recount_moves_the_zero_by_whole_turns_to_within_half_a_turn_of_the_position)
