@@ -13,19 +13,20 @@ typedef struct {
     bool saturated; /* a converter is at an end: what it reads is no current */
 } measured_t;
 
-static measured_t measure(const app_t *app)
+static measured_t measure_tick(const app_t *app)
 {
     const drive_t *const drive = &app->drive;
     const uint32_t shift = drive->cfg->sampling.current_shift;
     const uint16_t third = hal_health(app->hal).adc_ic;
-    const uint32_t all = (uint32_t)app->in.adc_ia + app->in.adc_ib + third;
+    const uint32_t counts = (uint32_t)app->in.adc_ia + app->in.adc_ib + third;
+    const uint32_t sum = counts << shift;
 
     return (measured_t){
         .tick = drive->tick,
         .state = drive->state,
         .current = {.a = drive->signals.phase_a,
                     .b = drive->signals.phase_b,
-                    .sum = (int32_t)(all << shift) - (3 * MIDDLE_Q15)},
+                    .sum = (int32_t)sum - (3 * MIDDLE_Q15)},
         .saturated = monitor_is_saturated(drive, &app->in) || protection_saturated(third, shift),
     };
 }
@@ -36,7 +37,7 @@ static uint32_t window_of(const drive_cfg_t *cfg)
     return (cfg->slow_ticks * SUPERVISION_STEPS) << cfg->supervision.mean_shift;
 }
 
-static fault_id_t judge(app_t *app, const measured_t *measured, fault_t *fault)
+static fault_id_t judge_sum(app_t *app, const measured_t *measured, fault_t *fault)
 {
     cross_check_t *const check = &app->check;
     const drive_cfg_t *const cfg = app->drive.cfg;
@@ -63,7 +64,7 @@ static void check_sum(app_t *app, const measured_t *measured)
         current_sum_zero(&check->sum, measured->current.sum);
     } else if (!drive_is_controlled(measured->state) || measured->saturated) {
         current_sum_begin(&check->sum);
-    } else if (judge(app, measured, &fault) != FAULT_NONE) {
+    } else if (judge_sum(app, measured, &fault) != FAULT_NONE) {
         app_fail(app, &fault);
     } else {
         /* as it should be */
@@ -74,7 +75,7 @@ static void check_sum(app_t *app, const measured_t *measured)
 /* What a control interrupt changes meanwhile is of two ticks, and counts for nothing. */
 static void check_tick(app_t *app, uint32_t tick)
 {
-    const measured_t measured = measure(app);
+    const measured_t measured = measure_tick(app);
 
     if ((measured.tick == tick) && (app->drive.tick == tick)) {
         app->check.tick = tick;

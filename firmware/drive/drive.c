@@ -365,9 +365,10 @@ static bool is_ordinary(const drive_t *drive, const drive_in_t *in)
 static void fail_as_told(drive_t *drive, const drive_command_t *command)
 {
     const uint32_t numbers = fx_unsigned(command->target);
-    const fault_t fault = {.id = (fault_id_t)command->mode,
-                           .value = (int32_t)(numbers & 0xFFFFU),
-                           .limit = (int32_t)(numbers >> 16U)};
+    const uint32_t value = numbers & 0xFFFFU;
+    const uint32_t limit = numbers >> 16U;
+    const fault_t fault = {
+        .id = (fault_id_t)command->mode, .value = (int32_t)value, .limit = (int32_t)limit};
 
     if ((command->mode > (uint8_t)FAULT_NONE) && (command->mode < (uint8_t)FAULT_COUNT)) {
         fail(drive, &fault);

@@ -10,7 +10,7 @@ void current_sum_begin(current_sum_t *state)
 {
     state->samples = 0U;
     state->sum = 0U;
-    state->all = 0U;
+    state->flowing = 0U;
 }
 
 void current_sum_reset(current_sum_t *state)
@@ -42,13 +42,14 @@ static int32_t sum_of(const current_sum_t *state, const current_sum_in_t *in)
 /* The mean that is allowed beside the currents of this window. */
 static uint32_t largest_sum(const current_sum_t *state, const supervision_cfg_t *cfg)
 {
-    const uint64_t share = (uint64_t)state->all * fx_unsigned(cfg->sum_share_q15);
+    const uint64_t share = (uint64_t)state->flowing * fx_unsigned(cfg->sum_share_q15);
     const uint32_t mean = (uint32_t)(share >> SHARE_SHIFT) / state->samples;
 
     return fx_unsigned(cfg->sum_max) + mean;
 }
 
-static fault_id_t judge(const current_sum_t *state, const supervision_cfg_t *cfg, fault_t *fault)
+static fault_id_t judge_window(const current_sum_t *state, const supervision_cfg_t *cfg,
+                               fault_t *fault)
 {
     const uint32_t mean = state->sum / state->samples;
     const uint32_t largest = largest_sum(state, cfg);
@@ -69,10 +70,10 @@ fault_id_t current_sum_step(current_sum_t *state, const supervision_cfg_t *cfg,
     fault_id_t id = FAULT_NONE;
 
     state->sum += fx_unsigned(fx_abs(sum));
-    state->all += fx_unsigned(fx_abs(in->a) + fx_abs(in->b) + fx_abs(c));
+    state->flowing += fx_unsigned(fx_abs(in->a) + fx_abs(in->b) + fx_abs(c));
     state->samples++;
     if ((state->samples >= CURRENT_SUM_SAMPLES_MAX) || (ends && (state->samples >= SAMPLES_MIN))) {
-        id = judge(state, cfg, fault);
+        id = judge_window(state, cfg, fault);
         current_sum_begin(state);
     }
     return id;

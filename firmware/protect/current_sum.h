@@ -25,7 +25,7 @@ typedef struct {
     int32_t zeros;    /* … how many, 0…CURRENT_SUM_SAMPLES_MAX; 0: the zero is not known */
     uint32_t samples; /* of this window */
     uint32_t sum;     /* of |i_a + i_b + i_c| in it, Q15 of I_b */
-    uint32_t all;     /* of |i_a| + |i_b| + |i_c| */
+    uint32_t flowing; /* of |i_a| + |i_b| + |i_c| */
 } current_sum_t;
 
 /* Forgets the zero. Call when the sensors' own are about to be measured. */

@@ -171,7 +171,7 @@ TEST(a_command_beyond_the_motors_speed_is_noted)
     folder.edit("scenarios/s.toml",
                 "\"speed\"\nduration_s = 1\ncommand = [{time_s = -0.1, "
                 "speed_rpm = 0}, {time_s = 0.2, speed_rpm = 1000}]",
-                "\"position\"\nduration_s = 1\ncommand = [{time_s = 0.3, position_rad = 9000}]");
+                "\"position\"\nduration_s = 1\ncommand = [{time_s = 0.3, position_rad = 3000}]");
     TEST_ASSERT_EQUAL_STRING("", notes_with({}).c_str());
 }
 

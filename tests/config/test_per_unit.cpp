@@ -41,11 +41,13 @@ const std::vector<std::string> AS_BY_HAND = {
 // Where example_cfg.h has another number than follows from the bench and the rules.
 const std::map<std::string, std::int64_t> FROM_THE_RULES = {
     {"derating.temperature.zero", 3072}, // 100 °C of -50 °C to 150 °C: 3/4 of 4096
-    {"derating.bus_high.zero", 28308},   // 355 V and 3/4 of the way to 400 V: 388.75 V of 450 V
-    {"derating.bus_high.gain", 27307},   // 2^15 · 2^11 over 33.75 V of 450 V, 2457.6
-    {"startup.residual_max", 1376},      // 1/4 of the continuous current, 5504
-    {"startup.residual_lost", 4128},     // 3/4 of it
-    {"startup.settle_periods", 10},      // 0.15·180 rpm at 2587 rpm/s: 10.4 ms
+    {"derating.temperature_lowest", 51}, // a quarter of 5 % of 4096
+    {"derating.temperature_highest", 4045},
+    {"derating.bus_high.zero", 28308}, // 355 V and 3/4 of the way to 400 V: 388.75 V of 450 V
+    {"derating.bus_high.gain", 27307}, // 2^15 · 2^11 over 33.75 V of 450 V, 2457.6
+    {"startup.residual_max", 1376},    // 1/4 of the continuous current, 5504
+    {"startup.residual_lost", 4128},   // 3/4 of it
+    {"startup.settle_periods", 10},    // 0.15·180 rpm at 2587 rpm/s: 10.4 ms
 };
 
 // Not of this tuning, or a sum over all others.

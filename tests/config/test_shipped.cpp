@@ -346,8 +346,8 @@ TEST(the_compiled_header_gives_the_numbers_their_units)
     TEST_ASSERT_EQUAL_UINT16(2048, a.current_zero_count);
     TEST_ASSERT_EQUAL_UINT32(20000000, a.current_full_scale_ua);
     TEST_ASSERT_EQUAL_UINT32(450000000, a.bus_full_scale_uv);
-    TEST_ASSERT_EQUAL_INT32(-50, temperature_celsius(&a.temperature, 0));
-    TEST_ASSERT_EQUAL_INT32(150, temperature_celsius(&a.temperature, 4095));
+    TEST_ASSERT_EQUAL_INT32(-40, temperature_celsius(&a.temperature, 0));
+    TEST_ASSERT_EQUAL_INT32(140, temperature_celsius(&a.temperature, 4095));
     TEST_ASSERT_EQUAL_STRING("neurofoc: quote _ */ __/ _, 310 V bench inverter, robust for motor A",
                              about_generated_motor_b()->name);
 }

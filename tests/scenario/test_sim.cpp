@@ -203,7 +203,8 @@ TEST(test_the_drive_runs_from_t_0_on)
 // By the board's line of its sensor: 0 to 4096 counts are -50 to 150 °C here.
 TEST(test_a_fault_of_temperature_is_said_in_degrees)
 {
-    const Config config = load({"board.temperature_points_c=[-50, 150]"});
+    const Config config =
+        load({"board.temperature_points_c=[-50, 150]", "board.temperature_points_pct=[0, 100]"});
     const nf::FoundFault fault = {{FAULT_OVERTEMPERATURE, 3174, 3072, 0}, {}};
     TEST_ASSERT_EQUAL_STRING(
         "OVERTEMPERATURE: 105.0 °C, limit 100.0 °C",

@@ -123,8 +123,8 @@ static inline derating_cfg_t example_derating_cfg(void)
         .heat_max_q14 = 19661,                                     /* 1.2 */
         .heat = {.zero = 16384, .gain = 20481, .shift = 10U},      /* from 0.9 to 1: 1638.4 */
         .temperature = {.zero = 2048, .gain = 20481, .shift = 8U}, /* over 409.6 counts */
-        .temperature_lowest = 51,                                  /* a quarter of 5 % of 4096 */
-        .temperature_highest = 4045,
+        .temperature_lowest = 0,                                   /* it may read anything */
+        .temperature_highest = 4095,
         .temperature_periods = 25U,
         .bus_high = {.zero = 29127, .gain = 20481, .shift = 11U}, /* from 355 V to 400 V: 3276.8 */
         .bus_low = {.zero = 14564,
