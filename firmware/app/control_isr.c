@@ -78,24 +78,15 @@ void app_forget_failure(app_t *app)
     }
 }
 
-static drive_command_t command_of(const app_t *app)
-{
-    drive_command_t command;
-
-    if (app->fails) {
-        command = app->failure;
-    } else {
-        command = command_mailbox_take(&app->mailbox);
-    }
-    return command;
-}
-
 /* What was found is applied before it is recorded: its time is short. */
 void control_isr(app_t *app)
 {
     hal_sample(app->hal, &app->in);
     if (drive_reads_slow_inputs(&app->drive)) {
-        app->in.command = command_of(app);
+        app->in.command = command_mailbox_take(&app->mailbox);
+        if (app->fails) {
+            app->in.command = app->failure;
+        }
         if (app->change != NULL) {
             take_change(app);
         }

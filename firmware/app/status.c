@@ -69,7 +69,7 @@ static void add_measure(text_t *text, const char *name, const about_t *about, fa
         add_rpm(text, name, about, value);
         text_add(text, " rpm");
         break;
-    case FAULT_UNIT_SHARE:
+    case FAULT_UNIT_HEAT:
         add_quantity(text, name, units_thousandths(value, Q14_ONE, HEAT_BASE), 1U);
         text_add(text, " %");
         break;

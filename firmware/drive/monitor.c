@@ -98,20 +98,31 @@ static bool is_swinging(const drive_t *drive)
            (drive->oscillation.halves >= HALVES_OF_SWING);
 }
 
+/* What may excuse a large voltage, or explain it. */
+RARE static void look_closer(const drive_t *drive, supervision_voltage_t *measured)
+{
+    measured->emf =
+        fx_max(emf_at(drive, drive->observer.speed), emf_at(drive, drive->speed_loop.reference));
+    measured->off_reference = fx_abs(drive->observer.speed - drive->speed_loop.reference);
+    measured->excused = drive->voltage_drive.active || drive->weakening.acts ||
+                        is_swinging(drive) || is_voltage_at_limit(drive);
+}
+
 static fault_id_t check_voltage(drive_t *drive, fault_t *fault)
 {
-    const supervision_voltage_t measured = {
+    const supervision_cfg_t *const cfg = &drive->cfg->supervision;
+    supervision_voltage_t measured = {
         .voltage = {.d = pi_output(&drive->current_loop.pi_d),
                     .q = pi_output(&drive->current_loop.pi_q)},
-        .emf = fx_max(emf_at(drive, drive->observer.speed),
-                      emf_at(drive, drive->speed_loop.reference)),
-        .off_reference = fx_abs(drive->observer.speed - drive->speed_loop.reference),
-        .excused = drive->voltage_drive.active || drive->weakening.acts || is_swinging(drive) ||
-                   is_voltage_at_limit(drive),
+        .emf = 0,
+        .off_reference = 0,
+        .excused = false,
     };
 
-    return supervision_check_voltage(&drive->supervision, &drive->cfg->supervision, &measured,
-                                     fault);
+    if (supervision_is_large(cfg, measured.voltage)) {
+        look_closer(drive, &measured);
+    }
+    return supervision_check_voltage(&drive->supervision, cfg, &measured, fault);
 }
 
 /* As model_track_flux() corrects it. */
@@ -125,7 +136,8 @@ static fault_id_t check_flux(drive_t *drive, fault_t *fault)
 
     if (corrected) {
         id = supervision_check_flux(&drive->supervision, &drive->cfg->supervision,
-                                    drive->model.flux_q30, fault);
+                                    drive->model.flux_q30, emf_at(drive, drive->observer.speed),
+                                    fault);
     }
     return id;
 }

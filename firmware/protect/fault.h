@@ -35,7 +35,7 @@ typedef enum {
     FAULT_OSCILLATION,         /* value: amplitude of i_q*, the frequency: oscillation.h */
     FAULT_TEMPERATURE_SENSOR, /* value: raw count of the sensor, limit: the last one that it can have */
     FAULT_CURRENT_SUM, /* value: mean of |i_a + i_b + i_c|, the limit for the currents that flow */
-    FAULT_FLUX_IMPLAUSIBLE, /* value: change of φ̂ within a second, Q14 of the file's */
+    FAULT_FLUX_IMPLAUSIBLE, /* value: EMF that has come or gone within a second */
     FAULT_COUNT             /* number of entries, no fault */
 } fault_id_t;
 

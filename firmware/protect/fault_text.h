@@ -19,7 +19,7 @@ typedef enum {
     FAULT_UNIT_CURRENT,     /* Q15 of I_b */
     FAULT_UNIT_VOLTAGE,     /* Q15 of U_b */
     FAULT_UNIT_SPEED,       /* step_t */
-    FAULT_UNIT_SHARE,       /* Q14 of what fault.h says */
+    FAULT_UNIT_HEAT,        /* Q14, 1 = steady state at the continuous current */
     FAULT_UNIT_TEMPERATURE, /* raw count of the sensor; the board file converts it to °C */
     FAULT_UNIT_WORD         /* 32 bits */
 } fault_unit_t;

@@ -209,6 +209,11 @@ static fault_id_t cause_of(const supervision_t *state, fault_t *fault)
     return fault->id;
 }
 
+bool supervision_is_large(const supervision_cfg_t *cfg, dq_t voltage)
+{
+    return fx_max(fx_abs(voltage.d), fx_abs(voltage.q)) > (2 * cfg->voltage_max);
+}
+
 fault_id_t supervision_check_voltage(supervision_t *state, const supervision_cfg_t *cfg,
                                      const supervision_voltage_t *in, fault_t *fault)
 {
@@ -232,19 +237,20 @@ void supervision_forget_flux(supervision_t *state)
     state->flux_off = 0U;
 }
 
-/* 5/64: healthy drives off their files were measured up to 3 %. */
-static int32_t flux_change_max(int32_t flux_q30)
+/* Of the EMF, and of what the dead time and the resistance may take: healthy drives off their files were measured up to half of it. */
+static int32_t emf_change_max(const supervision_cfg_t *cfg, int32_t emf)
 {
-    return fx_asr(flux_q30, 4U) + fx_asr(flux_q30, 6U);
+    return fx_asr(emf, 4U) + fx_asr(emf, 6U) + fx_asr(cfg->voltage_max, 2U);
 }
 
 fault_id_t supervision_check_flux(supervision_t *state, const supervision_cfg_t *cfg,
-                                  int32_t flux_q30, fault_t *fault)
+                                  int32_t flux_q30, int32_t emf, fault_t *fault)
 {
     const uint32_t shift = cfg->mean_shift + FLUX_TIME_SHIFT;
     const bool settled = (state->flux_periods >> shift) != 0U;
-    const int32_t change = fx_abs(flux_q30 - state->flux_q30);
-    const int32_t change_max = flux_change_max(state->flux_q30);
+    const int32_t change_q14 = fx_asr(fx_abs(flux_q30 - state->flux_q30), Q30_TO_Q14);
+    const int32_t change = fx_asr(change_q14 * emf, 14U);
+    const int32_t change_max = emf_change_max(cfg, emf);
     fault_id_t id = FAULT_NONE;
 
     if (!settled) {
@@ -252,9 +258,7 @@ fault_id_t supervision_check_flux(supervision_t *state, const supervision_cfg_t 
         state->flux_q30 = flux_q30;
     } else if (lasts(&state->flux_off, change > change_max,
                      (uint32_t)1U << (cfg->mean_shift / 2U))) {
-        *fault = (fault_t){.id = FAULT_FLUX_IMPLAUSIBLE,
-                           .value = fx_asr(change, Q30_TO_Q14),
-                           .limit = fx_asr(change_max, Q30_TO_Q14)};
+        *fault = (fault_t){.id = FAULT_FLUX_IMPLAUSIBLE, .value = change, .limit = change_max};
         id = cause_of(state, fault);
     } else {
         state->flux_q30 += fx_asr(flux_q30 - state->flux_q30, shift);

@@ -124,6 +124,9 @@ typedef struct {
     bool excused; /* do not judge: the voltage is at its limit, where an integral means nothing */
 } supervision_voltage_t;
 
+/* Whether emf, off_reference and excused count: else the voltage is right whatever they are. */
+bool supervision_is_large(const supervision_cfg_t *cfg, dq_t voltage);
+
 /*
  * CURRENT_IMPLAUSIBLE in RUN: for half of 2^mean_shift periods more with than without, the integrals hold twice as much voltage as that of an imposed
  * current may need, and a quarter of the EMF, which a rotor that swings changes by. A sensor that has lost its gain makes it, or a leg that does not switch as it is told.
@@ -135,12 +138,13 @@ fault_id_t supervision_check_voltage(supervision_t *state, const supervision_cfg
 void supervision_forget_flux(supervision_t *state);
 
 /*
- * FLUX_IMPLAUSIBLE: φ̂ has changed by 5/64 within a second, once it has been corrected for one. A magnet does not do that. A bus
- * sensor that has lost its gain does, or another clock: both change the scale of the voltage, or of the speed.
- * flux_q30: φ̂, Q30 of the file's, 2^29…1.5·2^30. Call only while it is corrected.
+ * FLUX_IMPLAUSIBLE: once φ̂ has been corrected for a second, it has changed within another by what is 5/64 of the EMF and a quarter of
+ * voltage_max. A magnet does not do that. A bus sensor that has lost its gain does, or another clock: both change the scale of the voltage,
+ * or of the speed. Call only while φ̂ is corrected.
+ * flux_q30: φ̂, Q30 of the file's, 2^29…1.5·2^30. emf: of the rotor, Q15 of U_b, 0…97500.
  */
 fault_id_t supervision_check_flux(supervision_t *state, const supervision_cfg_t *cfg,
-                                  int32_t flux_q30, fault_t *fault);
+                                  int32_t flux_q30, int32_t emf, fault_t *fault);
 
 typedef struct {
     dq_t current;

@@ -16,7 +16,7 @@
 #define EXIT_UNEXPECTED (3U) /* an exception that nobody handles */
 
 /* Ticks that are read, run and written together: the RAM of the smallest board is small. */
-#define BLOCK_TICKS (24U)
+#define BLOCK_TICKS (16U)
 
 /* The flight recorder's. */
 #define POST_TICKS (8U)

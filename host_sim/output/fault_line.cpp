@@ -25,7 +25,7 @@ std::string quantity(fault_unit_t unit, int32_t value, const Bases &bases)
         return fmt::format("{:.4g} V", value / Q15 * bases.voltage_v);
     case FAULT_UNIT_SPEED:
         return fmt::format("{:.5g} rpm", bases.rpm_from_step(value));
-    case FAULT_UNIT_SHARE:
+    case FAULT_UNIT_HEAT:
         return fmt::format("{:.4g} %", value / Q14 * 100);
     case FAULT_UNIT_TEMPERATURE:
         return fmt::format("{} counts", value);

@@ -82,6 +82,7 @@ TEST(test_a_voltage_between_two_that_are_at_the_limit_counts)
 /* ---- flux ---- */
 
 #define FLUX_ONE (0x40000000)
+#define FLUX_EMF (16384)
 #define FLUX_SETTLES (256U) /* 2^(4 + 4) periods */
 
 static fault_id_t flux(int32_t flux_q30, uint32_t periods)
@@ -89,7 +90,7 @@ static fault_id_t flux(int32_t flux_q30, uint32_t periods)
     fault_id_t id = FAULT_NONE;
 
     for (uint32_t k = 0U; (k < periods) && (id == FAULT_NONE); k++) {
-        id = supervision_check_flux(&state, &cfg, flux_q30, &fault);
+        id = supervision_check_flux(&state, &cfg, flux_q30, FLUX_EMF, &fault);
     }
     return id;
 }
@@ -101,23 +102,36 @@ TEST(test_a_flux_may_settle_anywhere_and_is_judged_from_then_on)
     TEST_ASSERT_EQUAL_INT(FAULT_FLUX_IMPLAUSIBLE, flux(FLUX_ONE, 1000U));
 }
 
-/* 5/64 either way; a change of 1 LSB of Q14 less is none. */
-TEST(test_a_flux_that_jumps_by_5_of_64_is_implausible)
+/* 5/64 of the EMF and a quarter of the largest voltage, either way; LSBs are those of the rounding. */
+TEST(test_an_emf_that_jumps_beyond_its_limit_is_implausible)
 {
-    const int32_t jump = (FLUX_ONE / 64) * 5;
+    const int32_t limit = (FLUX_EMF / 64 * 5) + (cfg.voltage_max / 4);
+    const int32_t unit = FLUX_ONE / FLUX_EMF; /* of φ̂ in one of the EMF */
 
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         supervision_reset(&state);
         TEST_ASSERT_EQUAL_INT(FAULT_NONE, flux(FLUX_ONE, FLUX_SETTLES));
-        TEST_ASSERT_EQUAL_INT(FAULT_NONE, flux(FLUX_ONE + (sign * (jump - 65536)), 1000U));
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, flux(FLUX_ONE + (sign * (limit - 1) * unit), 1000U));
         supervision_reset(&state);
         TEST_ASSERT_EQUAL_INT(FAULT_NONE, flux(FLUX_ONE, FLUX_SETTLES));
-        TEST_ASSERT_EQUAL_INT(FAULT_NONE, flux(FLUX_ONE + (sign * ((jump / 4) * 5)), 4U));
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, flux(FLUX_ONE + (sign * 2 * limit * unit), 4U));
         TEST_ASSERT_EQUAL_INT(FAULT_FLUX_IMPLAUSIBLE,
-                              flux(FLUX_ONE + (sign * ((jump / 4) * 5)), 1U));
-        TEST_ASSERT_INT32_WITHIN(32, 1600,
-                                 fault.value); /* 5 of 256 parts: so far the mean has followed */
-        TEST_ASSERT_INT32_WITHIN(3, 1280, fault.limit); /* 5/64 of that */
+                              flux(FLUX_ONE + (sign * 2 * limit * unit), 1U));
+        TEST_ASSERT_INT32_WITHIN(2 * limit * 5 / 256, 2 * limit,
+                                 fault.value); /* the mean follows */
+        TEST_ASSERT_EQUAL_INT32(limit, fault.limit);
+    }
+}
+
+/* The dead time takes as much at each speed, so a slow rotor's φ̂ may change by more. */
+TEST(test_a_slow_rotor_has_a_flux_that_may_change_by_more)
+{
+    const int32_t slow = FLUX_EMF / 8;
+
+    for (uint32_t k = 0U; k < 1000U; k++) {
+        const int32_t now = (k < FLUX_SETTLES) ? FLUX_ONE : ((FLUX_ONE / 16) * 19);
+
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, supervision_check_flux(&state, &cfg, now, slow, &fault));
     }
 }
 
