@@ -4,6 +4,7 @@
 #include "trig.h"
 
 #define COUNT_TO_ANGLE (65536U)
+#define Q16_TO_Q32_SHIFT (16U)
 #define PULL_SHIFT (6U) /* while it is led, θ̂ closes 1/64 of its distance to the vector in a tick */
 #define RESIDUAL_SHIFT (3U) /* of the residual's filter, in slow periods */
 
@@ -16,10 +17,12 @@ void estimate_start(drive_t *drive, step_t speed, dq_t current)
                       trig_sincos(rotor_position_angle(&drive->position)));
 }
 
-/* Electrical turns of the shaft from the sensor's zero. */
-static int64_t turns_of(angle_t shaft, uint32_t pole_pairs)
+/* Electrical turns of the shaft from the sensor's zero, Q32: 2^16 · count · pole_pairs, of which the product fits a word. */
+static int64_t turns_of(uint16_t count, uint32_t pole_pairs)
 {
-    return (int64_t)shaft * (int64_t)pole_pairs;
+    const uint64_t turns_q16 = (uint32_t)count * pole_pairs;
+
+    return fx_signed64(turns_q16 << Q16_TO_Q32_SHIFT);
 }
 
 /* The loop begins at the angle that it is to follow: so the count begins at the sensor's zero, whichever electrical turn that is. */
@@ -29,7 +32,7 @@ void estimate_sense(drive_t *drive, uint16_t count)
 
     if (drive->state == DRIVE_STATE_INIT) {
         drive->angle_sensor.position.turns_q32 =
-            turns_of(shaft, drive->cfg->sampling.sensor_pole_pairs);
+            turns_of(count, drive->cfg->sampling.sensor_pole_pairs);
     }
     angle_sensor_step(&drive->angle_sensor, shaft * drive->cfg->sampling.sensor_pole_pairs,
                       drive->model.observer.speed_limit);

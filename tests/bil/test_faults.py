@@ -238,7 +238,7 @@ class Console(unittest.TestCase):
     def test_what_is_no_command_is_refused_in_one_line_and_the_last_speeds_are_taken(self):
         made = ready()
         limit = int(re.search(r"at most (\d+) either way", answer(made, "speed fast"))[1])
-        commands = "the commands are run, stop, clear, speed RPM, torque NM, status, dump, record, identify"
+        commands = "the commands are run, stop, clear, speed RPM, torque NM, zero, status, dump, record, identify"
         speeds = f"speed takes a whole number of rpm, at most {limit} either way"
         for line, wrong in (("sped 3", commands), ("run " + 100 * "x", commands), ("clear", "there is no fault to clear"),
                             ("speed fast", speeds), (f"speed {limit + 1}", speeds), (f"speed {-limit - 1}", speeds)):

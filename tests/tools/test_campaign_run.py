@@ -42,7 +42,7 @@ class Classes(unittest.TestCase):
         for setting, expected in (("plant.flux_scale=1", "locked"),
                                   ("plant.bus_ripple_pct=40", "failed safe"),
                                   ("plant.resistance_scale=1.05", "held, off limits"),
-                                  ("plant.resistance_scale=1.3", "uncontrolled")):
+                                  ("plant.resistance_scale=1.15", "uncontrolled")):
             done = subprocess.run([MOTORSIM, "run", "s1", "--json", "-", "--set", setting],
                                   capture_output=True, text=True, check=False)
             self.assertEqual(simulator.outcome(json.loads(done.stdout)), expected, setting)
