@@ -20,9 +20,9 @@ void estimate_start(drive_t *drive, step_t speed, dq_t current)
 /* Electrical turns of the shaft from the sensor's zero, Q32: 2^16 · count · pole_pairs, of which the product fits a word. */
 static int64_t turns_of(uint16_t count, uint32_t pole_pairs)
 {
-    const uint64_t turns_q16 = (uint32_t)count * pole_pairs;
+    const uint32_t turns_q16 = (uint32_t)count * pole_pairs;
 
-    return fx_signed64(turns_q16 << Q16_TO_Q32_SHIFT);
+    return fx_signed64((uint64_t)turns_q16 << Q16_TO_Q32_SHIFT);
 }
 
 /* The loop begins at the angle that it is to follow: so the count begins at the sensor's zero, whichever electrical turn that is. */
