@@ -60,9 +60,9 @@ void app_change(app_t *app, const drive_cfg_t *cfg);
 bool app_changes(const app_t *app);
 
 /*
- * Tell the drive of a fault that the background has found. It latches the fault within a slow period, in any state but FAULT, and opens the
- * gates in that tick. Value and limit: what is beyond 0…65535 counts as that. Who follows the drive by its inputs sees it as a command.
- * Context: background.
+ * Tell the drive of a fault that the background has found. The drive latches it within a slow period,
+ * in any state but FAULT, and opens the gates in that tick. Value and limit are clamped to 0…65535.
+ * A recording has it as a command. Context: background.
  */
 void app_fail(app_t *app, const fault_t *fault);
 

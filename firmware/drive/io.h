@@ -22,7 +22,8 @@ typedef enum {
  * drive at rest stays where it is. It can be set with RUN and without; nothing happens where the rotor is not known.
  */
 #define DRIVE_REQUEST_ZERO (0x08U)
-#define DRIVE_REQUEST_FAIL (0x10U) /* the background has found a fault: alone */
+#define DRIVE_REQUEST_FAIL \
+    (0x10U) /* the background has found a fault; no other request beside it */
 
 #define DRIVE_FLAG_BREAK (0x0001U) /* the power stage opened the gates by itself */
 /* The tick before ended too late: no voltage acted in place of its demand. */

@@ -65,12 +65,12 @@ typedef struct {
     uint32_t absent_periods; /* … and for how many slow periods */
     uint32_t unexplained;    /* slow periods with too much voltage, counted up and down */
     dq_t off_current;        /* mean error of the current, Q15 times 2^mean_shift */
-    uint32_t off_reference;  /* this and the next three: periods, counted up and down */
-    uint32_t unmodelled;     /* periods of RUN with too much voltage, counted up and down */
+    uint32_t off_reference;  /* periods, counted up and down, as unmodelled to stalled below */
+    uint32_t unmodelled;     /* periods of RUN with too much voltage */
     int32_t flux_q30;        /* φ̂ as it was some time ago, Q30 of the file's */
     uint32_t
         flux_periods; /* for which φ̂ has been corrected since the start, up to when it is settled */
-    uint32_t flux_off; /* periods with another flux, counted up and down */
+    uint32_t flux_off; /* periods with another flux */
     uint32_t runaway;
     uint32_t too_fast;
     uint32_t stalled;
@@ -128,8 +128,9 @@ typedef struct {
 bool supervision_is_large(const supervision_cfg_t *cfg, dq_t voltage);
 
 /*
- * CURRENT_IMPLAUSIBLE in RUN: for half of 2^mean_shift periods more with than without, the integrals hold twice as much voltage as that of an imposed
- * current may need, and a quarter of the EMF, which a rotor that swings changes by. A sensor that has lost its gain makes it, or a leg that does not switch as it is told.
+ * CURRENT_IMPLAUSIBLE in RUN: an integral is above 2·voltage_max + EMF/4, counted up and down, for
+ * more than 2^mean_shift / 2 periods. The EMF counts because a rotor that swings changes it. The cause is
+ * a sensor that has lost its gain, or a leg that does not switch as it is told.
  */
 fault_id_t supervision_check_voltage(supervision_t *state, const supervision_cfg_t *cfg,
                                      const supervision_voltage_t *in, fault_t *fault);
@@ -138,9 +139,9 @@ fault_id_t supervision_check_voltage(supervision_t *state, const supervision_cfg
 void supervision_forget_flux(supervision_t *state);
 
 /*
- * FLUX_IMPLAUSIBLE: once φ̂ has been corrected for a second, it has changed within another by what is 5/64 of the EMF and a quarter of
- * voltage_max. A magnet does not do that. A bus sensor that has lost its gain does, or another clock: both change the scale of the voltage,
- * or of the speed. Call only while φ̂ is corrected.
+ * FLUX_IMPLAUSIBLE: within a second φ̂ has changed so much that the EMF has by 5/64 of it and voltage_max/4.
+ * It is not judged in its first second. A magnet does not do that; a bus sensor that has lost its
+ * gain does, and a wrong clock. Call only while φ̂ is corrected.
  * flux_q30: φ̂, Q30 of the file's, 2^29…1.5·2^30. emf: of the rotor, Q15 of U_b, 0…97500.
  */
 fault_id_t supervision_check_flux(supervision_t *state, const supervision_cfg_t *cfg,

@@ -17,10 +17,32 @@ bool hal_send(hal_t *hal, uint8_t byte)
     return (hal->line != NULL) && hal_host_line_send(hal->line, byte);
 }
 
+/* The currents add up to zero; in counts, each has the middle as its zero. The third one ends where a converter does. */
+static uint32_t third_count(const hal_t *hal, uint32_t most)
+{
+    const uint32_t both = (uint32_t)hal->seen_ia + hal->seen_ib;
+    const uint32_t all = 3U * ((most + 1U) / 2U);
+    const uint32_t left = (all > both) ? (all - both) : 0U;
+
+    return (left < most) ? left : most;
+}
+
+/* What a board with two sensors tells of the third phase follows from what the drive was told of the others. */
+static uint16_t third_phase(const hal_t *hal)
+{
+    const plant_t *const plant = hal->plant;
+    uint16_t count = hal->seen_ic;
+
+    if ((plant != NULL) && !plant->sensors.measures_c) {
+        count = (uint16_t)third_count(hal, (uint32_t)plant->sensors.count_max);
+    }
+    return count;
+}
+
 hal_health_t hal_health(const hal_t *hal)
 {
     return (hal_health_t){
-        .adc_ic = hal->seen_ic,
+        .adc_ic = third_phase(hal),
         .late_ticks = hal->late_ticks,
     };
 }

@@ -168,13 +168,12 @@ void plant_sensors_drift(plant_sensors_t *sensors, double duration_s)
     }
 }
 
-/* Phase c, whose current is what a and b leave. */
-static double counts_of_c(plant_sensors_t *sensors, double i_c, const plant_adc_t *adc)
+/* Phase c: without a sensor no current is seen. */
+static double counts_of_c(plant_sensors_t *sensors, double i_c)
 {
-    const double half_scale = 0.5 * (sensors->count_max + 1.0);
-    double counts = 3.0 * half_scale - (double)adc->ia - (double)adc->ib;
+    double counts = 0.5 * (sensors->count_max + 1.0);
     if (sensors->measures_c) {
-        counts = i_c * sensors->current_gain[2] + half_scale;
+        counts += i_c * sensors->current_gain[2];
         if (sensors->noise_lsb_rms > 0.0) {
             counts += sensors->noise_lsb_rms * plant_random_gaussian(&sensors->random_c);
         }
@@ -198,7 +197,7 @@ void plant_sensors_convert(plant_sensors_t *sensors, double i_a, double i_b, dou
     }
     adc->ia = quantise(counts_a, sensors->count_max);
     adc->ib = quantise(counts_b, sensors->count_max);
-    adc->ic = quantise(counts_of_c(sensors, -seen_a - seen_b, adc), sensors->count_max);
+    adc->ic = quantise(counts_of_c(sensors, -seen_a - seen_b), sensors->count_max);
     adc->bus = quantise(counts_bus, sensors->count_max);
     adc->temperature = sensors->temperature;
 }

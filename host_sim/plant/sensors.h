@@ -5,7 +5,7 @@
  *   count = clip(round(x / lsb * (1 + gain_error) + zero + offset + noise), 0, 2^bits - 1)
  *
  * Current channels: lsb = current_full_scale_a / 2^(bits-1), zero = 2^(bits-1). Phase c has no offset and a noise of its own.
- *                   A board with two sensors reads 3 zero - count of a - count of b there, within the converter.
+ *                   Without a sensor of its own it reads zero.
  * Bus channel:      lsb = bus_full_scale_v / 2^bits,         zero = 0, no gain error, no offset.
  * Temperature:      linear from each of its points to the next, beyond the ends as the divider of a thermistor, no noise: it
  *                   is slow and filtered.
@@ -110,8 +110,8 @@ void plant_sensors_follow(plant_sensors_t *sensors, double duration_s, const dou
 /* Time goes by: the offsets drift. */
 void plant_sensors_drift(plant_sensors_t *sensors, double duration_s);
 
-/* One conversion of the currents [A] of a and b, and of c where it is measured, the bus [V] and the temperature. With a low pass the currents are those behind
- * it, not the arguments. With noise it draws three deviates, and one of another source for c. */
+/* One conversion of the currents [A] of a and b, of c where it is measured, of the bus [V] and the
+ * temperature. With a low pass the currents are those behind it, not the arguments. With noise it draws three deviates, and one of another source for c. */
 void plant_sensors_convert(plant_sensors_t *sensors, double i_a, double i_b, double bus_v,
                            plant_adc_t *adc);
 

@@ -23,9 +23,7 @@ void force(hal_host_channel_t &channel, uint16_t count)
 
 } // namespace
 
-Injection::Injection(const Config &config, double period_s, int64_t zero)
-    : board_(config.board),
-      timer_counts_(config.board.timer_clock_hz / (2 * config.board.pwm_frequency_hz))
+Injection::Injection(const Config &config, double period_s, int64_t zero) : board_(config.board)
 {
     const auto tick_of = [&](double time_s) {
         return std::max<int64_t>(zero + std::llround(time_s / period_s), 0);
@@ -39,7 +37,8 @@ Injection::Injection(const Config &config, double period_s, int64_t zero)
 void Injection::add(const FaultEntry &entry, int64_t from, int64_t until)
 {
     const bool lasts = entry.span == FaultSpan::lasting || entry.until_s;
-    faults_.push_back({entry, from, lasts ? std::max(until, from + 1) : from + 1, false, {}, {}});
+    faults_.push_back(
+        {entry, from, lasts ? std::max(until, from + 1) : from + 1, false, {}, {}, 0});
     next_ = std::min(next_, from);
 }
 
@@ -80,10 +79,10 @@ uint16_t Injection::bus_count(double volt) const
     return count(std::ldexp(volt / board_.bus_full_scale_v, board_.adc_bits));
 }
 
-uint16_t Injection::duty_count(const Fault &fault, std::size_t leg) const
+uint16_t Injection::duty_count(const Fault &fault, std::size_t leg)
 {
     const std::optional<double> &percent = fault.entry.value;
-    return percent ? static_cast<uint16_t>(std::lround(timer_counts_ * *percent / 100))
+    return percent ? static_cast<uint16_t>(std::lround(fault.timer_counts * *percent / 100))
                    : fault.last_out.compare.phase[leg];
 }
 
@@ -235,6 +234,7 @@ void Injection::change(int64_t tick, Simulation &sim)
             fault.begun = true;
             fault.last = sim.in();
             fault.last_out = sim.out();
+            fault.timer_counts = seam.plant.inverter.timer_counts;
             strike(fault, seam);
         }
         const int64_t coming = fault.begun ? fault.until : fault.from;

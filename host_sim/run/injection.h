@@ -49,8 +49,9 @@ private:
         int64_t from;
         int64_t until;
         bool begun;
-        drive_in_t last;      // what the drive saw before it began …
-        drive_out_t last_out; // … and demanded
+        drive_in_t last;       // what the drive saw before it began …
+        drive_out_t last_out;  // … and demanded
+        uint32_t timer_counts; // of the machine
     };
 
     // What sensors read, of what they should.
@@ -65,7 +66,7 @@ private:
     void impose(int64_t tick, const Seam &seam);
     void impose_on_binding(const Fault &fault, hal_host_faults_t &hal) const;
     static void impose_on_plant(const Fault &fault, plant_t &plant, Sensors &sensors);
-    uint16_t duty_count(const Fault &fault, std::size_t leg) const;
+    static uint16_t duty_count(const Fault &fault, std::size_t leg);
     uint16_t current_count(double ampere) const;
     uint16_t bus_count(double volt) const;
     uint16_t count(double value) const;
@@ -74,7 +75,6 @@ private:
     int64_t next_ = NEVER; // tick at which one begins or ends
     hal_host_faults_t binding_{};
     BoardSettings board_;
-    double timer_counts_;
 };
 
 } // namespace nf

@@ -179,6 +179,17 @@ TEST(test_the_true_current_stays_below_the_comparators_until_the_gates_open)
     }
 }
 
+// Its third current is what the drive is told of the other two.
+TEST(test_a_board_with_two_current_sensors_has_no_sum_to_judge)
+{
+    Place two = places()[1];
+    two.set.emplace_back("board.current_sensors=2");
+    for (const char *const what : {"what = 'adc_a_stuck'", "what = 'adc_b_gain', value = 0.5"}) {
+        const Found found = inject({"", what, false, false}, two);
+        TEST_ASSERT_TRUE_MESSAGE(found.id != FAULT_CURRENT_SUM, what);
+    }
+}
+
 TEST(test_the_table_of_the_design_is_the_measured_one)
 {
     std::ifstream file(NF_DESIGN_FILE);
