@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The whole contract between the application and the hardware: four functions for the control interrupt, three for console
- * and link of firmware/app, and three for its store.
+ * and link of firmware/app, three for its store, and two for what a reset shall not forget.
  *
  * The build links exactly one binding. A binding owns the PWM timer, the converters, the gate drivers and the serial line;
  * no code above it uses a register. docs/porting.md says how to write one.
@@ -98,5 +98,15 @@ bool hal_store_erase(hal_t *hal, uint32_t slot);
 /* Programs a unit, which is erased. False when the flash says that it has failed. It returns when the unit is programmed. */
 bool hal_store_program(hal_t *hal, uint32_t slot, uint32_t unit,
                        const uint8_t bytes[HAL_STORE_UNIT_BYTES]);
+
+/*
+ * Words that a reset leaves as they are while the supply stays, as backup registers or a RAM that the start-up passes over. They
+ * may be anything after the supply was away, and where a board has none: who reads them tells by a check word of his own.
+ * `index` is below HAL_KEPT_WORDS. Context: background, and before the control interrupt is enabled. Neither function waits.
+ */
+#define HAL_KEPT_WORDS (3U)
+
+void hal_keep(hal_t *hal, uint32_t index, uint32_t word);
+uint32_t hal_kept(const hal_t *hal, uint32_t index);
 
 #endif

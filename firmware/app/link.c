@@ -3,6 +3,7 @@
 
 #include "commander.h"
 #include "cross_check.h"
+#include "kept_heat.h"
 #include "link_answers.h"
 
 #include <stddef.h>
@@ -231,6 +232,7 @@ void link_step(link_t *link)
 {
     count_still(link);
     cross_check_step(link->live->app);
+    kept_heat_step(link->live->app);
     commander_step(link->live->app); /* a fault is older than the bytes that come in now */
     link_receive(link);
     answer_waiting(link);

@@ -406,12 +406,12 @@ static bool attend(drive_t *drive, const drive_in_t *in)
     return controlled && drive_is_controlled(drive->state);
 }
 
-/* INIT with this configuration. Nothing is known. */
+/* INIT with this configuration. Nothing is known; until the calibration the current sensors have their nominal zero. */
 static void initialise(drive_t *drive, const drive_cfg_t *cfg)
 {
     model_nominal_t nominal;
 
-    *drive = (drive_t){.cfg = cfg};
+    *drive = (drive_t){.cfg = cfg, .offset_a = ADC_MID_Q15, .offset_b = ADC_MID_Q15};
     nominal = drive_nominal(drive);
     model_reset(&drive->model, &nominal);
     speed_loop_init(&drive->speed_loop);
@@ -433,6 +433,11 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
         bad = "crc";
     }
     return bad;
+}
+
+void drive_warm(drive_t *drive, int32_t heat_q24)
+{
+    drive->derating.heat_q24 = heat_q24;
 }
 
 /*

@@ -38,6 +38,9 @@
  */
 const char *drive_init(drive_t *drive, const drive_cfg_t *cfg);
 
+/* The winding is as warm as this: Q24, 1 is the steady heat of the continuous current, 0…2^30. Between drive_init() and the first tick. */
+void drive_warm(drive_t *drive, int32_t heat_q24);
+
 /*
  * From the next drive_step() on the drive runs with `cfg`, which must outlive the drive or the next change. It is one that
  * config_check() accepts, with its checksum.

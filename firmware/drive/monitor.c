@@ -244,18 +244,16 @@ bool monitor_is_saturated(const drive_t *drive, const drive_in_t *in)
 
 /*
  * A current heats the winding whoever drives it: also that of a short circuit, and that which a fast rotor drives through the diodes.
- * In a short circuit one that the converter cannot measure counts as the largest; with open gates it is the sensor that is wrong. Before
- * the calibration nobody knows the zero of the sensors.
+ * In a short circuit one that the converter cannot measure counts as the largest; with open gates it is the sensor that is wrong.
  */
 RARE static dq_t uncontrolled_current(const drive_t *drive, const drive_in_t *in)
 {
     const ab_t measured = transforms_clarke(drive->signals.phase_a, drive->signals.phase_b);
-    const bool known = drive->state >= DRIVE_STATE_READY;
     dq_t current = {0, 0};
 
-    if (known && !monitor_is_saturated(drive, in)) {
+    if (!monitor_is_saturated(drive, in)) {
         current = (dq_t){measured.alpha, measured.beta};
-    } else if (known && safe_state_is_short(&drive->safe_state)) {
+    } else if (safe_state_is_short(&drive->safe_state)) {
         current = (dq_t){FX_Q15_MAX, FX_Q15_MAX};
     } else {
         /* none, as far as anybody knows */

@@ -119,7 +119,7 @@ typedef struct {
     drive_state_t state;
     uint32_t slow_count;        /* N…1: ticks to the end of the slow period */
     protection_limits_t limits; /* in force in this state */
-    int32_t offset_a;           /* sensor zero, Q15 of I_b, mid-scale = 16384 */
+    int32_t offset_a;           /* sensor zero, Q15 of I_b, nominal 16384 */
     int32_t offset_b;
     int32_t bus_before; /* bus voltage at the last instant, Q15 of U_b */
     modulator_t modulator;

@@ -90,7 +90,25 @@ static int32_t scaled(int32_t current, int32_t share)
     return fx_asr((current * share) + FX_Q15_MAX, 15U);
 }
 
-/* Low-pass of the squared current. */
+/* change · 2^up / 2^down, saturated where it is no Q24 any more. */
+static int32_t scaled_by(int32_t change, uint32_t up, uint32_t down)
+{
+    int32_t result;
+
+    if (up <= down) {
+        result = fx_asr(change, down - up);
+    } else {
+        const int32_t most = fx_asr(HEAT_MAX_Q24, up - down);
+
+        result = fx_clamp(change, -most, most) * fx_signed(1UL << (up - down));
+    }
+    return result;
+}
+
+/*
+ * Low-pass of the squared current. A square that has no room in the scale of the heat, so of more than four times the
+ * continuous current, is compared with the heat in its own scale.
+ */
 static void heat_up(derating_t *derating, const derating_cfg_t *cfg, dq_t current)
 {
     /*@ split cfg->heat_shift; */
@@ -98,12 +116,13 @@ static void heat_up(derating_t *derating, const derating_cfg_t *cfg, dq_t curren
     const int32_t d = fx_min(fx_abs(current.d), FX_Q15_MAX);
     const int32_t q = fx_min(fx_abs(current.q), FX_Q15_MAX);
     const int32_t square = (d * d) + (q * q);
-    const uint32_t kept = (uint32_t)fx_min(square, (int32_t)largest) << cfg->heat_shift;
-    const int32_t heat_q24 = fx_mul_32x16((int32_t)kept, cfg->heat_gain);
-    const int32_t change = fx_mul_32x16(heat_q24 - derating->heat_q24, cfg->heat_rate);
+    const uint32_t up = (fx_unsigned(square) > largest) ? cfg->heat_shift : 0U;
+    const uint32_t kept = (uint32_t)square << (cfg->heat_shift - up);
+    const int32_t made = fx_mul_32x16((int32_t)kept, cfg->heat_gain);
+    const int32_t change = fx_mul_32x16(made - fx_asr(derating->heat_q24, up), cfg->heat_rate);
+    const int32_t step = scaled_by(change, up, cfg->heat_rate_shift);
 
-    derating->heat_q24 =
-        fx_clamp(derating->heat_q24 + fx_asr(change, cfg->heat_rate_shift), 0, HEAT_MAX_Q24);
+    derating->heat_q24 = fx_clamp(derating->heat_q24 + step, 0, HEAT_MAX_Q24);
 }
 
 static uint32_t flag(uint32_t name, int32_t share)

@@ -96,7 +96,7 @@ int32_t derating_share(const fade_t *fade, int32_t x);
 
 /*
  * One supervision period, gates open or not: the heat that `current` makes (each axis within ± 32767, in any frame) and the
- * temperature. What is above four times the continuous current counts as that. Finds OVERLOAD, OVERTEMPERATURE, and TEMPERATURE_SENSOR where the
+ * temperature. Finds OVERLOAD, OVERTEMPERATURE, and TEMPERATURE_SENSOR where the
  * count is one that a whole sensor does not have: the temperature is not known then, so nothing is left of the current
  * (fault.h).
  */

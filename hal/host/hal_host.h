@@ -55,6 +55,7 @@ struct hal {
     hal_host_line_t *line;   /* NULL: none */
     hal_host_flash_t *flash; /* NULL: no store */
     uint32_t ticks;          /* PWM periods since the binding */
+    uint32_t kept[HAL_KEPT_WORDS];
 };
 
 /* Bind to a plant that plant_init() has accepted and that outlives the binding; or to none, NULL. Without line and store. */

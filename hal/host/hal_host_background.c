@@ -64,3 +64,13 @@ bool hal_store_program(hal_t *hal, uint32_t slot, uint32_t unit,
     hal_open_gates(hal);
     return (hal->flash != NULL) && hal_host_flash_program(hal->flash, slot, unit, bytes);
 }
+
+void hal_keep(hal_t *hal, uint32_t index, uint32_t word)
+{
+    hal->kept[index] = word;
+}
+
+uint32_t hal_kept(const hal_t *hal, uint32_t index)
+{
+    return hal->kept[index];
+}

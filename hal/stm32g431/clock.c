@@ -159,8 +159,9 @@ void clock_pins(void)
 {
     enable_clocks(RCC_AHB1ENR, RCC_AHB1ENR_CRC);
     enable_clocks(RCC_AHB2ENR, RCC_AHB2ENR_USED);
-    enable_clocks(RCC_APB1ENR1, RCC_APB1ENR1_USART2);
+    enable_clocks(RCC_APB1ENR1, RCC_APB1ENR1_RTCAPB | RCC_APB1ENR1_USART2);
     enable_clocks(RCC_APB2ENR, RCC_APB2ENR_USED);
+    reg_set(PWR_CR1, PWR_CR1_DBP);
     reg_set(PWR_CR3, PWR_CR3_UCPD1_DBDIS);
     for (uint32_t k = 0U; k < PIN_COUNT; k++) {
         set_pin(&PINS[k]);

@@ -199,3 +199,16 @@ void hal_g431_tick_lost(hal_t *hal)
     hal->barred = true;
     hal_open_gates(hal);
 }
+
+/* Backup registers: the start-up tests, and so overwrites, all of the RAM. */
+void hal_keep(hal_t *hal, uint32_t index, uint32_t word)
+{
+    (void)hal;
+    reg_write(TAMP_BKP0R + (4U * index), word);
+}
+
+uint32_t hal_kept(const hal_t *hal, uint32_t index)
+{
+    (void)hal;
+    return reg_read(TAMP_BKP0R + (4U * index));
+}

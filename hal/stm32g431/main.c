@@ -13,6 +13,7 @@
 #include "guard.h"
 #include "hal_g431.h"
 #include "image.h"
+#include "kept_heat.h"
 #include "led.h"
 #include "link.h"
 #include "pwm.h"
@@ -93,6 +94,7 @@ static const char *bring_up(void)
         why = app_init(&app, &hardware, &live.in_force->cfg);
     }
     if (why == NULL) {
+        kept_heat_restore(&app);
         why = recorder_init(&recorder, ring, DRIVE_RECORDER_ENTRIES, BOARD_RECORDER_POST_TICKS);
         app_record(&app, &recorder);
     }

@@ -45,7 +45,12 @@
 #define FLASH_IMAGE (0x08000000U)
 #define FLASH_STORE (0x0801F000U) /* the last two pages, see stm32g431.ld */
 
+/* --- Backup registers, 36.6: they go with the supply, and with no other reset --------------------- */
+#define TAMP_BKP0R (0x40002500U)
+
 /* --- Power, 6.4 ------------------------------------------------------------------------------- */
+#define PWR_CR1 (0x40007000U)
+#define PWR_CR1_DBP (1UL << 8) /* the backup registers can be written */
 #define PWR_CR2 (0x40007004U)
 #define PWR_CR2_PVDE (1UL << 0)     /* the supply is watched */
 #define PWR_CR2_PLS_2_8V (5UL << 1) /* against 2.8 V */
@@ -92,9 +97,10 @@
     (RCC_AHB2ENR_GPIOA | RCC_AHB2ENR_GPIOB | RCC_AHB2ENR_GPIOC | RCC_AHB2ENR_ADC12 | \
      RCC_AHB2ENR_DAC3)
 #define RCC_APB1ENR1 (0x40021058U)
+#define RCC_APB1ENR1_RTCAPB (1UL << 10) /* the backup registers too */
 #define RCC_APB1ENR1_USART2 (1UL << 17)
 #define RCC_APB1ENR1_PWR (1UL << 28)
-#define RCC_APB1ENR1_USED (RCC_APB1ENR1_USART2 | RCC_APB1ENR1_PWR)
+#define RCC_APB1ENR1_USED (RCC_APB1ENR1_RTCAPB | RCC_APB1ENR1_USART2 | RCC_APB1ENR1_PWR)
 #define RCC_APB2ENR (0x40021060U)
 #define RCC_APB2ENR_SYSCFG (1UL << 0) /* comparators and operational amplifiers too */
 #define RCC_APB2ENR_TIM1 (1UL << 11)

@@ -142,9 +142,10 @@ class Board:
 
     `clock_library` is core_clock.c. `choose` takes the parts out of their tolerances (analogue.Parts). With ideal ones a
     count is measured as it was set. `flashed`: (address, bytes) that are in the flash beside the image.
+    `kept`: words of the backup registers, as a board has them whose supply stayed.
     """
 
-    def __init__(self, image, board_file, clock_library, reset_flags=PIN_FLAG, choose=analogue.ideal, flashed=()):
+    def __init__(self, image, board_file, clock_library, reset_flags=PIN_FLAG, choose=analogue.ideal, flashed=(), kept=()):
         board = tomllib.loads(board_file.read_text(encoding="utf-8"))
         hal = board["hal"]
         self.zero = round(hal["amplifier_zero_v"] / hal["adc_reference_v"] * 4096)
@@ -153,6 +154,7 @@ class Board:
         self.trip_a = board["board"]["trip_a"]
         self.parts = analogue.Parts(choose)
         self.chip = Chip(reset_flags, self.parts, board["board"]["baud"])
+        self.chip.power.backup.words = kept
         self.core = Core(image, self.chip, clock_library, flashed)
         self._stays = False  # the background, where it is
 

@@ -44,6 +44,32 @@ class Awaited:
         return self.seen
 
 
+class Backup(Block):
+    """The backup registers: they keep their words through each reset. RM0440 6.1.6: locked until DBP."""
+
+    COUNT = 16
+
+    def __init__(self, power):
+        super().__init__("TAMP", 0x40002400, {f"BKP{number}R": (0x100 + 4 * number, Register(on_write=self._writer(power, number)))
+                                              for number in range(self.COUNT)},
+                         lambda: bit(power.rcc["APB1ENR1"], 10))
+
+    def _writer(self, power, number):
+        def write(value):
+            if bit(power.pwr["CR1"], 8):
+                self[f"BKP{number}R"] = value
+        return write
+
+    @property
+    def words(self):
+        return [self[f"BKP{number}R"] for number in range(self.COUNT)]
+
+    @words.setter
+    def words(self, words):
+        for number, word in enumerate(words):
+            self[f"BKP{number}R"] = word
+
+
 class Power:
     """Regulator, flash and clock tree: the step to 170 MHz has to be done in the manual's order."""
 
@@ -54,6 +80,7 @@ class Power:
         self.regulator = Awaited(chip, REGULATOR_SETTLING)
         self.halved = 0
         self.pwr = Block("PWR", 0x40007000, {
+            "CR1": (0x00, Register(0x200, 0x100)),
             "CR2": (0x04, Register(0, 0xF)),
             "CR3": (0x08, Register(0x8000, 1 << 14)),
             "SR2": (0x14, Register(0, 0, lambda: self._settling() << 10)),
@@ -66,11 +93,12 @@ class Power:
             "PLLCFGR": (0x0C, Register(0x1000, 0x07007FF3, on_write=self._set_pll)),
             "AHB1ENR": (0x48, Register(0x100, 0x1000)),
             "AHB2ENR": (0x4C, Register(0, 0x00052007)),
-            "APB1ENR1": (0x58, Register(0, 0x10020000)),
+            "APB1ENR1": (0x58, Register(0, 0x10020400)),
             "APB2ENR": (0x60, Register(0, 0x20801)),
             "CSR": (0x94, Register(reset_flags, 0x00800000, on_write=self._clear_flags)),
         })
-        self.blocks = [self.pwr, self.flash, self.flash.store, self.rcc]
+        self.backup = Backup(self)
+        self.blocks = [self.pwr, self.flash, self.flash.store, self.rcc, self.backup]
 
     def enabled(self, register, number):
         """A function that says whether a peripheral has its clock."""

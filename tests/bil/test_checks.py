@@ -27,7 +27,7 @@ FLIPS = {
     "ADC12_CCR": 1 << 16, "ADC1_CFGR": 1 << 12, "ADC1_SMPR1": 1 << 3, "ADC1_SMPR2": 1 << 24, "ADC1_SQR1": 1 << 6,
     "ADC1_JSQR": 1 << 17, "ADC2_CFGR": 1 << 12, "ADC2_SMPR1": 1 << 9, "ADC2_SMPR2": 1 << 25, "ADC2_SQR1": 1 << 7,
     "ADC2_JSQR": 1 << 21, "RCC_CFGR": 1 << 8, "RCC_PLLCFGR": 1 << 8, "RCC_CR": 1 << 24, "RCC_AHB2ENR": 1 << 18,
-    "FLASH_ACR": 1 << 2, "PWR_CR5": 1 << 8, "PWR_CR2": 1 << 1, "SYSCFG_CFGR2": 1 << 1, "IWDG_PR": 1 << 0,
+    "FLASH_ACR": 1 << 2, "PWR_CR5": 1 << 8, "PWR_CR1": 1 << 8, "PWR_CR2": 1 << 1, "SYSCFG_CFGR2": 1 << 1, "IWDG_PR": 1 << 0,
     "IWDG_RLR": 1 << 4, "SCB_SHPR3": 1 << 28, "NVIC_IPR4": 1 << 22, "NVIC_ISER0": 1 << 3,
     "SYST_RVR": 1 << 3, "USART2_BRR": 1 << 5,
 }

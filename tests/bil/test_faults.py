@@ -234,11 +234,37 @@ class Ticks(unittest.TestCase):
         self.assertFalse(made.chip.timer.gates_on())
 
 
+class Resets(unittest.TestCase):
+    """The backup registers: heat (Q24), its scale, and a check word."""
+
+    ONE = 1 << 24
+
+    @staticmethod
+    def kept(heat, scale):
+        return heat, scale, ~(heat + scale) & 0xFFFFFFFF
+
+    def test_the_heat_of_the_winding_goes_on_where_it_was(self):
+        heat, scale, check = ready().chip.power.backup.words[:3]
+        self.assertEqual((heat, scale, check), self.kept(heat, scale))
+        before = self.kept(self.ONE // 4, scale)
+        after = ready(kept=before).chip.power.backup.words[0]
+        self.assertLess(0, self.ONE // 4 - after)  # it has cooled since the start
+        self.assertLess(self.ONE // 4 - after, self.ONE // 400)
+
+    def test_after_a_loss_of_power_the_winding_counts_as_warm(self):
+        scale = ready().chip.power.backup.words[1]
+        for kept in ((), (self.ONE // 4, scale, 0)):
+            with self.subTest(kept):
+                heat = ready(kept=kept).chip.power.backup.words[0]
+                self.assertLess(0.99 * self.ONE, heat)
+                self.assertLess(heat, self.ONE)
+
+
 class Console(unittest.TestCase):
     def test_what_is_no_command_is_refused_in_one_line_and_the_last_speeds_are_taken(self):
         made = ready()
         limit = int(re.search(r"at most (\d+) either way", answer(made, "speed fast"))[1])
-        commands = "the commands are run, stop, clear, speed RPM, torque NM, zero, status, dump, record, identify"
+        commands = "the commands are run, stop, clear, speed RPM, torque NM, zero, unlock, status, dump, record, identify"
         speeds = f"speed takes a whole number of rpm, at most {limit} either way"
         for line, wrong in (("sped 3", commands), ("run " + 100 * "x", commands), ("clear", "there is no fault to clear"),
                             ("speed fast", speeds), (f"speed {limit + 1}", speeds), (f"speed {-limit - 1}", speeds)):

@@ -20,7 +20,7 @@ GATES = {"A": (8, 9, 10, 12), "B": (15,), "C": (13,)}
 
 # Written to make something happen, or by each tick; what they do is tested as behaviour.
 ACTIONS = {"GPIOC_BSRR", "IWDG_KR", "SYSTEM_SYST_CVR", "RCC_CSR", "TIM1_EGR", "TIM1_SR", "TIM1_CCR1", "TIM1_CCR2",
-           "TIM1_CCR3", "TIM16_SR", "CRC_DR", "ADC1_ISR", "ADC2_ISR", "USART2_TDR"}
+           "TIM1_CCR3", "TIM16_SR", "CRC_DR", "ADC1_ISR", "ADC2_ISR", "USART2_TDR", "TAMP_BKP0R", "TAMP_BKP1R", "TAMP_BKP2R"}
 
 
 def placed(reset, width, fields):
@@ -80,7 +80,7 @@ def expected():
     inverted = 0 if HAL["break_polarity"] == "active_high" else 1 << 10 | 1 << 11 | 1 << 13
     return dict(pins()) | {
         "SYSTEM_SCB_VTOR": 0x08000000,
-        "RCC_APB1ENR1": 1 << 17 | 1 << 28,           # USART2, PWR
+        "RCC_APB1ENR1": 1 << 10 | 1 << 17 | 1 << 28, # backup registers, USART2, PWR
         "RCC_APB2ENR": 1 << 0 | 1 << 11 | 1 << 17,   # SYSCFG, TIM1, TIM16
         "RCC_AHB1ENR": 1 << 8 | 1 << 12,             # flash as after reset, CRC unit
         "CRC_CR": 7 << 5,                            # words and result with the lowest bit first
@@ -88,6 +88,7 @@ def expected():
         "RCC_CR": 1 << 8 | 1 << 10 | 1 << 24 | 1 << 25,
         "RCC_PLLCFGR": 2 | 3 << 4 | 85 << 8 | 1 << 24,
         "RCC_CFGR": 0xF,
+        "PWR_CR1": 0x200 | 1 << 8,                   # range 1; backup registers that can be written
         "PWR_CR5": 0,                                # boost
         "PWR_CR3": 0x8000 | 1 << 14,                 # PB4 without the pull-down of a dead battery
         "FLASH_ACR": 0x40000 | 4 | 7 << 8,

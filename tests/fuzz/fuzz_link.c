@@ -28,6 +28,7 @@ static const about_t ABOUT = {DRIVE_ABOUT};
 struct hal {
     uint32_t ticks;
     hal_health_t health;
+    uint32_t kept[HAL_KEPT_WORDS];
 };
 
 /* The serial line: what is to be received, how much may be sent, and the frame that is being sent. */
@@ -148,6 +149,16 @@ uint32_t hal_ticks(const hal_t *hal)
 hal_health_t hal_health(const hal_t *hal)
 {
     return hal->health;
+}
+
+void hal_keep(hal_t *hal, uint32_t index, uint32_t word)
+{
+    hal->kept[index] = word;
+}
+
+uint32_t hal_kept(const hal_t *hal, uint32_t index)
+{
+    return hal->kept[index];
 }
 
 bool hal_store_read(hal_t *hal, uint32_t slot, uint32_t unit, uint8_t bytes[HAL_STORE_UNIT_BYTES])

@@ -20,6 +20,7 @@
 struct hal {
     uint32_t ticks;
     hal_health_t health;
+    uint32_t kept[HAL_KEPT_WORDS];
 };
 
 /* The scales of example_cfg.h on its motor. */
@@ -66,6 +67,16 @@ uint32_t hal_ticks(const hal_t *hal)
 hal_health_t hal_health(const hal_t *hal)
 {
     return hal->health;
+}
+
+void hal_keep(hal_t *hal, uint32_t index, uint32_t word)
+{
+    hal->kept[index] = word;
+}
+
+uint32_t hal_kept(const hal_t *hal, uint32_t index)
+{
+    return hal->kept[index];
 }
 
 static void tick(uint32_t count)

@@ -171,6 +171,28 @@ TEST(test_an_imposed_current_of_twice_the_continuous_one_is_a_fault_in_time)
     TEST_ASSERT_DOUBLE_WITHIN(expected * 2e-3, expected, k);
 }
 
+/* Up to six times the continuous current, the ends of the word: 36 of 64. */
+TEST(test_heat_follows_the_square_of_a_current_that_is_far_above_the_continuous_one)
+{
+    const double tolerance =
+        1e-4 + 1.1e-4 +
+        6e-4; /* as above; a coarser scale rounds to less than that of a heat of 16 */
+
+    cfg.heat_shift += 4U; /* the same heat at a quarter of the current */
+    for (int32_t current = CONTINUOUS / 2; current <= ((CONTINUOUS * 6) / 4); current += 64) {
+        const double ratio = 4.0 * current / CONTINUOUS;
+        const double end = ratio * ratio;
+
+        derating_reset(&derating, &cfg);
+        for (int32_t k = 0; k < 500; k++) {
+            (void)step_with(current, COLD);
+        }
+        TEST_ASSERT_DOUBLE_WITHIN(end * tolerance,
+                                  end * (1.0 - exp(-500 * PERIOD_S / TIME_CONSTANT_S)),
+                                  derating.heat_q24 / 16777216.0);
+    }
+}
+
 TEST(test_heat_stays_in_its_word_at_the_largest_current_for_every_setting)
 {
     for (uint32_t shift = 0U; shift <= 27U; shift++) {
