@@ -5,6 +5,7 @@
 
 #define LATCHED "a fault is latched; clear it first"
 #define NO_FAULT "there is no fault to clear"
+#define NO_REST "what protects is unlocked at rest only; stop the drive first"
 #define NO_POSITION "the rotor is not known at rest; a start counts from its own zero"
 #define RUN_FROM_ZERO (DRIVE_REQUEST_RUN | DRIVE_REQUEST_ZERO)
 
@@ -221,6 +222,17 @@ bool commander_is_at_rest(const app_t *app)
     return calm && !app->out.gate_enable && (command_mailbox_take(&app->mailbox).request == 0U);
 }
 
+const char *commander_unlock(app_t *app)
+{
+    app->unlocked = commander_is_at_rest(app);
+    return app->unlocked ? NULL : NO_REST;
+}
+
+void commander_lock(app_t *app)
+{
+    app->unlocked = false;
+}
+
 /* What the drive has obeyed, or obeys no more. It was told of the zero in its last frame. */
 static uint8_t requests_over(const app_t *app)
 {
@@ -246,4 +258,5 @@ void commander_step(app_t *app)
         commander_renew_ticket(app, 0U);
     }
     app->failed = failed;
+    app->unlocked = app->unlocked && commander_is_at_rest(app);
 }

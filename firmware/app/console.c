@@ -221,10 +221,12 @@ static void do_other_line(console_t *console)
         (void)answer(console, ask_for_dump(console));
     } else if (same(line, "record")) {
         (void)answer(console, record_anew(console));
+    } else if (same(line, "unlock")) {
+        (void)answer(console, commander_unlock(console->app));
     } else {
         (void)answer(
             console,
-            "the commands are run, stop, clear, speed RPM, torque NM, zero, status, dump, record, identify");
+            "the commands are run, stop, clear, speed RPM, torque NM, zero, unlock, status, dump, record, identify");
     }
 }
 
@@ -232,7 +234,8 @@ static void do_other_line(console_t *console)
 static bool is_command(const char *line)
 {
     return (text_after(line, "speed ") != NULL) || (text_after(line, "torque ") != NULL) ||
-           same(line, "run") || same(line, "clear") || same(line, "zero") || same(line, "identify");
+           same(line, "run") || same(line, "clear") || same(line, "zero") ||
+           same(line, "identify") || same(line, "unlock");
 }
 
 /* Whether it commands the drive. */

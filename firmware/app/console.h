@@ -2,7 +2,7 @@
 /*
  * The console: one command a line, one line as answer; and the status when the drive changes its state.
  *
- *     run  stop  clear  speed RPM  torque NM  status  dump  record  identify
+ *     run  stop  clear  speed RPM  torque NM  zero  unlock  status  dump  record  identify
  *
  * It is given the bytes that were typed, and leaves what it says in `out`; the line is link.h's. It runs in the background,
  * commands the drive by way of commander.h and reads it; the control tick may interrupt it at any instruction.

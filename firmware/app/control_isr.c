@@ -16,6 +16,7 @@ const char *app_init(app_t *app, hal_t *hal, const drive_cfg_t *cfg)
     app->recorder = NULL;
     app->ticket = 0U;
     app->failed = false;
+    app->unlocked = false;
     app->change = NULL;
     app->fails = false;
     app->check = (cross_check_t){.tick = 0U};

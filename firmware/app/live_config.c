@@ -3,6 +3,7 @@
 
 #include "commander.h"
 #include "config_change.h"
+#include "config_lock.h"
 
 #include <stddef.h>
 
@@ -73,6 +74,7 @@ void live_config_forget(live_config_t *live)
     live->preparing = false;
     live->applied = NONE_PREPARED;
     live->applied_crc = 0U;
+    commander_lock(live->app);
 }
 
 /* Whether this image may run with the prepared block. */
@@ -98,11 +100,28 @@ static live_config_verdict_t change_verdict(const live_config_t *live)
     return verdict;
 }
 
-/* Checks the prepared block, and hands it to the control interrupt. */
-static live_config_verdict_t change_to_prepared(live_config_t *live)
+/* Whether the prepared block protects as the one in force does, or somebody has unlocked that. */
+static live_config_verdict_t lock_verdict(const live_config_t *live)
+{
+    live_config_verdict_t verdict = DONE;
+
+    if (!live->app->unlocked) {
+        verdict.path = config_lock_refused(&live->in_force->cfg, &live->prepared->cfg);
+        verdict.why = (verdict.path == NULL)
+                          ? NULL
+                          : "protects less than what is in force; stop the drive and unlock first";
+    }
+    return verdict;
+}
+
+/* Checks the prepared block, and hands it to the control interrupt. of_image: it is that of the image, which no lock holds up. */
+static live_config_verdict_t change_to_prepared(live_config_t *live, bool of_image)
 {
     live_config_verdict_t verdict = block_verdict(live);
 
+    if ((verdict.why == NULL) && !of_image) {
+        verdict = lock_verdict(live);
+    }
     if (verdict.why == NULL) {
         verdict = change_verdict(live);
     }
@@ -112,6 +131,7 @@ static live_config_verdict_t change_to_prepared(live_config_t *live)
     if (verdict.why == NULL) {
         app_change(live->app, &live->prepared->cfg);
         live->pending = true;
+        commander_lock(live->app);
     }
     return verdict;
 }
@@ -126,7 +146,7 @@ live_config_verdict_t live_config_apply(live_config_t *live, uint32_t crc)
         live->preparing = false;
         live->applied =
             (live->prepared->cfg.crc == crc)
-                ? change_to_prepared(live)
+                ? change_to_prepared(live, false)
                 : (live_config_verdict_t){NULL, "another block was prepared; write it again"};
         live->applied_crc = crc;
         verdict = live->applied;
@@ -150,7 +170,7 @@ live_config_verdict_t live_config_restore(live_config_t *live)
         live_config_forget(live);
         stored_config_of_image(live->prepared, live->about_of_image, live->cfg_of_image);
         if (!is_same(live->prepared, live->in_force)) {
-            verdict = change_to_prepared(live);
+            verdict = change_to_prepared(live, true);
         }
     }
     return verdict;

@@ -52,16 +52,17 @@ void live_config_init(live_config_t *live, app_t *app, hal_t *hal, const about_t
 /* Writes word `at` of the prepared block; beyond its end it is refused, and while a change has not been taken. */
 live_config_verdict_t live_config_write(live_config_t *live, uint32_t at, uint32_t word);
 
-/* The last apply and what was written since then are forgotten. */
+/* The last apply and what was written since then are forgotten, and what protects is locked again. */
 void live_config_forget(live_config_t *live);
 
 /*
  * The prepared block, whose configuration has this `crc`, takes the place of the one in force at the next tick, as a whole. Refused when it is
- * another one, not for this image or not good, or changes what the drive cannot change in its state.
+ * another one, not for this image or not good, changes what the drive cannot change in its state, or protects less and nobody has unlocked
+ * that (commander_unlock()).
  */
 live_config_verdict_t live_config_apply(live_config_t *live, uint32_t crc);
 
-/* The configuration of the image takes the place of the one in force, under the same conditions. */
+/* The configuration of the image takes the place of the one in force, under the same conditions; it needs no unlocking. */
 live_config_verdict_t live_config_restore(live_config_t *live);
 
 /* Whether the board has a store: whether any unit of it can be read. */

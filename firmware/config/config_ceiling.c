@@ -1,28 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "config_ceiling.h"
 
-#include <stddef.h>
+#include "config_rule.h"
 
 #define RATE_SHIFT_MAX (30U)
 #define ROUNDING \
     (1024U) /* a mantissa has 14 bits at least: a rate may be rounded down by less than one of so many */
-
-typedef struct {
-    const char *path;
-    bool crossed;
-} row_t;
-
-static const char *first_crossed(const row_t *rows, uint32_t count)
-{
-    const char *path = NULL;
-
-    for (uint32_t k = 0U; (k < count) && (path == NULL); k++) {
-        if (rows[k].crossed) {
-            path = rows[k].path;
-        }
-    }
-    return path;
-}
 
 /* Whether nothing is left at a later point, or on the other side. A gain of 0 never takes anything. */
 static bool ends_later(const fade_t *image, const fade_t *fade)
@@ -75,7 +58,7 @@ static const char *board_crossed(const drive_cfg_t *image, const drive_cfg_t *cf
     const protection_cfg_t *const limits = &image->protection;
     const derating_cfg_t *const hot = &image->derating;
     const derating_cfg_t *const derating = &cfg->derating;
-    const row_t rows[] = {
+    const config_rule_t rules[] = {
         {"protection.current_max", cfg->protection.current_max > limits->current_max},
         {"protection.bus_max", cfg->protection.bus_max > limits->bus_max},
         {"protection.offset_max", cfg->protection.offset_max > limits->offset_max},
@@ -85,14 +68,14 @@ static const char *board_crossed(const drive_cfg_t *image, const drive_cfg_t *cf
         {"derating.temperature_periods", waits_longer(image, cfg)},
     };
 
-    return first_crossed(rows, (uint32_t)(sizeof(rows) / sizeof(rows[0])));
+    return config_rule_broken(rules, CONFIG_RULES(rules));
 }
 
 static const char *motor_crossed(const drive_cfg_t *image, const drive_cfg_t *cfg)
 {
     const derating_cfg_t *const limits = &image->derating;
     const derating_cfg_t *const derating = &cfg->derating;
-    const row_t rows[] = {
+    const config_rule_t rules[] = {
         {"derating.current_max", derating->current_max > limits->current_max},
         {"derating.current_continuous", derating->current_continuous > limits->current_continuous},
         {"derating.heat_gain", heat_of(derating) < heat_of(limits)},
@@ -101,7 +84,7 @@ static const char *motor_crossed(const drive_cfg_t *image, const drive_cfg_t *cf
         {"derating.heat", ends_later(&limits->heat, &derating->heat)},
     };
 
-    return first_crossed(rows, (uint32_t)(sizeof(rows) / sizeof(rows[0])));
+    return config_rule_broken(rules, CONFIG_RULES(rules));
 }
 
 const char *config_ceiling_crossed(const drive_cfg_t *image, const drive_cfg_t *cfg,

@@ -13,6 +13,7 @@
 #include "readable.h"
 #include "trimmed.h"
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <utility>
@@ -57,6 +58,16 @@ std::string keys_of(const std::vector<std::string> &assignments)
         keys.push_back(readable(debug::trimmed(each.substr(0, each.find('=')))));
     }
     return fmt::format("{}", fmt::join(keys, ", "));
+}
+
+// The board knows only its own name of a key: where one key was set, that one says more.
+std::string without_path(const std::string &why)
+{
+    const std::string first = why.substr(0, why.find(' '));
+    const auto &rows = cfg_rows();
+    const bool is_path =
+        std::any_of(rows.begin(), rows.end(), [&](const CfgRow &row) { return first == row.path; });
+    return is_path ? why.substr(first.size() + 1) : why;
 }
 
 void put_raw(drive_cfg_t &cfg, const CfgRow &row, const drive_cfg_t &from)
@@ -143,8 +154,8 @@ Answer ConfigurationCommands::set(const std::string &assignments)
         files_ = std::move(wanted);
         answer.text = "ok: " + differences(in_force, cfg, follower_.bases(), DIFFERENCES_SHOWN);
     } else {
-        // The board knows only its own name of a key.
-        answer.text = fmt::format("{}: {}", keys_of(each), answer.text);
+        answer.text = fmt::format("{}: {}", keys_of(each),
+                                  each.size() == 1 ? without_path(answer.text) : answer.text);
     }
     return answer;
 }
@@ -154,7 +165,7 @@ Answer ConfigurationCommands::adopt(const std::string &motor)
     FileChoice wanted = files_;
     wanted.motor = motor.empty() ? files_.motor : motor;
     wanted = with_own_motor(follower_.block_in_force().about.name, wanted);
-    const Answer answer = apply(make_block(nf::live::load(wanted)));
+    const Answer answer = apply_of_another_motor(make_block(nf::live::load(wanted)));
     if (answer.outcome == Outcome::done) {
         files_ = std::move(wanted);
     }
@@ -175,12 +186,19 @@ Answer ConfigurationCommands::take_plate(const Config &plate)
     Config config = with_typical(plate);
     config.sources.motor_is_example =
         false; // whoever names it says that it is the one that is connected
-    return apply(make_block(config));
+    return apply_of_another_motor(make_block(config));
 }
 
 Answer ConfigurationCommands::apply(const config_block_t &block)
 {
     return of_verdict(follower_.change(block));
+}
+
+// Whoever names a motor says that it is the one that is connected: what protects follows from it. A drive that runs stays locked.
+Answer ConfigurationCommands::apply_of_another_motor(const config_block_t &block)
+{
+    (void)follower_.client().line("unlock");
+    return apply(block);
 }
 
 Answer ConfigurationCommands::defaults()

@@ -21,11 +21,11 @@ public:
     // One or several KEY=VALUE, which act together from one tick on. Only settings of the drive that these keys change are
     // written; a setting that somebody has changed without the files is not changed again, and its path is said.
     debug::Answer set(const std::string &assignments);
-    // That of the files; with a motor's, which is the session's from then on.
+    // That of the files; with a motor's, which is the session's from then on. At rest what protects is unlocked for it.
     debug::Answer adopt(const std::string &motor = "");
     // The name plate of a file on the board that is connected, or, without one, of the motor in force.
     Config plate(const std::string &motor);
-    // A name plate becomes what is in force, with typical values (plate.h) for what it does not say.
+    // A name plate becomes what is in force, with typical values (plate.h) for what it does not say. Unlocks as adopt().
     debug::Answer take_plate(const Config &plate);
     // That of the image.
     debug::Answer defaults();
@@ -41,6 +41,7 @@ public:
 
 private:
     debug::Answer apply(const config_block_t &block);
+    debug::Answer apply_of_another_motor(const config_block_t &block);
 
     Follower &follower_;
     FileChoice files_;

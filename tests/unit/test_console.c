@@ -9,7 +9,7 @@
 
 #define SAID_MAX (4096U)
 #define HELP \
-    "error: the commands are run, stop, clear, speed RPM, torque NM, zero, status, dump, record, identify\r\n"
+    "error: the commands are run, stop, clear, speed RPM, torque NM, zero, unlock, status, dump, record, identify\r\n"
 #define WRONG_SPEED "error: speed takes a whole number of rpm, at most 2000 either way\r\n"
 
 static struct {

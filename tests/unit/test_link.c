@@ -10,7 +10,7 @@
 #include "testing.h"
 
 #define HELP \
-    "error: the commands are run, stop, clear, speed RPM, torque NM, zero, status, dump, record, identify\r\n"
+    "error: the commands are run, stop, clear, speed RPM, torque NM, zero, unlock, status, dump, record, identify\r\n"
 #define TICKS_OF_PAUSE (20000U) /* 2 s at 10 kHz */
 #define PASSES_ALONE (100000U)  /* where no tick runs */
 #define PASSES_PAUSE (2000000U)

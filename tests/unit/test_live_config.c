@@ -12,6 +12,7 @@
 #include <string.h>
 
 #define RUNNING "cannot change while the drive runs; stop the drive first"
+#define LOCKED "protects less than what is in force; stop the drive and unlock first"
 #define PENDING "the change before has not been taken yet; ask again"
 #define NO_BLOCK "no block was prepared"
 #define CEILING \
@@ -261,6 +262,59 @@ TEST(test_with_an_example_motor_in_the_image_another_motor_may_have_more_current
     wanted.cfg.protection.current_max++;
     seal();
     assert_verdict("protection.current_max", CEILING, apply_wanted());
+}
+
+/* A late tick more than before is a fault. */
+static void want_less(void)
+{
+    wanted.cfg.supervision.late_max++;
+    seal();
+}
+
+TEST(test_what_protects_is_lessened_once_after_it_was_unlocked)
+{
+    want_less();
+    assert_verdict("supervision.late_max", LOCKED, apply_wanted());
+    TEST_ASSERT_NULL(commander_unlock(&app));
+    commander_step(&app);
+    bring_into_force();
+    want_less();
+    assert_verdict("supervision.late_max", LOCKED, apply_wanted());
+}
+
+TEST(test_a_drive_that_does_not_rest_stays_locked)
+{
+    run();
+    TEST_ASSERT_NOT_NULL(commander_unlock(&app));
+    want_less();
+    assert_verdict("supervision.late_max", LOCKED, apply_wanted());
+    wanted.cfg.supervision.late_max -= 2U;
+    seal();
+    bring_into_force();
+}
+
+TEST(test_a_run_and_another_session_lock_what_was_unlocked)
+{
+    TEST_ASSERT_NULL(commander_unlock(&app));
+    run();
+    commander_step(&app);
+    stop();
+    want_less();
+    assert_verdict("supervision.late_max", LOCKED, apply_wanted());
+    TEST_ASSERT_NULL(commander_unlock(&app));
+    live_config_forget(&live);
+    assert_verdict("supervision.late_max", LOCKED, apply_wanted());
+}
+
+/* The author of the image has chosen it. */
+TEST(test_the_configuration_of_the_image_needs_no_unlocking)
+{
+    wanted.cfg.supervision.late_max--;
+    seal();
+    bring_into_force();
+    assert_verdict(NULL, NULL, live_config_restore(&live));
+    take();
+    TEST_ASSERT_EQUAL_UINT32(image_cfg.crc, live.in_force->cfg.crc);
 }
 
 /* Some words of the limits of board and motor, each within twice of what it was. */

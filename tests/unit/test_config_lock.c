@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: MIT */
+/* What a configuration may not lessen while it is locked: each setting in both directions. */
+#include "config_lock.h"
+#include "example_cfg.h"
+#include "testing.h"
+
+static drive_cfg_t from;
+static drive_cfg_t to;
+
+void setUp(void)
+{
+    from = example_drive_cfg();
+    from.derating.bus_current_max = 1000;
+    from.derating.bus_regeneration_max = 500;
+    from.link.timeout_ticks = 10000U;
+    from.safe_state.open_speed = 100000;
+    from.protection.bus_min = 100;
+    from.oscillation.act = 2U;
+    from.oscillation.amplitude_max = 1000;
+    from.supervision.phase_range_min = 1000;
+    from.supervision.voltage_max = 1000;
+    from.supervision.follow_error_max = 1000;
+    from.supervision.residual_max = 1000;
+    from.supervision.speed_error_max = 1000;
+    from.supervision.overspeed = 1000;
+    from.supervision.stall_current = 1000;
+    from.supervision.sum_max = 1000;
+    from.supervision.sum_share_q15 = 1000;
+    to = from;
+}
+
+static void assert_refused(const char *path)
+{
+    TEST_ASSERT_EQUAL_STRING(path, config_lock_refused(&from, &to));
+    to = from;
+}
+
+static void assert_free(void)
+{
+    TEST_ASSERT_NULL(config_lock_refused(&from, &to));
+    to = from;
+}
+
+TEST(test_the_same_configuration_is_free)
+{
+    assert_free();
+}
+
+TEST(test_the_watch_for_swings_may_do_more_and_not_less)
+{
+    to.oscillation.act = 1U;
+    assert_refused("oscillation.act");
+    to.oscillation.act = 0U;
+    assert_refused("oscillation.act");
+    from.oscillation.act = 1U;
+    to.oscillation.act = 2U;
+    assert_free();
+    to.oscillation.halves_max++;
+    assert_refused("oscillation.halves_max");
+    to.oscillation.halves_max--;
+    assert_free();
+}
+
+/* 0 is no limit. */
+TEST(test_a_limit_that_may_be_none_may_become_smaller_and_neither_larger_nor_none)
+{
+    to.link.timeout_ticks++;
+    assert_refused("link.timeout_ticks");
+    to.link.timeout_ticks = 0U;
+    assert_refused("link.timeout_ticks");
+    to.link.timeout_ticks--;
+    assert_free();
+    to.derating.bus_current_max++;
+    assert_refused("derating.bus_current_max");
+    to.derating.bus_current_max = 0;
+    assert_refused("derating.bus_current_max");
+    to.derating.bus_regeneration_max++;
+    assert_refused("derating.bus_regeneration_max");
+    to.derating.bus_regeneration_max = 1;
+    assert_free();
+    from.link.timeout_ticks = 0U;
+    to.link.timeout_ticks = 5U;
+    assert_free();
+}
+
+TEST(test_a_motor_that_is_shorted_at_a_stop_stays_so)
+{
+    to.safe_state.open_speed = 0;
+    assert_refused("safe_state.open_speed");
+    to.safe_state.open_speed = 1;
+    assert_free();
+    from.safe_state.open_speed = 0;
+    to.safe_state.open_speed = 1;
+    assert_free();
+    from.safe_state.open_speed = 0;
+    to.safe_state.open_speed = 0;
+    assert_free();
+}
+
+TEST(test_the_lowest_bus_does_not_sink)
+{
+    to.protection.bus_min--;
+    assert_refused("protection.bus_min");
+    to.protection.bus_min++;
+    assert_free();
+}
+
+TEST(test_late_ticks_do_not_become_more_nor_their_window_shorter)
+{
+    to.supervision.late_max++;
+    assert_refused("supervision.late_max");
+    to.supervision.late_window -= 2U;
+    assert_refused("supervision.late_window");
+    to.supervision.late_window++;
+    assert_free();
+}
+
+/* A period more is the rounding of a time. */
+TEST(test_a_symptom_does_not_last_longer_by_more_than_a_period)
+{
+    static const struct {
+        const char *path;
+        uint32_t *periods;
+    } times[] = {{"supervision.runaway_periods", &to.supervision.runaway_periods},
+                 {"supervision.overspeed_periods", &to.supervision.overspeed_periods},
+                 {"supervision.stall_periods", &to.supervision.stall_periods}};
+
+    for (uint32_t k = 0U; k < (sizeof(times) / sizeof(times[0])); k++) {
+        *times[k].periods += 1U;
+        assert_free();
+        *times[k].periods += 2U;
+        assert_refused(times[k].path);
+        *times[k].periods = 0U;
+        assert_free();
+    }
+}
+
+TEST(test_a_time_is_the_same_in_slow_periods_of_another_length)
+{
+    from.supervision.late_window = 200U;
+    from.supervision.runaway_periods = 200U;
+    from.supervision.overspeed_periods = 200U;
+    from.supervision.stall_periods = 200U;
+    to = from;
+    to.slow_ticks = 2U * from.slow_ticks;
+    to.supervision.late_window /= 2U;
+    to.supervision.runaway_periods /= 2U;
+    to.supervision.overspeed_periods /= 2U;
+    to.supervision.stall_periods /= 2U;
+    assert_free();
+}
+
+TEST(test_a_limit_that_follows_from_the_motor_may_be_twice_as_wide_and_not_wider)
+{
+    static const struct {
+        const char *path;
+        int32_t *limit;
+    } limits[] = {{"supervision.phase_range_min", &to.supervision.phase_range_min},
+                  {"supervision.voltage_max", &to.supervision.voltage_max},
+                  {"supervision.follow_error_max", &to.supervision.follow_error_max},
+                  {"supervision.residual_max", &to.supervision.residual_max},
+                  {"supervision.speed_error_max", &to.supervision.speed_error_max},
+                  {"supervision.overspeed", &to.supervision.overspeed},
+                  {"supervision.stall_current", &to.supervision.stall_current},
+                  {"supervision.sum_max", &to.supervision.sum_max},
+                  {"supervision.sum_share_q15", &to.supervision.sum_share_q15},
+                  {"oscillation.amplitude_max", &to.oscillation.amplitude_max}};
+
+    for (uint32_t k = 0U; k < (sizeof(limits) / sizeof(limits[0])); k++) {
+        *limits[k].limit = 2001;
+        assert_free();
+        *limits[k].limit = 2002;
+        assert_refused(limits[k].path);
+        *limits[k].limit = 1;
+        assert_free();
+    }
+}
+
+TEST(test_a_time_that_follows_from_the_motor_may_be_twice_as_long_and_not_longer)
+{
+    from.supervision.swing_periods = 100U;
+    from.supervision.speed_error_periods = 100U;
+    to = from;
+    to.supervision.swing_periods = 202U;
+    to.supervision.speed_error_periods = 202U;
+    assert_free();
+    to.supervision.swing_periods = 203U;
+    assert_refused("supervision.swing_periods");
+    to.supervision.speed_error_periods = 203U;
+    assert_refused("supervision.speed_error_periods");
+}
