@@ -20,7 +20,7 @@ IMAGE, BOARD, CLOCK, BIL_MOTOR, MOTORSIM = (Path(argument).resolve() for argumen
 FILE = tomllib.loads(BOARD.read_text(encoding="utf-8"))["board"]
 TICKS_PER_S = FILE["pwm_frequency_hz"]
 HALF_PERIOD = round(FILE["timer_clock_hz"] / TICKS_PER_S / 2)
-SCRIPT = b"set tuning.command_timeout_s=0\nspeed 600\nrun\n"  # a second of this board is no second of the PC
+SCRIPT = b"unlock\nset tuning.command_timeout_s=0\nspeed 600\nrun\n"  # a second of this board is no second of the PC
 LAST = b"wait 0.2\n"  # what is shown is up to two segments behind the board
 LOAD_NM = 2.0
 LOOK_TICKS = 100     # from one look at what is said to the next

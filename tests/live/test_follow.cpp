@@ -15,6 +15,7 @@ extern "C" {
 #include "config_ceiling.h"
 #include "config_check.h"
 #include "config_guard.h"
+#include "config_lock.h"
 #include "testing.h"
 }
 
@@ -351,6 +352,7 @@ TEST(after_a_cut_the_gap_is_named_and_it_is_in_step_within_a_second)
 }
 
 // The block in force, which is the image's, with another value of a row; nothing where the image takes neither neighbour of its value.
+// Of what is locked the one that protects less.
 std::optional<config_block_t> neighbour(const config_block_t &block, const nf::CfgRow &row)
 {
     // A time-out of a tick would stop the drive, and rightly.
@@ -361,7 +363,8 @@ std::optional<config_block_t> neighbour(const config_block_t &block, const nf::C
         std::memcpy(reinterpret_cast<unsigned char *>(&cfg) + row.offset, &raw, sizeof raw);
         cfg.crc = config_guard_crc(&cfg);
         if (config_check(&cfg) == nullptr &&
-            config_ceiling_crossed(&block.cfg, &cfg, true) == nullptr) {
+            config_ceiling_crossed(&block.cfg, &cfg, true) == nullptr &&
+            config_lock_refused(&cfg, &block.cfg) == nullptr) {
             config_block_t changed{};
             config_block_make(&changed, &block.identity, &block.about, &cfg);
             return changed;
@@ -399,7 +402,7 @@ TEST(each_setting_that_may_change_in_run_does_under_load_and_the_others_are_refu
             continue;
         }
         const std::string why = bench.follower.change(*wanted);
-        if (row.in_run) {
+        if (row.in_run && config_lock_refused(&now.cfg, &wanted->cfg) == nullptr) {
             TEST_ASSERT_EQUAL_STRING_MESSAGE("", why.c_str(), row.path);
             bench.pass(BETWEEN_S);
             TEST_ASSERT_EQUAL_STRING("", bench.follower.change(now).c_str());
