@@ -12,10 +12,10 @@
 #include "app.h"
 
 /*
- * 1, the steady heat of the continuous current. The drive limits the current to that one until the winding must have cooled: to
- * 90 %, after a tenth of its time constant at rest.
+ * 0.9 of the steady heat of the continuous current. Derating holds a winding at 1, so the winding is hardly hotter; and up to here it leaves
+ * the largest current (per_unit.cpp), so that a drive starts as ever, and has no reserve beyond the continuous current.
  */
-#define KEPT_HEAT_UNKNOWN_Q24 (0x1000000)
+#define KEPT_HEAT_UNKNOWN_Q24 (0xE66666)
 
 /* Warm the drive by what was kept. Context: after app_init() has accepted the configuration, before the control interrupt is enabled. */
 void kept_heat_restore(app_t *app);

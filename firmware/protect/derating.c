@@ -2,6 +2,7 @@
 #include "derating.h"
 
 #define HEAT_BITS (10U) /* of the heat's Q24 below its Q14 */
+#define HEAT_ONE (1024) /* of Q14 in Q24 */
 #define HEAT_MAX_Q24 (0x40000000)
 #define HEAT_MAX (0x40000000U) /* as above */
 #define HEAT_MAX_BITS (30U)
@@ -38,6 +39,11 @@ static int32_t heat_shifted_up(uint32_t top, uint32_t rest, uint32_t up)
     return (int32_t)((heat < HEAT_MAX) ? heat : HEAT_MAX);
 }
 
+static int32_t limit_of(const derating_cfg_t *cfg)
+{
+    return cfg->heat_max_q14 * HEAT_ONE;
+}
+
 /*
  * The heat in the other scale is heat · ratio · 2^(shift − RATIO_BITS), with a ratio below 2^15: two products of 32 bits
  * hold it, because a Cortex-M0+ has no longer ones. Rounded down; the same configuration changes no bit.
@@ -45,6 +51,7 @@ static int32_t heat_shifted_up(uint32_t top, uint32_t rest, uint32_t up)
 void derating_change(derating_t *derating, const derating_cfg_t *from, const derating_cfg_t *to)
 {
     const uint32_t heat = fx_unsigned(derating->heat_q24);
+    const bool within = derating->heat_q24 <= limit_of(from);
     const uint32_t gain = (uint32_t)from->heat_gain;
     uint32_t ratio = (((uint32_t)to->heat_gain << RATIO_BITS) + (gain / 2U)) / gain;
     int32_t shift = ((int32_t)to->heat_shift - (int32_t)from->heat_shift) - 1;
@@ -69,6 +76,9 @@ void derating_change(derating_t *derating, const derating_cfg_t *from, const der
         const uint32_t less = top >> down;
 
         derating->heat_q24 = (int32_t)less;
+    }
+    if (within) {
+        derating->heat_q24 = fx_min(derating->heat_q24, limit_of(to));
     }
 }
 

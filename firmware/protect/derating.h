@@ -87,7 +87,7 @@ void derating_reset(derating_t *derating, const derating_cfg_t *cfg);
 
 /*
  * Take over another configuration: the heat becomes what the same square of the current is in the scale of `to`, to 2^-14 of
- * it, saturated. Control interrupt only.
+ * it, saturated. A change alone is no overload: a heat within the limit of `from` stays within that of `to`. Control interrupt only.
  */
 void derating_change(derating_t *derating, const derating_cfg_t *from, const derating_cfg_t *to);
 

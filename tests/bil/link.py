@@ -4,7 +4,7 @@
 import binascii
 import struct
 
-HELLO, WRITE, APPLY, STORE = 1, 7, 8, 9
+HELLO, PING, LINE, WRITE, APPLY, STORE = 1, 3, 5, 7, 8, 9
 ANSWER = 0x80
 VERSION = 2
 SALT = 20261129
@@ -62,6 +62,10 @@ class Link:
     def verdict(self, kind, body=b""):
         """Empty, or why not: what is behind the ticket."""
         return self.ask(kind, body)[TICKET_BYTES:].decode()
+
+    def line(self, text):
+        """What a person would type."""
+        self.verdict(LINE, self.ask(PING)[-TICKET_BYTES:] + text.encode())
 
     def apply(self, block):
         """Empty, or why not."""

@@ -111,6 +111,7 @@ class Linked(unittest.TestCase):
 
     @classmethod
     def apply(cls, data):
+        cls.link.line("unlock")
         if verdict := cls.link.apply(data):
             raise AssertionError(verdict)
         cls.made.tick(2 * board.SLOW_TICKS)

@@ -483,6 +483,21 @@ TEST(test_the_heat_of_a_current_is_that_of_the_same_current_in_another_scale)
     }
 }
 
+/* Of 1.5 times the heat for the same current. */
+TEST(test_another_configuration_is_no_overload_by_itself_and_ends_none)
+{
+    const int32_t limit = cfg.heat_max_q14 * 1024;
+    derating_cfg_t other = cfg;
+
+    other.heat_gain = (cfg.heat_gain * 3) / 2;
+    derating.heat_q24 = limit;
+    derating_change(&derating, &cfg, &other);
+    TEST_ASSERT_EQUAL_INT32(limit, derating.heat_q24);
+    derating.heat_q24 = limit + 1024;
+    derating_change(&derating, &cfg, &other);
+    TEST_ASSERT_INT32_WITHIN(limit / 8192, (limit / 2) * 3, derating.heat_q24);
+}
+
 TEST(test_the_least_heat_is_exact_in_a_scale_that_is_much_finer)
 {
     derating_cfg_t other = cfg;

@@ -60,7 +60,7 @@ TEST(test_the_heat_is_that_of_the_same_current_where_another_configuration_start
 }
 
 /* Each flipped bit of the words, words of zeros and of ones, and words that say what cannot be. */
-TEST(test_the_heat_is_that_of_the_continuous_current_where_no_valid_words_were_kept)
+TEST(test_the_winding_counts_as_warm_where_no_valid_words_were_kept)
 {
     static const uint32_t words[][HAL_KEPT_WORDS] = {
         {0U, 0U, 0U},
