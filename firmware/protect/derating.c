@@ -6,6 +6,7 @@
 #define HEAT_MAX_Q24 (0x40000000)
 #define HEAT_MAX (0x40000000U) /* as above */
 #define HEAT_MAX_BITS (30U)
+#define STEP_MAX (0x3FFFFFFFU) /* of the heat in a period: the sum is a word */
 #define RATIO_BITS (16U)
 #define SPLIT_BITS (15U)
 #define SPLIT_MASK (0x7FFFU)
@@ -100,7 +101,7 @@ static int32_t scaled(int32_t current, int32_t share)
     return fx_asr((current * share) + FX_Q15_MAX, 15U);
 }
 
-/* change · 2^up / 2^down, saturated where it is no Q24 any more. */
+/* change · 2^up / 2^down, at most STEP_MAX either way. */
 static int32_t scaled_by(int32_t change, uint32_t up, uint32_t down)
 {
     int32_t result;
@@ -108,9 +109,12 @@ static int32_t scaled_by(int32_t change, uint32_t up, uint32_t down)
     if (up <= down) {
         result = fx_asr(change, down - up);
     } else {
-        const int32_t most = fx_asr(HEAT_MAX_Q24, up - down);
+        const uint32_t size = fx_unsigned(fx_abs(change));
+        const uint32_t more = up - down;
+        const uint32_t larger = (size > (STEP_MAX >> more)) ? STEP_MAX : (size << more);
+        const int32_t step = (int32_t)((larger < STEP_MAX) ? larger : STEP_MAX);
 
-        result = fx_clamp(change, -most, most) * fx_signed(1UL << (up - down));
+        result = (change < 0) ? -step : step;
     }
     return result;
 }
@@ -126,13 +130,19 @@ static void heat_up(derating_t *derating, const derating_cfg_t *cfg, dq_t curren
     const int32_t d = fx_min(fx_abs(current.d), FX_Q15_MAX);
     const int32_t q = fx_min(fx_abs(current.q), FX_Q15_MAX);
     const int32_t square = (d * d) + (q * q);
-    const uint32_t up = (fx_unsigned(square) > largest) ? cfg->heat_shift : 0U;
-    const uint32_t kept = (uint32_t)square << (cfg->heat_shift - up);
-    const int32_t made = fx_mul_32x16((int32_t)kept, cfg->heat_gain);
-    const int32_t change = fx_mul_32x16(made - fx_asr(derating->heat_q24, up), cfg->heat_rate);
-    const int32_t step = scaled_by(change, up, cfg->heat_rate_shift);
+    uint32_t kept = (uint32_t)fx_min(square, (int32_t)largest) << cfg->heat_shift;
+    uint32_t up = 0U;
+    int32_t made;
+    int32_t change;
 
-    derating->heat_q24 = fx_clamp(derating->heat_q24 + step, 0, HEAT_MAX_Q24);
+    if (square > (int32_t)largest) {
+        kept = (uint32_t)square;
+        up = cfg->heat_shift;
+    }
+    made = fx_mul_32x16((int32_t)kept, cfg->heat_gain);
+    change = fx_mul_32x16(made - fx_asr(derating->heat_q24, up), cfg->heat_rate);
+    derating->heat_q24 =
+        fx_clamp(derating->heat_q24 + scaled_by(change, up, cfg->heat_rate_shift), 0, HEAT_MAX_Q24);
 }
 
 static uint32_t flag(uint32_t name, int32_t share)
