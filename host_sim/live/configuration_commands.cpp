@@ -60,6 +60,13 @@ std::string keys_of(const std::vector<std::string> &assignments)
     return fmt::format("{}", fmt::join(keys, ", "));
 }
 
+// By the first words of a block's name, `neurofoc: MOTOR, BOARD, TUNING`.
+bool is_of_another_motor(const config_block_t &block, const config_block_t &other)
+{
+    const auto motor_of = [](const std::string &name) { return name.substr(0, name.find(',')); };
+    return motor_of(block.about.name) != motor_of(other.about.name);
+}
+
 // The board knows only its own name of a key: where one key was set, that one says more.
 std::string without_path(const std::string &why)
 {
@@ -248,9 +255,11 @@ Answer ConfigurationCommands::load(const std::string &path)
     if (path.empty()) {
         return refused("load takes the file of a block, of `dump` or `nfconfig block`");
     }
-    const drive_cfg_t before = follower_.block_in_force().cfg;
+    const config_block_t in_force = follower_.block_in_force();
+    const drive_cfg_t before = in_force.cfg;
     const config_block_t block = parse_block(path, read_bytes(path));
-    Answer answer = apply(block);
+    Answer answer =
+        is_of_another_motor(block, in_force) ? apply_of_another_motor(block) : apply(block);
     if (answer.outcome == Outcome::done) {
         files_.set.clear();
         const std::string changed =

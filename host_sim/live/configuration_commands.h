@@ -33,7 +33,7 @@ public:
     debug::Answer get(const std::string &part);
     // The block in force as a file that is not there yet.
     debug::Answer dump(const std::string &path);
-    // The block of a file.
+    // The block of a file. One for another motor unlocks as adopt().
     debug::Answer load(const std::string &path);
 
     // The files, and what was set in them, that make the configuration in force. Refused where they make another one.

@@ -69,7 +69,7 @@ class FirstHour(unittest.TestCase):
             again, _ = converse(["get", "unlock", "set motor.max_speed_rpm=4000 tuning.command_timeout_s=2 observer.kappa=0.02",
                                  f"dump {block}", "get"], ["--motor", measured], flash)
             self.assertIn(in_force(said).strip(), again)
-            other, _ = converse(["unlock", f"load {block}", "get"])
+            other, _ = converse([f"load {block}", "get"])
             self.assertEqual(in_force(again), in_force(other))
 
     def assert_measured(self, found):
