@@ -86,8 +86,9 @@ int32_t speed_loop_accelerate(speed_loop_t *loop, const speed_loop_cfg_t *cfg, s
 /* change = net·2^(16 + shift − lift)/inertia; the division gives it over 2^(1 + shift − lift). */
 static step_t scaled_response(const speed_loop_cfg_t *cfg, int32_t quotient)
 {
-    /*@ split cfg->inertia_lift; */
-    const uint32_t up = (uint32_t)fx_min((int32_t)cfg->inertia_shift + 1, RESPONSE_SHIFT_MAX);
+    /*@ split cfg->inertia_shift; */
+    const int32_t doubled = (int32_t)cfg->inertia_shift + 1;
+    const uint32_t up = (uint32_t)fx_min(doubled, RESPONSE_SHIFT_MAX);
     const int32_t largest = fx_asr(CHANGE_MAX, up);
     const uint32_t scale = (uint32_t)1U << up;
     const int32_t lowered = fx_asr(quotient, cfg->inertia_lift);
@@ -265,6 +266,7 @@ void speed_loop_learn(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t ch
 /* Whole turns, rounded down, without what is beyond a multiple of `turn` (1…50). */
 static uint32_t multiple_below(int32_t whole, int32_t turn)
 {
+    /*@ split turn; */
     const int32_t beyond = whole % turn;
     const int32_t within = (beyond < 0) ? (beyond + turn) : beyond;
 

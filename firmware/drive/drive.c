@@ -367,10 +367,11 @@ static void fail_as_told(drive_t *drive, const drive_command_t *command)
     const uint32_t numbers = fx_unsigned(command->target);
     const uint32_t value = numbers & 0xFFFFU;
     const uint32_t limit = numbers >> 16U;
-    const fault_t fault = {
-        .id = (fault_id_t)command->mode, .value = (int32_t)value, .limit = (int32_t)limit};
 
     if ((command->mode > (uint8_t)FAULT_NONE) && (command->mode < (uint8_t)FAULT_COUNT)) {
+        const fault_t fault = {
+            .id = (fault_id_t)command->mode, .value = (int32_t)value, .limit = (int32_t)limit};
+
         fail(drive, &fault);
     }
 }
@@ -416,6 +417,7 @@ static void initialise(drive_t *drive, const drive_cfg_t *cfg)
     model_reset(&drive->model, &nominal);
     speed_loop_init(&drive->speed_loop);
     probe_reset(&drive->probe);
+    supervision_forget_flux(&drive->supervision);
     drive->slow_count = cfg->slow_ticks;
     enter(drive, DRIVE_STATE_INIT);
     modulator_reset(&drive->modulator, &cfg->modulator);

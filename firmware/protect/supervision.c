@@ -10,6 +10,7 @@
 #define FLUX_TIME_SHIFT (4U) /* φ̂ settles, and is compared, over 2^4 means: a second */
 #define EMF_SHARE_SHIFT (2U)
 #define Q30_TO_Q14 (16U)
+#define FLUX_OF_FILE_Q30 (0x40000000)
 
 /* Word by word: a library's memset takes five times as long. */
 void supervision_forget_imposed(supervision_t *state)
@@ -232,7 +233,7 @@ fault_id_t supervision_check_voltage(supervision_t *state, const supervision_cfg
 
 void supervision_forget_flux(supervision_t *state)
 {
-    state->flux_q30 = 0;
+    state->flux_q30 = FLUX_OF_FILE_Q30;
     state->flux_periods = 0U;
     state->flux_off = 0U;
 }
@@ -247,13 +248,12 @@ fault_id_t supervision_check_flux(supervision_t *state, const supervision_cfg_t 
                                   int32_t flux_q30, int32_t emf, fault_t *fault)
 {
     const uint32_t shift = cfg->mean_shift + FLUX_TIME_SHIFT;
-    const bool settled = (state->flux_periods >> shift) != 0U;
     const int32_t change_q14 = fx_asr(fx_abs(flux_q30 - state->flux_q30), Q30_TO_Q14);
     const int32_t change = fx_asr(change_q14 * emf, 14U);
     const int32_t change_max = emf_change_max(cfg, emf);
     fault_id_t id = FAULT_NONE;
 
-    if (!settled) {
+    if (state->flux_periods < ((uint32_t)1U << shift)) {
         state->flux_periods++;
         state->flux_q30 = flux_q30;
     } else if (lasts(&state->flux_off, change > change_max,
@@ -261,7 +261,7 @@ fault_id_t supervision_check_flux(supervision_t *state, const supervision_cfg_t 
         *fault = (fault_t){.id = FAULT_FLUX_IMPLAUSIBLE, .value = change, .limit = change_max};
         id = cause_of(state, fault);
     } else {
-        state->flux_q30 += fx_asr(flux_q30 - state->flux_q30, shift);
+        state->flux_q30 = fx_approach(state->flux_q30, flux_q30, shift);
     }
     return id;
 }

@@ -4,7 +4,8 @@
 Proven is an induction over the ticks: drive_init begins within the ranges of state.def, and one drive_step from any
 state within them, with any valid configuration and any frame, ends within them and has no overflow, no conversion that
 changes a value, no index out of its array, no division by zero, no shift too far, no uninitialised read. The same of
-recorder_change and recorder_step, with the ranges of proof_of_recorder.c.
+recorder_change and recorder_step, with the ranges of proof_of_recorder.c; and that no sample of the sum of the currents has a run-time
+error, with those of proof_of_current_sum.c.
 
 As a proof without alarms can be empty, four things are asked for: that Frama-C ends well; that there is its list of
 properties, with none that is not proven; that each entry gets to its end and asks for each range; and that one or the
@@ -30,15 +31,16 @@ import part  # noqa: E402
 SAYS = ("Frama-C's Eva proves by induction over the ticks that drive_init, drive_step and recorder_step have no run-time "
         "error, for every valid configuration, every frame and every state that can be: no overflow, no conversion that "
         "changes a value, no index out of its array, no division by zero, no shift too far, no uninitialised read. Not "
-        "part of it: what the background does (the rest of the recorder, texts and dumps), the application's interrupt "
+        "part of it: what the background does beside the sum of the currents (the rest of the recorder, texts and dumps), the application's interrupt "
         "around these functions, the HALs, and the ARM forms of the arithmetic, in whose place is an equal formulation.")
 FLOORS = ("math", "control", "protect", "config", "drive", "record")
 DRIVE, RECORDER = "tests/proof/proof_of_drive.c", "tests/proof/proof_of_recorder.c"
+CURRENT_SUM = "tests/proof/proof_of_current_sum.c"
 ENTRIES = {"proof_init": DRIVE, "proof_startup": DRIVE, "proof_startup_regulated": DRIVE, "proof_plain": DRIVE,
            "proof_plain_regulated": DRIVE, "proof_change": DRIVE, "proof_change_regulated": DRIVE,
-           "proof_recorder": RECORDER}
+           "proof_recorder": RECORDER, "proof_current_sum": CURRENT_SUM}
 CHECK = "check_state"  # what each entry ends with
-NO_PART_OF_IT = {f"{name}.{kind}" for name in ("cobs", "config_block", "drive_words", "fault_text", "frame_code",
+NO_PART_OF_IT = {f"{name}.{kind}" for name in ("cobs", "config_block", "config_ceiling", "drive_words", "fault_text", "frame_code",
                                                "recorder_dump", "words")
                  for kind in "ch"}  # not called in a tick
 BACKGROUND = {  # of the recorder
@@ -56,15 +58,17 @@ CASES = {
         "fx_approach": 20, "average": 20, "share_of": 100, "bits_beyond_15": 20, "heat_up": 60, "observer_rho": 10, "drive_step": 4, "watch": 20,
     },
     RECORDER: {"turn_over": 20},
+    CURRENT_SUM: {"sum_of": 10, "current_sum_step": 20},
 }
 OPTIONS = [
     "-c11", "-machdep", "gcc_x86_32", "-eva", "-eva-precision", "0", "-eva-ilevel", "16",
     "-eva-domains", "equality,symbolic-locations", "-eva-subdivide-non-linear", "10", "-eva-split-limit", "1024",
     "-warn-signed-downcast", "-warn-unsigned-downcast",
 ]
-SPLIT_RETURN = {DRIVE: "fx_leading_zeros:full,protection_check:full", RECORDER: "fx_leading_zeros:full"}
+SPLIT_RETURN = {DRIVE: "fx_leading_zeros:full,protection_check:full", RECORDER: "fx_leading_zeros:full",
+                CURRENT_SUM: "fx_leading_zeros:full"}
 COLLECTED_SELDOM = {"OCAMLRUNPARAM": "s=4M,o=200"}  # garbage: a ninth of the time for some more memory
-NOT_CALLED = {"drive_knows_rotor", "drive_position_q32", "drive_step_general", "drive_reads_slow_inputs", "probe_is_done"}  # by what is analysed
+NOT_CALLED = {"drive_knows_rotor", "drive_position_from_zero_q32", "drive_position_q32", "drive_step_general", "drive_reads_slow_inputs", "probe_is_done"}  # by what is analysed
 A_BRANCH_AN_ENTRY = {"start", "is_low", "lowest_torque_speed", "next_free_reference"}  # start-up; sensor or none
 UNASKED = "not asked for"
 UNREACHED = "never gone through"

@@ -66,6 +66,25 @@ TEST(test_a_voltage_that_is_excused_or_far_from_the_reference_is_not_judged)
     TEST_ASSERT_EQUAL_UINT32(1000U, voltage_rounds(swings, 1000U));
 }
 
+TEST(test_half_of_the_speeds_error_is_far_from_the_reference_and_less_is_not)
+{
+    const supervision_voltage_t near = {.voltage = {32767, 32767},
+                                        .off_reference = (cfg.speed_error_max / 2) - 1};
+
+    TEST_ASSERT_EQUAL_UINT32(8U, voltage_rounds(near, 1000U));
+}
+
+TEST(test_a_voltage_of_either_axis_and_sign_is_large_beyond_twice_the_largest)
+{
+    const int32_t most = 2 * cfg.voltage_max;
+
+    TEST_ASSERT_FALSE(supervision_is_large(&cfg, (dq_t){most, -most}));
+    TEST_ASSERT_TRUE(supervision_is_large(&cfg, (dq_t){most + 1, 0}));
+    TEST_ASSERT_TRUE(supervision_is_large(&cfg, (dq_t){-most - 1, 0}));
+    TEST_ASSERT_TRUE(supervision_is_large(&cfg, (dq_t){0, most + 1}));
+    TEST_ASSERT_TRUE(supervision_is_large(&cfg, (dq_t){0, -most - 1}));
+}
+
 /* What is at its limit neither counts nor is forgotten. */
 TEST(test_a_voltage_between_two_that_are_at_the_limit_counts)
 {
@@ -120,6 +139,18 @@ TEST(test_an_emf_that_jumps_beyond_its_limit_is_implausible)
         TEST_ASSERT_INT32_WITHIN(2 * limit * 5 / 256, 2 * limit,
                                  fault.value); /* the mean follows */
         TEST_ASSERT_EQUAL_INT32(limit, fault.limit);
+    }
+}
+
+/* A flux that goes ahead of its mean by as much as it may. */
+TEST(test_a_flux_at_its_limit_is_no_fault_however_long)
+{
+    const int32_t limit = (FLUX_EMF / 64 * 5) + (cfg.voltage_max / 4);
+    const int32_t unit = FLUX_ONE / FLUX_EMF;
+
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, flux(FLUX_ONE, FLUX_SETTLES));
+    for (uint32_t k = 0U; k < 20U; k++) {
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, flux(state.flux_q30 + (limit * unit), 1U));
     }
 }
 
@@ -821,7 +852,7 @@ TEST(test_late_ticks_are_forgotten_at_the_end_of_the_window)
 
 TEST(test_reset_forgets_everything)
 {
-    static const supervision_t fresh = {.absent = SUPERVISION_PHASES};
+    static const supervision_t fresh = {.absent = SUPERVISION_PHASES, .flux_q30 = FLUX_ONE};
     supervision_speed_t in = stalled();
     phases_t p = HEALTHY;
     supervision_imposed_t lost = imposed(6554.0, 0.0);
