@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "cross_check.h"
 
+#include "barrier.h"
 #include "monitor.h"
 
 #define MIDDLE_Q15 (16384) /* half of a converter's scale */
@@ -72,12 +73,15 @@ static void check_sum(app_t *app, const measured_t *measured)
     check->state = measured->state;
 }
 
-/* What a control interrupt changes meanwhile is of two ticks, and counts for nothing. */
+/* What a control interrupt changes meanwhile is of two ticks, and counts for nothing. The barriers have the tick read twice. */
 static void check_tick(app_t *app, uint32_t tick)
 {
-    const measured_t measured = measure_tick(app);
+    measured_t measured;
 
-    if ((measured.tick == tick) && (app->drive.tick == tick)) {
+    barrier_compiler();
+    measured = measure_tick(app);
+    barrier_compiler();
+    if (app->drive.tick == tick) {
         app->check.tick = tick;
         check_sum(app, &measured);
     }

@@ -38,6 +38,7 @@ static drive_in_t measured;
 static drive_cfg_t cfg;
 static app_t app;
 static hal_t hardware;
+static bool interrupted; /* a control interrupt comes while the background asks for the health */
 
 void hal_sample(hal_t *hal, drive_in_t *in)
 {
@@ -66,6 +67,9 @@ uint32_t hal_ticks(const hal_t *hal)
 
 hal_health_t hal_health(const hal_t *hal)
 {
+    if (interrupted) {
+        control_isr(&app);
+    }
     return hal->health;
 }
 
@@ -96,6 +100,7 @@ static void power_on(void)
 {
     cfg = example_drive_cfg();
     hardware = (hal_t){.health.adc_ic = EXAMPLE_MIDDLE};
+    interrupted = false;
     measured = (drive_in_t){
         .adc_ia = EXAMPLE_MIDDLE, .adc_ib = EXAMPLE_MIDDLE, .adc_bus = EXAMPLE_BUS_COUNT};
     TEST_ASSERT_NULL(app_init(&app, &hardware, &cfg));

@@ -90,6 +90,124 @@ TEST(test_a_new_calibration_measures_the_zero_of_the_sum_anew)
     TEST_ASSERT_FALSE(app.fails);
 }
 
+/* ---- one sample ---- */
+
+TEST(test_a_sample_has_the_sum_of_the_three_counts_and_the_currents_of_the_drive)
+{
+    pass(EXAMPLE_CALIBRATION_TICKS);
+    app.in.adc_ia = (uint16_t)(EXAMPLE_MIDDLE + 10U);
+    app.in.adc_ib = (uint16_t)(EXAMPLE_MIDDLE + 20U);
+    hardware.health.adc_ic = (uint16_t)(EXAMPLE_MIDDLE + 30U);
+    app.drive.signals.phase_a = 100;
+    app.drive.signals.phase_b = -300;
+    pass_controlled(1U);
+    TEST_ASSERT_EQUAL_UINT32(1U, app.check.sum.samples);
+    TEST_ASSERT_EQUAL_UINT32(8U * 60U, app.check.sum.sum);
+    TEST_ASSERT_EQUAL_UINT32(100U + 300U + 680U, app.check.sum.flowing);
+}
+
+/* 8 Q15 of I_b to a count. */
+TEST(test_the_zero_is_the_mean_of_the_whole_calibration_from_mid_scale)
+{
+    measured.adc_ia = (uint16_t)(EXAMPLE_MIDDLE + 1U);
+    measured.adc_ib = (uint16_t)(EXAMPLE_MIDDLE - 3U);
+    hardware.health.adc_ic = (uint16_t)(EXAMPLE_MIDDLE - 5U);
+    pass(EXAMPLE_CALIBRATION_TICKS);
+    TEST_ASSERT_INT32_WITHIN(2, 256, app.check.sum.zeros);
+    TEST_ASSERT_EQUAL_INT32(8 * -7 * app.check.sum.zeros, app.check.sum.zero_sum);
+}
+
+TEST(test_a_calibration_behind_a_fault_forgets_the_zero_of_before)
+{
+    pass(EXAMPLE_CALIBRATION_TICKS);
+    hardware.health.adc_ic = (uint16_t)(EXAMPLE_MIDDLE + 100U);
+    app.drive.state = DRIVE_STATE_OFFSET_CAL;
+    app.drive.tick++;
+    cross_check_step(&app);
+    TEST_ASSERT_EQUAL_INT32(1, app.check.sum.zeros);
+    TEST_ASSERT_EQUAL_INT32(800, app.check.sum.zero_sum);
+}
+
+TEST(test_a_drive_that_begins_anew_has_no_zero)
+{
+    pass(EXAMPLE_CALIBRATION_TICKS);
+    app.drive.state = DRIVE_STATE_INIT;
+    app.drive.tick++;
+    cross_check_step(&app);
+    TEST_ASSERT_EQUAL_INT32(0, app.check.sum.zeros);
+}
+
+TEST(test_any_converter_at_an_end_begins_the_window_anew)
+{
+    uint16_t *const counts[] = {&app.in.adc_ia, &app.in.adc_ib, &hardware.health.adc_ic};
+
+    pass(EXAMPLE_CALIBRATION_TICKS);
+    for (uint32_t k = 0U; k < (sizeof counts / sizeof counts[0]); k++) {
+        pass_controlled(3U);
+        TEST_ASSERT_EQUAL_UINT32(3U, app.check.sum.samples);
+        *counts[k] = 4095U;
+        pass_controlled(1U);
+        TEST_ASSERT_EQUAL_UINT32(0U, app.check.sum.samples);
+        *counts[k] = EXAMPLE_MIDDLE;
+    }
+}
+
+TEST(test_a_tick_that_comes_meanwhile_makes_no_sample)
+{
+    pass(EXAMPLE_CALIBRATION_TICKS);
+    pass_controlled(2U);
+    app.drive.tick++;
+    interrupted = true;
+    cross_check_step(&app);
+    interrupted = false;
+    TEST_ASSERT_EQUAL_UINT32(2U, app.check.sum.samples);
+}
+
+/* ---- a window ---- */
+
+static void be_off(void)
+{
+    pass(EXAMPLE_CALIBRATION_TICKS);
+    hardware.health.adc_ic = (uint16_t)(EXAMPLE_MIDDLE + 100U);
+}
+
+TEST(test_a_window_ends_so_many_ticks_after_its_first_sample)
+{
+    be_off();
+    pass_controlled(window());
+    TEST_ASSERT_FALSE(app.fails);
+    pass_controlled(1U);
+    TEST_ASSERT_TRUE(app.fails);
+}
+
+TEST(test_a_window_that_was_broken_off_begins_with_the_next_sample)
+{
+    be_off();
+    pass_controlled(window() / 2U);
+    app.in.adc_ia = 4095U;
+    pass_controlled(1U);
+    app.in.adc_ia = EXAMPLE_MIDDLE;
+    pass_controlled(window());
+    TEST_ASSERT_FALSE(app.fails);
+    pass_controlled(1U);
+    TEST_ASSERT_TRUE(app.fails);
+}
+
+/* A background that comes by eight times in a window: 9 samples are no mean, the 17 of two windows are one. */
+TEST(test_a_window_with_few_samples_is_judged_with_the_next_one)
+{
+    be_off();
+    for (uint32_t k = 0U; k <= 16U; k++) {
+        TEST_ASSERT_FALSE(app.fails);
+        app.drive.state = DRIVE_STATE_RUN;
+        app.drive.tick += window() / 8U;
+        cross_check_step(&app);
+    }
+    TEST_ASSERT_TRUE(app.fails);
+}
+
+/* ---- what becomes of a fault ---- */
+
 /* In place of the user's command, which is as it was afterwards. */
 TEST(test_a_fault_of_the_background_leaves_the_command_in_the_mailbox)
 {

@@ -135,3 +135,64 @@ TEST(test_the_largest_currents_and_zeros_overflow_nothing)
     }
     TEST_ASSERT_EQUAL_UINT32((CURRENT_SUM_SAMPLES_MAX - 1U) * 262144U, state.sum);
 }
+
+/* What a sample adds, and what is forgotten with a window and with the zero. */
+static void add(int32_t a, int32_t b, int32_t sum)
+{
+    const current_sum_in_t in = {.a = a, .b = b, .sum = sum};
+
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, current_sum_step(&state, &cfg, &in, false, &fault));
+}
+
+static void expect_window(uint32_t samples, uint32_t sum, uint32_t flowing)
+{
+    TEST_ASSERT_EQUAL_UINT32(samples, state.samples);
+    TEST_ASSERT_EQUAL_UINT32(sum, state.sum);
+    TEST_ASSERT_EQUAL_UINT32(flowing, state.flowing);
+}
+
+TEST(test_a_sample_adds_the_size_of_the_sum_and_of_each_current)
+{
+    current_sum_zero(&state, -150);
+    add(100, -300, -200);
+    expect_window(1U, 50U, 100U + 300U + 150U);
+    add(-100, 30, 0);
+    expect_window(2U, 50U + 150U, 550U + 100U + 30U + 220U);
+}
+
+TEST(test_without_a_zero_the_third_current_is_that_of_the_other_two)
+{
+    add(100, -300, 5000);
+    expect_window(1U, 0U, 100U + 300U + 200U);
+}
+
+TEST(test_a_window_begins_empty_and_a_new_zero_begins_one)
+{
+    current_sum_zero(&state, 7);
+    add(100, -300, 50);
+    current_sum_begin(&state);
+    expect_window(0U, 0U, 0U);
+    TEST_ASSERT_EQUAL_INT32(1, state.zeros);
+    add(100, -300, 50);
+    current_sum_reset(&state);
+    expect_window(0U, 0U, 0U);
+    TEST_ASSERT_EQUAL_INT32(0, state.zeros);
+    TEST_ASSERT_EQUAL_INT32(0, state.zero_sum);
+}
+
+TEST(test_a_mean_at_its_limit_is_no_fault)
+{
+    cfg.sum_share_q15 = 0;
+    know_zero(0);
+    for (int32_t beyond = 0; beyond <= 1; beyond++) {
+        const current_sum_in_t in = {.a = 0, .b = 0, .sum = cfg.sum_max + beyond};
+        fault_id_t id = FAULT_NONE;
+
+        for (uint32_t k = 1U; k <= 16U; k++) {
+            id = current_sum_step(&state, &cfg, &in, k == 16U, &fault);
+        }
+        TEST_ASSERT_EQUAL_INT((beyond == 0) ? FAULT_NONE : FAULT_CURRENT_SUM, id);
+    }
+    TEST_ASSERT_EQUAL_INT32(cfg.sum_max + 1, fault.value);
+    TEST_ASSERT_EQUAL_INT32(cfg.sum_max, fault.limit);
+}

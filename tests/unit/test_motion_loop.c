@@ -1052,6 +1052,44 @@ TEST(test_a_response_saturates)
     }
 }
 
+static void set_inertia(int32_t inertia, uint32_t shift, uint32_t lift)
+{
+    speed_cfg.inertia = inertia;
+    speed_cfg.inertia_shift = shift;
+    speed_cfg.inertia_lift = lift;
+}
+
+static void expect_response(step_t expected, int32_t load, int32_t current)
+{
+    speed_loop_start(&speed_loop, 0, load);
+    TEST_ASSERT_EQUAL_INT32(expected, speed_loop_response(&speed_loop, &speed_cfg, current));
+}
+
+TEST(test_the_response_of_the_least_inertia_is_exact)
+{
+    set_inertia(1, 0U, 0U);
+    expect_response(3 * 65536, 0, 3);
+    expect_response(-5 * 65536, 0, -5);
+}
+
+/* A step of 2^30, in the two scales where it is the only one. */
+TEST(test_the_largest_response_is_that_of_one_step_in_the_coarsest_scales)
+{
+    for (uint32_t shift = 29U; shift <= 30U; shift++) {
+        set_inertia(32767, shift, 14U);
+        expect_response(1 << 30, 0, 16384);
+        expect_response(-(1 << 30), 0, -16384);
+    }
+}
+
+/* 2^17 · 32767/32768, and 2^17: as if there was no load. */
+TEST(test_a_current_beyond_16_bits_from_its_load_counts_as_the_largest)
+{
+    set_inertia(16384, 0U, 0U);
+    expect_response(131068, -32767, 32767);
+    expect_response(-131072, 32767, -32768);
+}
+
 /* ---- where positions count from ---- */
 
 TEST(test_a_recount_moves_the_zero_by_whole_turns_to_within_half_a_turn_of_the_position)

@@ -8,7 +8,8 @@ are distinct. What survives in
 the firmware is tested once more with each shift checked: one by too many bits is undefined, and what the PC makes of it
 another core does not.
 
-Of control and math all mutants are made, and what survives has to stand in the register (survivors.toml) with its reason.
+Of control, math and the cross-checks all mutants are made, and what survives has to stand in the register (survivors.toml)
+with its reason.
 Of the other areas a sample is drawn by a fixed seed, the same mutants as long as their lines are, and a share is asked
 for; the register holds those that change nothing. A registered mutant that is killed or is no longer there is a finding.
 A sample says something of the tests only if none was written against it: whoever looks at its survivors to write tests
@@ -100,6 +101,8 @@ CORE = ("firmware/control", "firmware/math", "firmware/math/port/generic", "firm
 DRIVE = ("firmware/record", "firmware/drive", "firmware/config", "firmware/protect", *CORE)
 # Modules of lower rooms of which a sample is drawn, as of the drive.
 SAMPLED = ("firmware/control/align.c", "firmware/control/flying_start.c", "firmware/control/model.c", "firmware/math/crc32.c")
+# Modules of which all mutants are made.
+CROSS_CHECKED = ("firmware/protect/current_sum.c", "firmware/app/cross_check.c")
 APP = ("firmware/app", "hal", *DRIVE)
 AREAS = (
     Area("control and math", ("firmware/control/*.[ch]", "firmware/math/*.[ch]", "firmware/math/port/*.h",
@@ -108,7 +111,8 @@ AREAS = (
                    "firmware/math/port/fx_armv7.h",  # of other cores
                    "firmware/math/barrier.h")),  # computes nothing
     Area("drive", (*(f"{room}/*.c" for room in DRIVE[:4]), *SAMPLED), DRIVE, (137, 154), sample=60, looked_at=180,
-         tests=("test_drive_steps", "test_drive", "test_voltage_drive", "test_low_speed")),
+         tests=("test_drive_steps", "test_drive", "test_voltage_drive", "test_low_speed"), left_out=CROSS_CHECKED),
+    Area("cross-checks", CROSS_CHECKED, APP, (95, 100)),
     Area("app", tuple(f"firmware/app/{name}.c" for name in ("command_mailbox", "control_isr", "units")), APP, (37, 40),
          sample=52, looked_at=60, tests=("test_control_isr",)),
     Area("console", tuple(f"firmware/app/{name}.c" for name in ("commander", "console", "status", "temperature", "text")), APP,
@@ -467,7 +471,7 @@ def main():
                                    "called", len(found), "0", not found)]
     return part.end(args.out, "mutation", "Mutation",
                     "Small faults (an operator, a constant, a sign, a term, a saturation) are put one at a time into what the "
-                    "drive computes with; unit tests, and comparisons with the reference, find them. Of control and math these "
+                    "drive computes with; unit tests, and comparisons with the reference, find them. Of control, math and the cross-checks these "
                     "are all there are, of the others a sample. Faults that the compiler proves to be none are left out.",
                     figures, tables(everything, register), found)
 
