@@ -10,6 +10,7 @@ import unittest
 from dataclasses import dataclass
 
 import board
+import flash
 from digital import CLOCK_HZ, NEVER
 from rig import CALIBRATION_TICKS, make
 
@@ -154,11 +155,15 @@ class Answers(unittest.TestCase):
         refuses = late(PATIENCE + 2)
         self.boot([COUNTED], lambda made, wait: hook(made, wait, lambda has: refuses(True)))
 
+    def test_times_whose_ends_are_never_told_do_not_keep_it(self):
+        self.boot([COUNTED], lambda made, wait: hook(made, wait, lambda _: True, for_ever=True))
+
     def test_a_direction_that_never_changes_does_not_keep_it(self):
         self.boot([ALWAYS_DOWN], lambda made, wait: hook(made, wait, lambda _: True, for_ever=True))
 
-    def tells(self, wait, **arguments):
+    def tells(self, wait, options=flash.GOOD_OPTIONS, **arguments):
         made = make(**arguments)
+        made.chip.power.flash["OPTR"] = options
         watchdog = made.chip.watchdog
         watchdog.fire = lambda: setattr(watchdog, "due", NEVER)  # what if it did not bite either
         hook(made, wait, never(wait.answers), for_ever=True)
@@ -180,6 +185,9 @@ class Answers(unittest.TestCase):
 
     def test_behind_the_watchdog_it_says_both(self):
         self.assertIn("the watchdog made the last reset", self.tells(WAITS[0], reset_flags=board.WATCHDOG_FLAG))
+
+    def test_behind_an_option_byte_that_protects_less_it_says_both(self):
+        self.assertIn("no parity of the RAM", self.tells(WAITS[0], options=flash.GOOD_OPTIONS ^ flash.NO_PARITY))
 
 
 if __name__ == "__main__":

@@ -33,6 +33,7 @@ FLIPS = {
 }
 PIN_FLIPS = {"PA8": ("A", "MODER", 1 << 16), "PB15": ("B", "AFRH", 1 << 28), "PC13": ("C", "PUPDR", 1 << 27),
              "PA1": ("A", "MODER", 1 << 2)}
+MAIN_OUTPUT, BREAK_FLAG = 1 << 15, 1 << 7  # of TIM1's BDTR and SR
 COMPARATORS = {"a": "1", "b": "2", "c": "4"}
 
 
@@ -123,6 +124,7 @@ class Image(unittest.TestCase):
     """The flash, in which a bit has another value than the build gave it."""
 
     TOLD = "the flash does not hold the image that was built"
+    ROUND_TICKS = round(FLASH_SIZE / WORD_BYTES / WORDS_A_TICK)
 
     def flip(self, made, address):
         byte, = made.core.uc.mem_read(address, 1)
@@ -146,9 +148,31 @@ class Image(unittest.TestCase):
     def test_one_bit_that_changes_later_opens_the_gates(self):
         made = ready()
         self.flip(made, address_of("trig_sin_table") + 1001)
-        made.tick(round(FLASH_SIZE / WORD_BYTES / WORDS_A_TICK))
+        self.assert_found_later(made)
+
+    def assert_found_later(self, made):
+        made.tick(self.ROUND_TICKS)
         self.assertTrue(gates_are_inputs(made))
         self.assertIn(f", until a reset: {self.TOLD}", answer(made, "status"))
+
+    def set_length(self, made, words):
+        made.core.uc.mem_write(address_of("image_seal"), words.to_bytes(WORD_BYTES, "little"))
+
+    def test_a_length_of_none_keeps_the_drive_from_starting(self):
+        made = make()
+        self.set_length(made, 0)
+        made.go_on(GIVING_UP_S)
+        self.assertIn(f"cannot start:\r\n{self.TOLD}\r\n", made.said())
+
+    def test_a_length_that_shrinks_to_what_was_looked_at_opens_the_gates(self):
+        made = ready()
+        self.set_length(made, int.from_bytes(made.core.uc.mem_read(address_of("next_word"), WORD_BYTES), "little"))
+        self.assert_found_later(made)
+
+    def test_a_whole_one_runs_on_when_it_was_looked_at_to_its_end(self):
+        made = ready()
+        made.tick(self.ROUND_TICKS)
+        self.assertNotIn("until a reset", answer(made, "status"))
 
 
 class Memory(unittest.TestCase):
@@ -299,6 +323,84 @@ class Trip(unittest.TestCase):
     def test_a_break_that_does_not_reach_the_main_output_is_found(self):
         def spoil(made):
             made.chip.timer.set_break_input = lambda active: None
+
+        self.assertEqual(self.refuses(spoil), "the comparator of phase a does not open the gates")
+
+    def test_a_main_output_that_does_not_come_on_is_found(self):
+        def spoil(made):
+            timer = made.chip.timer
+            timer.register("BDTR").on_read = lambda: timer["BDTR"] & ~MAIN_OUTPUT
+
+        self.assertEqual(self.refuses(spoil), "the timer does not enable its output")
+
+    def test_a_comparator_that_trips_for_a_moment_only_is_found(self):
+        def spoil(made):
+            timer, was_active = made.chip.timer, False
+            trip = timer.set_break_input
+
+            def at_the_edge(active):
+                nonlocal was_active
+                trip(active and not was_active)
+                was_active, timer.broken = active, False
+
+            timer.set_break_input = at_the_edge
+
+        self.assertEqual(self.refuses(spoil), "the comparator of phase a does not open the gates")
+
+    def test_a_main_output_that_goes_off_without_the_flag_of_the_break_is_found(self):
+        def spoil(made):
+            timer = made.chip.timer
+            timer.register("SR").on_read = lambda: timer["SR"] & ~BREAK_FLAG
+
+        self.assertEqual(self.refuses(spoil), "the comparator of phase a does not open the gates")
+
+    def test_a_flag_of_the_break_that_leaves_the_main_output_on_is_found(self):
+        def spoil(made):
+            timer = made.chip.timer
+            trip = timer.set_break_input
+
+            def only_the_flag(active):
+                output = timer["BDTR"] & MAIN_OUTPUT
+                trip(active)
+                timer["BDTR"] |= output
+
+            timer.set_break_input = only_the_flag
+
+        self.assertEqual(self.refuses(spoil), "the comparator of phase a does not open the gates")
+
+    def test_a_flag_of_the_break_that_cannot_be_cleared_is_found(self):
+        def spoil(made):
+            timer = made.chip.timer
+            timer.register("SR").on_read = lambda: timer["SR"] | BREAK_FLAG
+
+        self.assertEqual(self.refuses(spoil), "a phase trips at rest")
+
+    def test_a_flag_of_the_break_that_stays_once_it_came_is_found(self):
+        def spoil(made):
+            timer, came = made.chip.timer, False
+            trip = timer.set_break_input
+
+            def note(active):
+                nonlocal came
+                came = came or (active and bool(timer["BDTR"] & MAIN_OUTPUT))
+                trip(active)
+
+            timer.set_break_input = note
+            timer.register("SR").on_read = lambda: timer["SR"] | (BREAK_FLAG if came else 0)
+
+        self.assertEqual(self.refuses(spoil), "the comparator of phase a does not open the gates")
+
+    def test_a_comparator_that_stays_tripped_is_found(self):
+        def spoil(made):
+            timer, stays = made.chip.timer, False
+            trip = timer.set_break_input
+
+            def for_ever(active):
+                nonlocal stays
+                stays = stays or (active and bool(timer["BDTR"] & MAIN_OUTPUT))
+                trip(active or stays)
+
+            timer.set_break_input = for_ever
 
         self.assertEqual(self.refuses(spoil), "the comparator of phase a does not open the gates")
 
