@@ -207,6 +207,15 @@ static void run_in(drive_mode_t mode, int32_t target)
     app.drive.state = DRIVE_STATE_RUN;
 }
 
+TEST(test_a_board_that_did_not_start_knows_no_rotor)
+{
+    run_in(DRIVE_MODE_SPEED, 0);
+    app.drive.cfg = NULL;
+    TEST_ASSERT_NOT_NULL(commander_zero(&app));
+    app.drive.cfg = &cfg;
+    TEST_ASSERT_NULL(commander_zero(&app));
+}
+
 TEST(test_a_zero_is_in_force_until_the_drive_has_taken_it_and_no_longer)
 {
     run_in(DRIVE_MODE_SPEED, 77);

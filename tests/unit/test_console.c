@@ -400,6 +400,7 @@ TEST(test_while_the_motor_is_measured_no_other_line_moves_it_and_a_stop_ends_tha
     assert_contains(MEASURING, said_to("run\n"));
     assert_contains(MEASURING, said_to("speed 10\n"));
     assert_contains(MEASURING, said_to("torque 1\n"));
+    assert_contains(MEASURING, said_to("zero\n"));
     assert_contains("error: it is under way\r\n", said_to("identify\n"));
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_PROBE, request_taken());
     TEST_ASSERT_EQUAL_UINT8(command.mode, app.in.command.mode);

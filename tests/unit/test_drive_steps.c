@@ -1390,6 +1390,45 @@ TEST(test_a_run_is_not_judged_by_the_voltage_of_its_current_control)
     TEST_ASSERT_EQUAL(FAULT_CURRENT_IMPLAUSIBLE, drive.fault.id);
 }
 
+/* In RUN with an integral far beyond what its voltage may be off, for longer than that may last. */
+static fault_id_t run_with_a_large_voltage(void)
+{
+    enter(DRIVE_STATE_RUN);
+    pi_reset(&drive.current_loop.pi_q, 32000);
+    for (uint32_t k = 0U; k < (2U << cfg.supervision.mean_shift); k++) {
+        drive.supervision.step = 2U;
+        slot(SLOT_CHECKS);
+    }
+    return drive.fault.id;
+}
+
+TEST(test_a_large_voltage_of_a_run_is_a_fault_unless_the_voltage_drive_acts)
+{
+    TEST_ASSERT_EQUAL(FAULT_CURRENT_IMPLAUSIBLE, run_with_a_large_voltage());
+    setUp();
+    drive.voltage_drive.active = true;
+    TEST_ASSERT_EQUAL(FAULT_NONE, run_with_a_large_voltage());
+}
+
+/* The check of swings names them, where there is one. */
+TEST(test_a_large_voltage_of_a_swing_is_left_to_the_check_of_swings)
+{
+    const struct {
+        oscillation_act_t act;
+        uint32_t halves;
+        fault_id_t id;
+    } swings[] = {{OSCILLATION_ACT_FAULT, 2U, FAULT_NONE},
+                  {OSCILLATION_ACT_FAULT, 1U, FAULT_CURRENT_IMPLAUSIBLE},
+                  {OSCILLATION_ACT_NONE, 2U, FAULT_CURRENT_IMPLAUSIBLE}};
+
+    for (uint32_t k = 0U; k < (sizeof swings / sizeof swings[0]); k++) {
+        setUp();
+        cfg.oscillation.act = (uint32_t)swings[k].act;
+        drive.oscillation.halves = swings[k].halves;
+        TEST_ASSERT_EQUAL(swings[k].id, run_with_a_large_voltage());
+    }
+}
+
 /* The vector turns at 2^26 steps per tick / 2^11 = 32768, Q15 of Ω_b; a quarter of that here. */
 TEST(test_the_check_of_an_imposed_current_allows_the_whole_emf_in_either_direction)
 {

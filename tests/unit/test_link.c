@@ -599,6 +599,22 @@ TEST(test_the_block_in_force_is_stored)
     TEST_ASSERT_EQUAL_MEMORY(&wanted, live.in_force, sizeof wanted);
 }
 
+TEST(test_a_store_that_comes_again_stores_once)
+{
+    drive_cfg_t settings = live.in_force->cfg;
+
+    settings.observer.kappa_p++;
+    TEST_ASSERT_EQUAL_STRING("", change_to(&settings));
+    assert_verdict("", LINK_STORE, NULL, 0U);
+    for (uint32_t slot = 0U; slot < 2U; slot++) {
+        TEST_ASSERT_TRUE(hal_store_erase(&hardware, slot));
+    }
+    tag--;
+    assert_verdict("", LINK_STORE, NULL, 0U);
+    live_config_init(&live, &app, &hardware, &of_image, &cfg);
+    TEST_ASSERT_EQUAL_INT32(cfg.observer.kappa_p, live.in_force->cfg.observer.kappa_p);
+}
+
 TEST(test_words_beyond_the_block_are_refused_by_their_verdict)
 {
     static const uint32_t first[] = {CONFIG_BLOCK_WORDS - 1U, 0xFFFFU};

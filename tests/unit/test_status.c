@@ -132,6 +132,17 @@ TEST(test_a_rotor_is_told_in_turns_from_the_zero)
                                  text.characters);
 }
 
+/* The command is not taken yet: the count may be that of another run. */
+TEST(test_a_rotor_in_another_mode_is_told_in_no_turns)
+{
+    const drive_command_t position = {.target = 6 * 65536, .mode = (uint8_t)DRIVE_MODE_POSITION};
+
+    command_mailbox_post(&app.mailbox, &position);
+    app.drive.state = DRIVE_STATE_RUN;
+    app.drive.mode = (uint8_t)DRIVE_MODE_SPEED;
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(status(), " rpm, to turn 3.00, phases "), text.characters);
+}
+
 TEST(test_a_torque_is_asked_for_in_newton_metres_and_is_no_speed)
 {
     const drive_command_t torque = {.target = 0x8000000, .mode = (uint8_t)DRIVE_MODE_TORQUE};
