@@ -15,7 +15,7 @@
 
 #include <stdint.h>
 
-#define LINK_VERSION (2U)
+#define LINK_VERSION (3U)
 #define LINK_MESSAGE_BYTES_MAX (160U) /* type, tag, body */
 #define LINK_CRC_BYTES (4U)
 

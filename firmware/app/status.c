@@ -4,6 +4,7 @@
 #include "barrier.h"
 #include "diagnosis.h"
 #include "fault_text.h"
+#include "transitions.h"
 
 #include <stddef.h>
 
@@ -129,14 +130,14 @@ static void add_swing(text_t *text, const drive_t *drive, const about_t *about)
 
 static void add_state(text_t *text, const drive_t *drive, const about_t *about)
 {
-    static const char *const names[] = {
+    static const char *const names[DRIVE_STATES + 1U] = {
         "INIT", "OFFSET_CAL", "READY",    "FLYING_START", "PROBE", "ALIGN",
-        "HOLD", "IF_RAMP",    "HANDOVER", "RUN",          "FAULT",
+        "HOLD", "IF_RAMP",    "HANDOVER", "RUN",          "FAULT", "?",
     };
     const drive_state_t state = drive->state;
 
     barrier_compiler(); /* the fault is that of this state */
-    text_add(text, names[state]);
+    text_add(text, names[transitions_number(state)]);
     if (state == DRIVE_STATE_FAULT) {
         add_fault(text, drive, about);
     }

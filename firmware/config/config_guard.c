@@ -2,6 +2,7 @@
 #include "config_guard.h"
 
 #include "crc32.h"
+#include "inlining.h"
 
 #define GUARDED_BYTES (sizeof(drive_cfg_t) - sizeof(uint32_t)) /* all before the last field, crc */
 #define BYTES_AT_ONCE (4U)
@@ -22,7 +23,7 @@ void config_guard_reset(config_guard_t *guard)
     *guard = (config_guard_t){.at = 0U, .crc = CRC32_START};
 }
 
-fault_id_t config_guard_step(config_guard_t *guard, const drive_cfg_t *cfg, fault_t *fault)
+static fault_id_t next_word(config_guard_t *guard, const drive_cfg_t *cfg, fault_t *fault)
 {
     const uint8_t *const bytes = (const uint8_t *)cfg;
     fault_id_t id = FAULT_NONE;
@@ -40,4 +41,19 @@ fault_id_t config_guard_step(config_guard_t *guard, const drive_cfg_t *cfg, faul
         config_guard_reset(guard);
     }
     return id;
+}
+
+/* An index that has flipped by itself would lead out of the configuration. */
+RARE static fault_id_t begin_again(config_guard_t *guard, fault_t *fault)
+{
+    const uint32_t end = GUARDED_BYTES;
+
+    *fault = (fault_t){.id = FAULT_MEMORY, .value = fx_signed(guard->at), .limit = fx_signed(end)};
+    config_guard_reset(guard);
+    return FAULT_MEMORY;
+}
+
+fault_id_t config_guard_step(config_guard_t *guard, const drive_cfg_t *cfg, fault_t *fault)
+{
+    return (guard->at < GUARDED_BYTES) ? next_word(guard, cfg, fault) : begin_again(guard, fault);
 }

@@ -39,6 +39,66 @@ static int32_t share_q15(int32_t part, int32_t whole)
     return fx_min(((part * 32768) + (whole / 2)) / fx_max(whole, 1), FX_Q15_MAX);
 }
 
+/* What only model_reset(), model_set() and model_change() write. A bit that flips in one of the words flips in the result. */
+static uint32_t observer_word(const model_t *model)
+{
+    const nn_observer_cfg_t *const o = &model->observer;
+    const uint32_t shifts =
+        o->weight_shift ^ o->current_shift ^ o->gradient_shift ^ o->eta_shift ^ o->kappa_p_shift;
+    const int32_t weights = o->decay ^ o->volt_gain ^ o->feedback_q15 ^ o->iq_gain_q14 ^
+                            o->saliency_q13 ^ o->momentum_q15 ^ o->frame_share_q13;
+    const int32_t speeds = o->speed_limit ^ o->corner ^ o->rho_speed_min;
+    const int32_t ratios = model->resistance_q14 ^ model->inductance_q14 ^
+                           model->inductance_inverse_q14 ^ model->saliency_q14;
+
+    return shifts ^ fx_unsigned(weights ^ speeds ^ ratios);
+}
+
+static uint32_t shifts_word(const current_loop_cfg_t *loop)
+{
+    return loop->pi_d.kp_shift ^ loop->pi_d.ki_shift ^ loop->pi_q.kp_shift ^ loop->pi_q.ki_shift;
+}
+
+static int32_t proportions_word(const current_loop_cfg_t *loop)
+{
+    return loop->pi_d.kp ^ loop->pi_d.ki ^ loop->pi_q.kp ^ loop->pi_q.ki;
+}
+
+static int32_t winding_word(const current_loop_cfg_t *loop)
+{
+    return loop->reactance_d_q13 ^ loop->reactance_q_q13 ^ loop->resistance_q13;
+}
+
+static uint32_t loops_word(const model_t *model)
+{
+    const current_loop_cfg_t *const run = &model->run_loop;
+    const current_loop_cfg_t *const hold = &model->hold_loop;
+
+    return shifts_word(run) ^ shifts_word(hold) ^
+           fx_unsigned(winding_word(run) ^ winding_word(hold) ^ proportions_word(hold));
+}
+
+/* What model_pace() writes too. */
+static uint32_t gains_word(const model_t *model)
+{
+    const nn_observer_cfg_t *const o = &model->observer;
+
+    return fx_unsigned(o->eta ^ o->kappa_p ^ o->rho_max_q13 ^ proportions_word(&model->run_loop) ^
+                       model->pace_q14 ^ model->kappa_q14);
+}
+
+static int32_t flux_word(const model_t *model)
+{
+    return model->observer.flux_q27 ^ model->run_loop.emf_q13 ^ model->hold_loop.emf_q13;
+}
+
+static void seal(model_t *model)
+{
+    model->check_observer = observer_word(model);
+    model->check_loops = loops_word(model);
+    model->check_gains = gains_word(model);
+}
+
 static void apply_flux(model_t *model, const model_nominal_t *nominal)
 {
     const int32_t flux_q14 = fx_asr(model->flux_q30, Q14_TO_Q30);
@@ -143,6 +203,7 @@ static void apply_all(model_t *model, const model_nominal_t *nominal)
     apply_gains(model, nominal);
     apply_inductances(model, nominal);
     apply_flux(model, nominal);
+    seal(model);
 }
 
 static int32_t limited_saliency(const model_cfg_t *cfg, int32_t ratio_q14)
@@ -188,6 +249,7 @@ void model_reset(model_t *model, const model_nominal_t *nominal)
         .kappa_q14 = MODEL_RATIO_ONE,
         .flux_q30 = ONE_Q30,
     };
+    seal(model);
 }
 
 NEVER_INLINED void model_set(model_t *model, const model_cfg_t *cfg, const model_nominal_t *nominal,
@@ -255,10 +317,44 @@ void model_pace(model_t *model, const model_cfg_t *cfg, const model_nominal_t *n
         model->pace_q14 = pace_q14;
         model->kappa_q14 = kappa_q14;
         apply_gains(model, nominal);
+        model->check_gains = gains_word(model);
     } else if (kappa_q14 != model->kappa_q14) {
+        /* Its change goes into the check word: what has flipped in the other words stays visible. */
+        const int32_t before = model->kappa_q14 ^ model->observer.eta;
+
         model->kappa_q14 = kappa_q14;
         apply_eta(model, nominal->observer);
+        model->check_gains ^= fx_unsigned(before ^ (model->kappa_q14 ^ model->observer.eta));
     } else {
         /* as before */
     }
+}
+
+static bool holds_flux(model_t *model, const model_nominal_t *nominal)
+{
+    const int32_t before = flux_word(model);
+
+    apply_flux(model, nominal);
+    return flux_word(model) == before;
+}
+
+bool model_holds(model_t *model, const model_nominal_t *nominal, model_part_t part)
+{
+    bool holds;
+
+    switch (part) {
+    case MODEL_PART_OBSERVER:
+        holds = observer_word(model) == model->check_observer;
+        break;
+    case MODEL_PART_LOOPS:
+        holds = loops_word(model) == model->check_loops;
+        break;
+    case MODEL_PART_GAINS:
+        holds = gains_word(model) == model->check_gains;
+        break;
+    default: /* FLUX */
+        holds = holds_flux(model, nominal);
+        break;
+    }
+    return holds;
 }

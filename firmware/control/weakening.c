@@ -225,13 +225,16 @@ static void end_where_useless(const weakening_in_t *in, const weakening_volts_t 
     limits->upper = fx_max(limits->upper, limits->lower);
 }
 
-/* Where i_d* is as deep as it is of use, a lack of voltage is not for the integral: less torque is the answer. */
+/*
+ * Where i_d* is as deep as it is of use, a lack of voltage is not for the integral: less torque is the answer. But what the integral
+ * has added to the bus goes: with it i_d* would be as deep as is of use for a voltage that is not there, and stay so.
+ */
 static void correct_voltage(weakening_t *weakening, const weakening_limits_t *limits, int32_t left)
 {
     const bool at_end = limits->upper <= limits->lower;
     const int32_t change = fx_asr(left, INTEGRAL_SHIFT);
 
-    if ((change > 0) || !at_end) {
+    if ((change > 0) || !at_end || (weakening->voltage > 0)) {
         const int32_t end = fx_asr(weakening->valley, 2U);
 
         weakening->voltage = fx_clamp(weakening->voltage + change, -end, end);

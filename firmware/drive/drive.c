@@ -11,6 +11,7 @@
 #include "probing.h"
 #include "run.h"
 #include "schedule.h"
+#include "state_guard.h"
 #include "straight.h"
 #include "transitions.h"
 #include "trig.h"
@@ -19,6 +20,7 @@
 #include <stddef.h>
 
 #define ADC_MID_Q15 (16384)         /* I_b is twice the converter's full scale */
+#define SLOW_MASK (0xFFU)           /* of slow_count */
 #define OFFSET_END (32768)          /* no sensor's zero is further away */
 #define OFFSET_SUM_MAX (0x10000000) /* of 2^12 counts */
 
@@ -67,6 +69,9 @@ static void enter(drive_t *drive, drive_state_t state)
 {
     if (drive_is_driving(drive->state) && !drive_is_driving(state)) {
         leave(drive, state);
+    }
+    if (drive->state != state) {
+        state_guard_forget(drive);
     }
     drive->state = state;
     drive->limits = protection_limits(&drive->cfg->protection, drive_is_driving(state));
@@ -215,6 +220,7 @@ static drive_event_t finish_calibration(drive_t *drive, fault_t *fault)
 
     drive->offset_a = mean_sample(cfg, drive->calibration.sum_a);
     drive->offset_b = mean_sample(cfg, drive->calibration.sum_b);
+    state_guard_keep_measured(drive);
     id = protection_check_offset(&drive->cfg->protection, drive->offset_a - ADC_MID_Q15,
                                  drive->offset_b - ADC_MID_Q15, fault);
     return (id == FAULT_NONE) ? DRIVE_EVENT_CALIBRATED : DRIVE_EVENT_FAULT;
@@ -347,8 +353,10 @@ static void obey(drive_t *drive, const drive_in_t *in)
  */
 static uint32_t count_slow(drive_t *drive)
 {
-    drive->slow_count--;
-    return drive->slow_count;
+    const uint32_t left = (uint32_t)drive->slow_count - 1U;
+
+    drive->slow_count = (uint8_t)(left & SLOW_MASK);
+    return left;
 }
 
 /* In RUN, and nothing changes that: no sensor, no flag, the command is to run, and the samples are within their limits. */
@@ -376,11 +384,23 @@ static void fail_as_told(drive_t *drive, const drive_command_t *command)
     }
 }
 
+/* A bit of the state has flipped by itself. Nothing but FAULT follows. */
+RARE static void reject_state(drive_t *drive)
+{
+    const uint32_t code = (uint32_t)STATE_GUARD_STATE + (uint32_t)drive->state;
+    const fault_t fault = {.id = FAULT_MEMORY, .value = fx_signed(code), .limit = 0};
+
+    fail(drive, &fault);
+}
+
 /* Sensor, command, flags and limits. Returns whether the current is controlled in this tick. */
 static bool attend(drive_t *drive, const drive_in_t *in)
 {
     const bool controlled = drive_is_controlled(drive->state);
 
+    if (!transitions_is_state(drive->state)) {
+        reject_state(drive);
+    }
     if (drive_has_sensor(drive)) {
         estimate_sense(drive, in->angle);
     }
@@ -418,11 +438,13 @@ static void initialise(drive_t *drive, const drive_cfg_t *cfg)
     speed_loop_init(&drive->speed_loop);
     probe_reset(&drive->probe);
     supervision_forget_flux(&drive->supervision);
-    drive->slow_count = cfg->slow_ticks;
+    drive->slow_count = (uint8_t)cfg->slow_ticks;
     enter(drive, DRIVE_STATE_INIT);
     modulator_reset(&drive->modulator, &cfg->modulator);
     derating_reset(&drive->derating, &cfg->derating);
     config_guard_reset(&drive->guard);
+    state_guard_keep_measured(drive);
+    state_guard_keep_config(drive);
 }
 
 const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
@@ -467,11 +489,13 @@ static void restart(drive_t *drive, const drive_cfg_t *cfg)
     drive->safe_state = safe_state;
     drive->offset_a = offset_a;
     drive->offset_b = offset_b;
+    state_guard_keep_measured(drive);
     drive->fault = fault;
     drive->scene = scene;
     drive->tick = tick;
-    drive->slow_count = (left < cfg->slow_ticks) ? left : cfg->slow_ticks;
+    drive->slow_count = (uint8_t)((left < cfg->slow_ticks) ? left : cfg->slow_ticks);
     drive->derating.heat_q24 = heat_q24;
+    state_guard_keep_heat(drive);
     if (state == DRIVE_STATE_FAULT) {
         enter(drive, DRIVE_STATE_FAULT);
     }
@@ -508,6 +532,15 @@ static void adopt_parts(drive_t *drive, const drive_cfg_t *cfg)
                        angle_before(drive));
     modulator_change(&drive->modulator, &before->modulator, &cfg->modulator);
     derating_change(&drive->derating, &before->derating, &cfg->derating);
+    state_guard_keep_heat(drive);
+    state_guard_keep_config(drive);
+    state_guard_forget(drive);
+    if (drive->lost_periods > cfg->startup.lost_periods) {
+        drive->lost_periods = cfg->startup.lost_periods;
+    }
+    if (drive->attempts > cfg->startup.attempts) {
+        drive->attempts = cfg->startup.attempts;
+    }
     speed_loop_change(&drive->speed_loop, &cfg->speed_loop);
     if (is_other_filter(&before->torque_filter, &cfg->torque_filter)) {
         torque_filter_start(&drive->torque_filter, drive->signals.current_ref.q);
@@ -582,7 +615,7 @@ static void slow_step(drive_t *drive, const drive_in_t *in, uint32_t left, bool 
         fault_t fault;
 
         if (left == 0U) {
-            drive->slow_count = drive->cfg->slow_ticks;
+            drive->slow_count = (uint8_t)drive->cfg->slow_ticks;
         }
         fault_clear(&fault);
         follow_or_fail(drive, schedule_step(drive, in, (slot_t)left, moving, &fault), &fault);

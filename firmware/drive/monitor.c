@@ -3,6 +3,7 @@
 
 #include "inlining.h"
 #include "run.h"
+#include "state_guard.h"
 
 #include "trig.h"
 
@@ -261,6 +262,31 @@ RARE static dq_t uncontrolled_current(const drive_t *drive, const drive_in_t *in
     return current;
 }
 
+static fault_id_t check_heat(drive_t *drive, dq_t current, uint16_t adc_temperature, fault_t *fault)
+{
+    fault_id_t id = state_guard_check_heat(drive, fault);
+
+    if (id == FAULT_NONE) {
+        id =
+            derating_step(&drive->derating, &drive->cfg->derating, current, adc_temperature, fault);
+    }
+    state_guard_keep_heat(drive);
+    return id;
+}
+
+/* The configuration, and the state. */
+static fault_id_t check_memory(drive_t *drive, fault_t *fault)
+{
+    fault_id_t id;
+
+    supervision_forget_late(&drive->supervision, &drive->cfg->supervision);
+    id = config_guard_step(&drive->guard, drive->cfg, fault);
+    if (id == FAULT_NONE) {
+        id = state_guard_step(drive, fault);
+    }
+    return id;
+}
+
 fault_id_t monitor_next_check(drive_t *drive, const drive_in_t *in, fault_t *fault)
 {
     const uint32_t step = drive->supervision.step;
@@ -270,11 +296,9 @@ fault_id_t monitor_next_check(drive_t *drive, const drive_in_t *in, fault_t *fau
 
     drive->supervision.step = (step + 1U) % SUPERVISION_STEPS;
     if (step == 0U) {
-        id = derating_step(&drive->derating, &drive->cfg->derating, current, in->adc_temperature,
-                           fault);
+        id = check_heat(drive, current, in->adc_temperature, fault);
     } else if (step == 1U) {
-        supervision_forget_late(&drive->supervision, &drive->cfg->supervision);
-        id = config_guard_step(&drive->guard, drive->cfg, fault);
+        id = check_memory(drive, fault);
     } else if ((step == 2U) && controlled) {
         id = check_current(drive, fault);
     } else if ((step > 2U) && (drive->state == DRIVE_STATE_RUN)) {

@@ -5,6 +5,7 @@
 #include "frame.h"
 #include "inlining.h"
 #include "run.h"
+#include "state_guard.h"
 #include "trig.h"
 
 #define SIXTH_TURN (0x2AAAAAAAU)
@@ -214,6 +215,7 @@ static drive_event_t finish_alignment(drive_t *drive)
     }
     speed_loop_restore(&drive->speed_loop);
     drive->identified = true; /* a measurement that fails is not repeated */
+    state_guard_keep_measured(drive);
     drive->vector.step = 0;
     speed_loop_reset(&drive->speed_loop, 0);
     return DRIVE_EVENT_HELD;
@@ -396,10 +398,17 @@ drive_event_t open_loop_step(drive_t *drive, fault_t *fault)
     return event;
 }
 
-drive_event_t open_loop_drag(drive_t *drive, fault_t *fault)
+static drive_event_t drag(drive_t *drive, fault_t *fault)
 {
     drive->signals.current_ref.q = speed_loop_accelerate(
         &drive->speed_loop, &drive->cfg->speed_loop, drive->speed_reference, drive->torque_range);
     drive->vector.step = drive->speed_loop.reference;
     return judge_speed(drive, fault);
+}
+
+drive_event_t open_loop_drag(drive_t *drive, fault_t *fault)
+{
+    const bool sound = state_guard_check_vector(drive, fault) == FAULT_NONE;
+
+    return sound ? drag(drive, fault) : DRIVE_EVENT_FAULT;
 }

@@ -4,6 +4,7 @@
 #include "estimate.h"
 #include "frame.h"
 #include "inlining.h"
+#include "state_guard.h"
 #include "trig.h"
 #include "voltage_drive.h"
 
@@ -81,6 +82,7 @@ static void change_mode(drive_t *drive, uint8_t mode, const rotor_position_t *po
     torque_loop_start(&drive->torque_loop, drive_flux(drive), drive_current_in_force(drive).q);
     torque_loop_bridge(&drive->torque_loop);
     drive->mode = mode;
+    state_guard_forget(drive);
     if (mode == (uint8_t)DRIVE_MODE_POSITION) {
         position_loop_recount(&drive->position_loop, &drive->cfg->position_loop,
                               position->turns_q32);

@@ -30,19 +30,26 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/*
+ * The upper four bits are the number of the state, the lower four its check bits: the extended code of Hamming. Any two
+ * codes differ in four bits or more, so up to three bits that flip by themselves never make one state of another. The codes
+ * ascend as the states do. Each fits into the byte that a comparison has room for.
+ */
 typedef enum {
-    DRIVE_STATE_INIT = 0,
-    DRIVE_STATE_OFFSET_CAL,
-    DRIVE_STATE_READY,
-    DRIVE_STATE_FLYING_START, /* does the rotor turn already? */
-    DRIVE_STATE_PROBE,        /* measures an unknown motor with an imposed current */
-    DRIVE_STATE_ALIGN,        /* pulls the rotor to a known angle, measures R and L */
-    DRIVE_STATE_HOLD,         /* an imposed current holds the rotor at standstill */
-    DRIVE_STATE_IF_RAMP,      /* an imposed current turns the rotor: open-loop I/f */
-    DRIVE_STATE_HANDOVER,     /* as IF_RAMP, while the observer's residual is checked */
-    DRIVE_STATE_RUN,          /* closed loop on the angle of the observer or the sensor */
-    DRIVE_STATE_FAULT
+    DRIVE_STATE_INIT = 0x00,
+    DRIVE_STATE_OFFSET_CAL = 0x17,
+    DRIVE_STATE_READY = 0x2B,
+    DRIVE_STATE_FLYING_START = 0x3C, /* does the rotor turn already? */
+    DRIVE_STATE_PROBE = 0x4D,        /* measures an unknown motor with an imposed current */
+    DRIVE_STATE_ALIGN = 0x5A,        /* pulls the rotor to a known angle, measures R and L */
+    DRIVE_STATE_HOLD = 0x66,         /* an imposed current holds the rotor at standstill */
+    DRIVE_STATE_IF_RAMP = 0x71,      /* an imposed current turns the rotor: open-loop I/f */
+    DRIVE_STATE_HANDOVER = 0x8E,     /* as IF_RAMP, while the observer's residual is checked */
+    DRIVE_STATE_RUN = 0x99,          /* closed loop on the angle of the observer or the sensor */
+    DRIVE_STATE_FAULT = 0xA5
 } drive_state_t;
+
+#define DRIVE_STATES (11U)
 
 /* What the parts of the drive tell it. transitions.c says what follows in which state. */
 typedef enum {
@@ -94,6 +101,20 @@ typedef struct {
     int32_t motoring; /* limit of the motoring current, Q15 of I_b */
 } fault_scene_t;
 
+/* What state_guard.h compares the state with. */
+typedef struct {
+    uint32_t at;            /* part that is checked next */
+    uint32_t measured;      /* check word of offset_a, offset_b and identified */
+    drive_state_t state;    /* at the last look; INIT: none, nothing below was kept */
+    step_t reference;       /* of the speed loop, in RUN with a speed asked for */
+    int32_t flux_q30;       /* of the model, in RUN */
+    int32_t integral_d_q26; /* of the current control, with an imposed current */
+    int32_t integral_q_q26;
+    angle_t angle;    /* of a vector that rests */
+    int32_t heat_q24; /* as derating.c has left it */
+    uint32_t config;  /* check word of settings that act at once */
+} state_guard_t;
+
 /* The current vector that is imposed below RUN. */
 typedef struct {
     rotor_position_t position; /* of the vector */
@@ -117,7 +138,8 @@ typedef struct {
     rotor_position_t position; /* θ̂ and whole turns, (23) */
     const drive_cfg_t *cfg;
     drive_state_t state;
-    uint32_t slow_count;        /* N…1: ticks to the end of the slow period */
+    uint8_t
+        slow_count; /* N…1: ticks to the end of the slow period; a byte, so that no flip makes it long */
     protection_limits_t limits; /* in force in this state */
     int32_t offset_a;           /* sensor zero, Q15 of I_b, nominal 16384 */
     int32_t offset_b;
@@ -158,6 +180,7 @@ typedef struct {
     torque_loop_t torque_loop;     /* in RUN; the bridge in every mode */
     safe_state_t safe_state;       /* of the gates while nothing is driven */
     config_guard_t guard;
+    state_guard_t state_guard;
     fault_t fault;       /* the last fault … */
     fault_scene_t scene; /* … and what was around it */
 } drive_t;

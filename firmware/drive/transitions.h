@@ -5,7 +5,22 @@
 
 #include "state.h"
 
-/* Returns the state that follows, or `state` when nothing does. In FAULT another fault is not followed. Pure, any context. */
+#include <stdbool.h>
+#include <stdint.h>
+
+/*
+ * Returns the state that follows, or `state` when nothing does. In FAULT another fault is not followed. From a code that is
+ * no state every event leads to FAULT. Pure, any context.
+ */
 drive_state_t transitions_next(drive_state_t state, drive_event_t event);
+
+/* Whether this is the code of a state. Pure, any context. */
+bool transitions_is_state(drive_state_t state);
+
+/* The number of a state, 0…DRIVE_STATES − 1, in the order of drive_state_t; DRIVE_STATES where the code is none. Pure, any context. */
+uint32_t transitions_number(drive_state_t state);
+
+/* The state of a number below DRIVE_STATES; FAULT for any other. Pure, any context. */
+drive_state_t transitions_state(uint32_t number);
 
 #endif

@@ -36,7 +36,8 @@ typedef enum {
     FAULT_TEMPERATURE_SENSOR, /* value: raw count of the sensor, limit: the last one that it can have */
     FAULT_CURRENT_SUM, /* value: mean of |i_a + i_b + i_c|, the limit for the currents that flow */
     FAULT_FLUX_IMPLAUSIBLE, /* value: EMF that has come or gone within a second */
-    FAULT_COUNT             /* number of entries, no fault */
+    FAULT_MEMORY, /* a word of the drive's state that nothing has written, value: a part, state_guard.h */
+    FAULT_COUNT /* number of entries, no fault */
 } fault_id_t;
 
 /* Fault, measured value, limit, and tick. Currents Q15 of I_b, bus Q15 of U_b. */

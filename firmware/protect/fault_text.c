@@ -119,6 +119,8 @@ static const struct {
      "control interrupt held up: shorten interrupts above it; then lower the PWM frequency"},
     {OF(FAULT_CONFIGURATION), FAULT_SIGN_NONE,
      "configuration changed in memory: write the image again; if it returns replace the board"},
+    {OF(FAULT_MEMORY), FAULT_SIGN_NONE,
+     "a bit of the memory has changed by itself: clear the fault; if it returns look for noise, replace the board"},
     {OF(FAULT_STARTUP), FAULT_SIGN_NOT_FOLLOWED,
      "rotor does not follow: free the shaft or lessen the load; then more startup.current_pct, slower ramp, L, wires"},
     {OF(FAULT_STARTUP), FAULT_SIGN_NONE,
@@ -161,6 +163,7 @@ const fault_text_t *fault_text(fault_id_t id)
         [FAULT_TEMPERATURE_SENSOR] = {"TEMPERATURE_SENSOR", FAULT_UNIT_TEMPERATURE},
         [FAULT_CURRENT_SUM] = {"CURRENT_SUM", FAULT_UNIT_CURRENT},
         [FAULT_FLUX_IMPLAUSIBLE] = {"FLUX_IMPLAUSIBLE", FAULT_UNIT_VOLTAGE},
+        [FAULT_MEMORY] = {"MEMORY", FAULT_UNIT_WORD},
     };
     const unsigned int index = (unsigned int)id;
 

@@ -20,12 +20,14 @@ typedef struct {
 
 static const piece_t pieces[] = {
     LONG(position),
-    WORDS(state, tick),
+    WORDS(state, state),
+    BYTE(slow_count),
+    WORDS(limits, tick),
     BYTE(voltage_drive.active),
     WORDS(voltage_drive.calm_periods, speed_loop.inertia_q17),
     WORDS(position_loop, position_loop.profile_speed),
     BYTE(mode),
-    WORDS(calibration, model.kappa_q14),
+    WORDS(calibration, model.check_gains),
     BYTE(identified),
     WORDS(vector, vector.current_mean.q),
     WORDS(angle_sensor, angle_sensor.speed),

@@ -29,9 +29,15 @@ static uint32_t slow_part(const drive_in_t *in)
     return pair(command, in->adc_temperature);
 }
 
+/* An index that has flipped by itself still is one of a segment. */
+static uint32_t in_ring(uint32_t segment)
+{
+    return segment % RECORDER_SEGMENTS;
+}
+
 static recorder_entry_t *first_of(const recorder_t *recorder, uint32_t segment)
 {
-    const uint32_t at = segment * recorder->segment_entries;
+    const uint32_t at = in_ring(segment) * recorder->segment_entries;
 
     return &recorder->entries[at];
 }
@@ -39,7 +45,7 @@ static recorder_entry_t *first_of(const recorder_t *recorder, uint32_t segment)
 /* A tick takes two entries at most: of two changes the second has nothing new. The proof does not see that, so it is three. */
 static const recorder_entry_t *stop_of(const recorder_t *recorder, uint32_t segment)
 {
-    const uint32_t behind = (segment + 1U) * recorder->segment_entries;
+    const uint32_t behind = (in_ring(segment) + 1U) * recorder->segment_entries;
 
     return &recorder->entries[behind - 2U];
 }
@@ -78,13 +84,13 @@ static recorder_entry_t *put_frame(recorder_entry_t *at, const drive_in_t *in,
 static void leave_segment(recorder_t *recorder)
 {
     if (recorder->current != NONE) {
-        recorder->segments[recorder->current].end = recorder->at;
+        recorder->segments[in_ring(recorder->current)].end = recorder->at;
     }
 }
 
 static void enter_segment(recorder_t *recorder, const drive_t *drive, const drive_in_t *in)
 {
-    const uint32_t next = recorder->next;
+    const uint32_t next = in_ring(recorder->next);
 
     recorder->segments[next].follows = (recorder->current != NONE) && !recorder->gap;
     recorder->gap = false;
@@ -161,7 +167,7 @@ uint32_t recorder_newest(const recorder_t *recorder)
 {
     const uint32_t current = recorder->current;
 
-    return (current == NONE) ? 0U : recorder->segments[current].number;
+    return (current == NONE) ? 0U : recorder->segments[in_ring(current)].number;
 }
 
 /* Restart with the same memory. The interrupt does not touch a frozen recorder. */
@@ -390,7 +396,7 @@ static bool is_configured(const recorder_t *recorder, uint32_t segment)
 /* Segments of the history up to the current one: without a gap between them, each with its configuration. */
 static uint32_t count_segments(const recorder_t *recorder)
 {
-    uint32_t segment = recorder->current;
+    uint32_t segment = in_ring(recorder->current);
     uint32_t count = is_configured(recorder, segment) ? 1U : 0U;
     bool more = (count != 0U) && recorder->segments[segment].follows;
 

@@ -25,7 +25,7 @@
 #include <stdint.h>
 
 #define RECORDER_MAGIC (0x4452464EU) /* "NFRD" */
-#define RECORDER_VERSION (3U)
+#define RECORDER_VERSION (4U)
 #define RECORDER_LINE_MARK ('~')
 #define RECORDER_LINE_WORDS (13U)
 #define RECORDER_LINE_CHARACTERS (1U + (((RECORDER_LINE_WORDS + 2U) / 3U) * 16U)) /* less its end */

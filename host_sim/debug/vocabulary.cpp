@@ -7,6 +7,7 @@
 
 extern "C" {
 #include "fault_text.h"
+#include "transitions.h"
 }
 
 #include <map>
@@ -26,8 +27,9 @@ const std::map<std::string, int> &enumerators()
 {
     static const std::map<std::string, int> table = [] {
         std::map<std::string, int> found;
-        for (int state = DRIVE_STATE_INIT; state <= DRIVE_STATE_FAULT; state++) {
-            found.emplace(state_name(static_cast<drive_state_t>(state)), state);
+        for (uint32_t number = 0; number < DRIVE_STATES; number++) {
+            const drive_state_t state = transitions_state(number);
+            found.emplace(state_name(state), state);
         }
         for (int id = FAULT_NONE; id < FAULT_COUNT; id++) {
             found.emplace(fault_text(static_cast<fault_id_t>(id))->name, id);

@@ -5,6 +5,7 @@
 
 extern "C" {
 #include "fault_text.h"
+#include "transitions.h"
 }
 
 #include <algorithm>
@@ -70,8 +71,9 @@ std::string binary(unsigned value)
 std::string legend()
 {
     std::string text = "state:";
-    for (int state = DRIVE_STATE_INIT; state <= DRIVE_STATE_FAULT; state++) {
-        text += fmt::format(" {}={}", state, state_name(static_cast<drive_state_t>(state)));
+    for (uint32_t number = 0; number < DRIVE_STATES; number++) {
+        const drive_state_t state = transitions_state(number);
+        text += fmt::format(" {}={}", static_cast<int>(state), state_name(state));
     }
     text += "; fault:";
     for (int id = FAULT_NONE; id < FAULT_COUNT; id++) {

@@ -82,8 +82,8 @@ Json states_json(const std::vector<StateChange> &changes)
 Json moves_json()
 {
     Json moves = Json::array();
-    for (int from = DRIVE_STATE_INIT; from <= DRIVE_STATE_FAULT; from++) {
-        const auto state = static_cast<drive_state_t>(from);
+    for (uint32_t from = 0; from < DRIVE_STATES; from++) {
+        const drive_state_t state = transitions_state(from);
         for (int event = DRIVE_EVENT_NONE; event < DRIVE_EVENTS; event++) {
             const drive_state_t next = transitions_next(state, static_cast<drive_event_t>(event));
             if (next != state) {

@@ -7,6 +7,10 @@
 #include "fuzzed.h"
 #include "scripted_run.h"
 
+extern "C" {
+#include "transitions.h"
+}
+
 #include <memory>
 #include <vector>
 
@@ -37,7 +41,7 @@ std::size_t place(const drive_t &drive)
     } else if (drive.state == DRIVE_STATE_FLYING_START) {
         part = drive.flying_start.phase;
     }
-    return static_cast<std::size_t>(drive.state) * PARTS + part;
+    return static_cast<std::size_t>(transitions_number(drive.state)) * PARTS + part;
 }
 
 // The first tick of each place that a run comes through, and its last tick.
@@ -47,7 +51,7 @@ void add_starts(const Source &source, std::vector<Start> &starts)
     nf::ScriptedRun run(config);
     const drive_cfg_t cfg = run.sim().cfg();
     fuzz::configuration_holds(cfg);
-    std::vector<bool> seen((DRIVE_STATE_FAULT + 1) * PARTS);
+    std::vector<bool> seen(DRIVE_STATES * PARTS);
     while (run.tick() < run.end()) {
         const nf::Tick tick = run.control();
         const drive_t &drive = tick.sim->drive();

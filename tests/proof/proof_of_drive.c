@@ -91,7 +91,8 @@ static void choose_state(void)
     drive.angle_sensor.position.turns_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
     drive.position_loop.profile_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
     drive.position_loop.zero_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
-    drive.state = Frama_C_interval(DRIVE_STATE_INIT, DRIVE_STATE_FAULT);
+    drive.state = Frama_C_interval(DRIVE_STATE_INIT, DRIVE_STATE_FAULT); /* also what is no state */
+    drive.state_guard.state = Frama_C_interval(DRIVE_STATE_INIT, DRIVE_STATE_FAULT);
     drive.guard.at = Frama_C_unsigned_int_interval(0U, GUARD_AT_MAX);
 }
 

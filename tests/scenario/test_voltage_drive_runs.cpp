@@ -4,6 +4,10 @@
 
 #include "figure.h"
 
+extern "C" {
+#include "transitions.h"
+}
+
 #include <cmath>
 #include <string>
 #include <vector>
@@ -26,7 +30,7 @@ public:
     void add(const nf::Tick &tick) override
     {
         const drive_signals_t &s = tick.sim->drive().signals;
-        states_[tick.sim->drive().state]++;
+        states_[transitions_number(tick.sim->drive().state)]++;
         changes_ += tick.sim->drive().voltage_drive.active != driven_ ? 1 : 0;
         driven_ = tick.sim->drive().voltage_drive.active;
         if (tick.time_s < SETTLED_FROM_S) {
@@ -82,7 +86,7 @@ public:
     }
     int64_t ticks_in(drive_state_t state) const
     {
-        return states_[state];
+        return states_[transitions_number(state)];
     }
 
 private:
@@ -95,7 +99,7 @@ private:
     bool all_voltage_ = true;
     bool driven_ = false;
     int changes_ = 0;
-    int64_t states_[DRIVE_STATE_FAULT + 1] = {};
+    int64_t states_[DRIVE_STATES] = {};
 };
 
 struct Outcome {

@@ -21,7 +21,7 @@ START_UP = "OFFSET_CAL READY FLYING_START ALIGN HOLD IF_RAMP HANDOVER RUN".split
 def states():
     """The names of the states in the order in which the run enters them."""
     listed = re.search(r"typedef enum \{([^}]*)\} drive_state_t;", Path(DRIVE_H).read_text())[1]
-    names = re.findall(r"DRIVE_STATE_(\w+)", listed)
+    names = {int(code, 16): name for name, code in re.findall(r"DRIVE_STATE_(\w+) = (0x\w+)", listed)}
     results = (Path(FOLDER) / "results.nfr").read_bytes()[HEADER.size:]
     of_tick = [names[result[STATE]] for result in RESULT.iter_unpack(results)]
     return [state for state, _ in itertools.groupby(of_tick)]

@@ -6,6 +6,7 @@
 #include "example_motor.h"
 #include "fault_frames.h"
 #include "seeded.h"
+#include "state_guard.h"
 #include "testing.h"
 
 #include <math.h>
@@ -28,11 +29,13 @@ static drive_out_t out;
 static void seal(void)
 {
     cfg.crc = config_guard_crc(&cfg);
+    state_guard_keep_config(&drive);
 }
 
 static void supervise_nothing(void)
 {
     example_supervise_nothing(&cfg);
+    state_guard_keep_config(&drive);
 }
 
 static void quiet_frame(void)
@@ -204,7 +207,8 @@ static void begin_run(drive_t after[2])
         tick();
         after[k] = drive;
         after[k].tick = 0U;
-        memset(&after[k].guard, 0, sizeof drive.guard);       /* goes round for ever */
+        memset(&after[k].guard, 0, sizeof drive.guard); /* goes round for ever */
+        memset(&after[k].state_guard, 0, sizeof drive.state_guard);
         memset(&after[k].derating, 0, sizeof drive.derating); /* the winding remembers */
     }
 }

@@ -6,7 +6,9 @@
 #include "driven_motor.h"
 #include "model.h"
 #include "seeded.h"
+#include "state_guard.h"
 #include "testing.h"
+#include "transitions.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -234,6 +236,7 @@ TEST(test_every_part_takes_the_change_over)
     drive_t before;
 
     drive.derating.heat_q24 = 8000000;
+    state_guard_keep_heat(&drive);
     drive.speed_loop.inertia_q17 = 500000;
     before = drive;
     other.current_loop.pi_d.kp /= 2;
@@ -427,7 +430,9 @@ TEST(test_a_setting_of_rest_makes_a_drive_at_rest_calibrate_again)
     const uint32_t left = drive.slow_count;
 
     drive.derating.heat_q24 = 1234567;
+    state_guard_keep_heat(&drive);
     drive.identified = true;
+    state_guard_keep_measured(&drive);
     other.sampling.offset_log2 = 4U;
     TEST_ASSERT_NOT_NULL(config_change_refused(&cfg, &other));
     change();
@@ -519,7 +524,7 @@ static void choose_state(void)
                WORDS[i].size); /* the low bytes come first */
     }
     drive.cfg = &cfg;
-    drive.state = (drive_state_t)seeded_in(&seed, DRIVE_STATE_INIT, DRIVE_STATE_FAULT);
+    drive.state = transitions_state(seeded_u32(&seed) % DRIVE_STATES);
     drive.guard.at = 0U;
 }
 

@@ -10,6 +10,7 @@
 #include "open_loop.h"
 #include "run.h"
 #include "schedule.h"
+#include "state_guard.h"
 #include "testing.h"
 #include "transitions.h"
 
@@ -56,6 +57,7 @@ static void calibrate(drive_command_t command)
     in = (drive_in_t){.adc_ia = 2048U, .adc_ib = 2048U, .adc_bus = 2822U, .command = command};
     drive.offset_a = 16384;
     drive.offset_b = 16384;
+    state_guard_keep_measured(&drive);
 }
 
 /* RUN at a speed that is asked for, with the whole torque allowed. */
@@ -164,7 +166,7 @@ TEST(test_a_start_moves_nothing_in_its_own_tick)
         calibrate((drive_command_t){.target = cfg.speed_loop.speed_max,
                                     .mode = (uint8_t)DRIVE_MODE_POSITION,
                                     .request = DRIVE_REQUEST_RUN});
-        drive.slow_count = slot_count;
+        drive.slow_count = (uint8_t)slot_count;
         flux = drive.model.flux_q30;
         drive_step(&drive, &in, &out);
         TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, drive.state);
@@ -239,6 +241,7 @@ TEST(test_a_hand_over_takes_its_time_to_settle)
     cfg.startup.settle_periods = 3U;
     enter(DRIVE_STATE_IF_RAMP);
     drive.identified = true;
+    state_guard_keep_measured(&drive);
     drag(cfg.startup.handover_speed);
     for (uint32_t k = 0U; k < 3U; k++) {
         drag_with(cfg.startup.handover_speed);
@@ -303,6 +306,7 @@ TEST(test_failed_starts_are_forgotten_when_run_has_lasted_and_not_before)
 
     enter(DRIVE_STATE_HANDOVER);
     drive.identified = true;
+    state_guard_keep_measured(&drive);
     drive.attempts = cfg.startup.attempts - 1U;
     drive.residual = cfg.startup.residual_max - 1;
     drag_with(cfg.startup.handover_speed);
@@ -319,6 +323,7 @@ TEST(test_a_start_that_fails_counts_the_time_of_run_anew)
 {
     enter(DRIVE_STATE_HANDOVER);
     drive.identified = true;
+    state_guard_keep_measured(&drive);
     drive.held_periods = STALE;
     drive.handover_periods = cfg.startup.handover_periods;
     drive.residual = cfg.startup.residual_max;
@@ -338,6 +343,7 @@ static int32_t hand_over_with(step_t change)
     drive.position.turns_q32 = 0;
     drive.signals.current_ref.d = 3000;
     speed_loop_reset(&drive.speed_loop, cfg.startup.handover_speed);
+    drive.vector.step = cfg.startup.handover_speed;
     drive.speed_reference = reference;
     drive.observer.speed = reference;
     before = drive.speed_loop;
@@ -353,8 +359,8 @@ TEST(test_a_hand_over_gives_the_load_to_the_integral_and_not_the_torque_of_the_r
 
     TEST_ASSERT_EQUAL_INT32(0, of_ramp);
     TEST_ASSERT_INT32_WITHIN(TURN_LSB, 1500, pi_output(&drive.speed_loop.pi));
-    of_ramp = hand_over_with(cfg.speed_loop.ramp);
-    TEST_ASSERT_TRUE(of_ramp > 500);
+    of_ramp = hand_over_with(cfg.startup.ramp);
+    TEST_ASSERT_TRUE(of_ramp > 50);
     TEST_ASSERT_INT32_WITHIN(TURN_LSB, lround(1500.0 - (of_ramp * (1.0 - cos_30))),
                              pi_output(&drive.speed_loop.pi));
 }
@@ -363,6 +369,7 @@ TEST(test_the_last_attempt_that_fails_is_a_fault)
 {
     enter(DRIVE_STATE_HANDOVER);
     drive.identified = true;
+    state_guard_keep_measured(&drive);
     drive.attempts = cfg.startup.attempts - 1U;
     drive.handover_periods = cfg.startup.handover_periods;
     drive.residual = cfg.startup.residual_max;
@@ -377,6 +384,7 @@ TEST(test_a_rotor_is_lost_when_periods_above_the_limit_outweigh_those_below)
 {
     enter(DRIVE_STATE_HOLD);
     drive.identified = true;
+    state_guard_keep_measured(&drive);
     drive.residual = cfg.startup.residual_lost + 1;
     for (uint32_t k = 1U; k < cfg.startup.lost_periods; k++) {
         drag(0);
@@ -764,6 +772,7 @@ static step_t reference_from(step_t present, uint32_t attempts, bool identified)
     enter(DRIVE_STATE_IF_RAMP);
     drive.attempts = attempts;
     drive.identified = identified;
+    state_guard_keep_measured(&drive);
     drive.vector.step = present;
     drive.speed_loop.reference = present;
     in.command.target = cfg.speed_loop.speed_max;
@@ -788,6 +797,7 @@ static drive_state_t state_of_fast_vector(uint32_t attempts, bool identified)
     enter(DRIVE_STATE_IF_RAMP);
     drive.attempts = attempts;
     drive.identified = identified;
+    state_guard_keep_measured(&drive);
     drive.vector.step = cfg.startup.handover_speed;
     drive.speed_loop.reference = cfg.startup.handover_speed;
     drive.speed_reference = cfg.startup.handover_speed;
@@ -1241,6 +1251,7 @@ static int32_t heat_after_one_look(drive_state_t state)
 {
     enter(state);
     drive.derating.heat_q24 = 1000000;
+    state_guard_keep_heat(&drive);
     drive.supervision.step = 0U;
     drive.signals.current = (dq_t){STALE_CURRENT, 0};
     drive.signals.phase_a = 0;
@@ -1254,6 +1265,7 @@ static int32_t heat_of_phases(drive_state_t state, int32_t a, int32_t b)
 {
     enter(state);
     drive.derating.heat_q24 = 1000000;
+    state_guard_keep_heat(&drive);
     drive.supervision.step = 0U;
     drive.signals.current = (dq_t){0, 0};
     drive.signals.phase_a = a;
@@ -1299,6 +1311,7 @@ TEST(test_a_current_that_nothing_controls_heats_as_one_that_is_controlled)
     calibrate((drive_command_t){0});
     enter(DRIVE_STATE_RUN);
     drive.derating.heat_q24 = 1000000;
+    state_guard_keep_heat(&drive);
     drive.supervision.step = 0U;
     drive.signals.current = (dq_t){0, 8000};
     slot(SLOT_CHECKS);

@@ -10,10 +10,10 @@
 
 /*
  * Bytes of drive_t on a 64-bit PC that belong to the machine: the pointer to the configuration, the rest of the
- * words of the mode and of five flags, and where 64-bit fields ask for alignment a word: before and in the position loop,
+ * words of the mode, of the count of the slow period and of five flags, and where 64-bit fields ask for alignment a word: before and in the position loop,
  * before and in the vector, in the angle sensor, at the end.
  */
-#define FLAGS_AND_BYTES (6U)
+#define FLAGS_AND_BYTES (7U)
 #define BYTE_PADDING (FLAGS_AND_BYTES * 3U)
 #define WORD (4U)
 #define PROFILE_BYTES (8U + 4U)

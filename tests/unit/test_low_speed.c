@@ -3,7 +3,9 @@
 #include "driven_motor.h"
 #include "fault_frames.h"
 #include "seeded.h"
+#include "state_guard.h"
 #include "testing.h"
+#include "transitions.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -315,7 +317,8 @@ TEST(test_a_stop_opens_the_gates_in_its_tick_in_every_state_and_the_next_start_s
     static const uint32_t half[] = {20U, 50U, 2000U, 100U, 400U, 5U, 1000U};
 
     for (uint32_t k = 0U; k < 14U; k++) {
-        const drive_state_t state = (drive_state_t)(DRIVE_STATE_FLYING_START + (k / 2U));
+        const drive_state_t state =
+            transitions_state(transitions_number(DRIVE_STATE_FLYING_START) + (k / 2U));
         const bool later = (k % 2U) != 0U;
 
         begin();
@@ -353,12 +356,13 @@ static const struct {
 
 TEST(test_each_fault_opens_the_gates_in_its_tick_in_every_state_of_the_start)
 {
-    for (int32_t s = DRIVE_STATE_FLYING_START; s <= (int32_t)DRIVE_STATE_RUN; s++) {
+    for (uint32_t s = transitions_number(DRIVE_STATE_FLYING_START);
+         s <= transitions_number(DRIVE_STATE_RUN); s++) {
         static drive_t entered;
         static drive_in_t frame;
 
         begin();
-        go_to((drive_state_t)s);
+        go_to(transitions_state(s));
         entered = drive;
         frame = in;
         for (uint32_t f = 0U; f < 4U; f++) {
@@ -674,7 +678,7 @@ TEST(test_any_frame_keeps_the_start_in_range_and_reaches_every_state)
     static drive_t other;
     seeded_t seed = {0x57A47U};
     drive_out_t other_out = {0};
-    uint32_t visits[DRIVE_STATE_FAULT + 1] = {0U};
+    uint32_t visits[DRIVE_STATES] = {0U};
 
     cfg = example_drive_cfg_with_startup();
     hurry();
@@ -689,10 +693,10 @@ TEST(test_any_frame_keeps_the_start_in_range_and_reaches_every_state)
         drive_step(&other, &in, &other_out);
         assert_everything_in_range();
         TEST_ASSERT_EQUAL_MEMORY(&drive, &other, sizeof drive);
-        visits[drive.state]++;
+        visits[transitions_number(drive.state)]++;
     }
-    for (uint32_t s = DRIVE_STATE_OFFSET_CAL; s <= (uint32_t)DRIVE_STATE_FAULT; s++) {
-        const bool asked = s != (uint32_t)DRIVE_STATE_PROBE;
+    for (uint32_t s = 1U; s < DRIVE_STATES; s++) {
+        const bool asked = s != transitions_number(DRIVE_STATE_PROBE);
         char text[32];
 
         (void)snprintf(text, sizeof text, "state %u is reached", (unsigned)s);
@@ -784,9 +788,11 @@ TEST(test_heat_takes_from_an_imposed_current_too)
     go_to(DRIVE_STATE_HOLD);
     cfg.derating.current_continuous = cfg.startup.current_hold / 2;
     drive.derating.heat_q24 = (1 << 24) + (1 << 20); /* beyond all derating, below the fault */
+    state_guard_keep_heat(&drive);
     cfg.derating.heat_rate = 0;
     cfg.crc = config_guard_crc(&cfg);
     config_guard_reset(&drive.guard);
+    state_guard_keep_config(&drive);
     ticks(20U * SUPERVISION_TICKS);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_HOLD, drive.state);
     TEST_ASSERT_EQUAL_INT32(cfg.startup.current_hold / 2, drive.signals.current_ref.d);
@@ -794,15 +800,17 @@ TEST(test_heat_takes_from_an_imposed_current_too)
 
 TEST(test_a_winding_at_rest_cools_whatever_the_last_current_was)
 {
-    for (int32_t s = DRIVE_STATE_HOLD; s <= (int32_t)DRIVE_STATE_RUN; s++) {
+    for (uint32_t s = transitions_number(DRIVE_STATE_HOLD);
+         s <= transitions_number(DRIVE_STATE_RUN); s++) {
         int32_t before;
 
         setUp();
-        go_to((drive_state_t)s);
+        go_to(transitions_state(s));
         in.command.request = 0U;
         tick();
         drive.signals.current = (dq_t){.d = 16383, .q = 16383};
         before = drive.derating.heat_q24 = 1 << 24;
+        state_guard_keep_heat(&drive);
         ticks(SUPERVISION_TICKS);
         TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
         TEST_ASSERT_LESS_THAN_INT32(before, drive.derating.heat_q24);

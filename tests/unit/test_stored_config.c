@@ -5,6 +5,7 @@
 #include "flash_model.h"
 #include "stored_config.h"
 #include "testing.h"
+#include "transitions.h"
 
 #include <string.h>
 
@@ -228,10 +229,12 @@ TEST(test_no_block_is_stored_while_a_run_is_asked_for)
 
 TEST(test_no_block_is_stored_in_any_state_but_ready_and_fault)
 {
-    for (uint32_t state = 0U; state <= (uint32_t)DRIVE_STATE_FAULT; state++) {
+    for (uint32_t number = 0U; number < DRIVE_STATES; number++) {
+        const drive_state_t state = transitions_state(number);
+
         const bool rests = (state == DRIVE_STATE_READY) || (state == DRIVE_STATE_FAULT);
 
-        app.drive.state = (drive_state_t)state;
+        app.drive.state = state;
         assert_save(rests ? NULL : RUNS);
     }
 }

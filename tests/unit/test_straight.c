@@ -6,7 +6,9 @@
 #include "drive.h"
 #include "example_cfg.h"
 #include "seeded.h"
+#include "state_guard.h"
 #include "testing.h"
+#include "transitions.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -76,7 +78,7 @@ static drive_t any_state(void)
                WORDS[i].size); /* the low bytes come first */
     }
     drive.cfg = &cfg;
-    drive.state = (drive_state_t)seeded_in(&seed, DRIVE_STATE_INIT, DRIVE_STATE_FAULT);
+    drive.state = transitions_state(seeded_u32(&seed) % DRIVE_STATES);
     drive.guard.at = 0U;
     return drive;
 }
@@ -103,6 +105,7 @@ static void make_ordinary(drive_t *drive, drive_in_t *in)
     drive->limits = protection_limits(&cfg.protection, true);
     drive->offset_a = 16384;
     drive->offset_b = 16384;
+    state_guard_keep_measured(drive);
     in->command.request = DRIVE_REQUEST_RUN;
     in->flags = 0U;
     in->adc_ia = (uint16_t)seeded_in(&seed, 1400, 2700);

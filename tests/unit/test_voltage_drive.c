@@ -3,6 +3,7 @@
 #include "driven_motor.h"
 #include "fault_frames.h"
 #include "seeded.h"
+#include "state_guard.h"
 #include "testing.h"
 
 #include <math.h>
@@ -325,6 +326,7 @@ TEST(test_a_current_that_falls_below_its_floor_is_given_back_and_then_kept)
     cfg.current_reference.floor_shift = 0U;
     cfg.current_reference.slope = 65;
     cfg.crc = config_guard_crc(&cfg);
+    state_guard_keep_config(&drive);
     run_at(600.0);
     loaded_ticks(PATIENCE_TICKS, 2.0);
     TEST_ASSERT_TRUE(drive.voltage_drive.active);

@@ -75,10 +75,15 @@ class Bench:
 
 
 def state_names():
-    """The drive's states in the order of their numbers."""
+    """The drive's states in their order."""
+    return list(state_codes().values())
+
+
+def state_codes():
+    """The name of each state by its code."""
     header = (ROOT / "firmware/drive/state.h").read_text(encoding="utf-8")
     listed = re.search(r"typedef enum \{([^}]*)\} drive_state_t;", header)[1]
-    return re.findall(r"DRIVE_STATE_(\w+)", listed)
+    return {int(code, 16): name for name, code in re.findall(r"DRIVE_STATE_(\w+) = (0x\w+)", listed)}
 
 
 def record(build, folder, scenario, *choices):
@@ -97,7 +102,7 @@ def read_recording(folder):
 
 
 def states_of(results):
-    names = state_names()
+    names = state_codes()
     return [names[record[STATE]] for record in RESULT.iter_unpack(results[HEADER.size:])]
 
 

@@ -1,0 +1,283 @@
+/* SPDX-License-Identifier: MIT */
+#include "state_guard.h"
+
+#include "inlining.h"
+#include "io.h"
+
+#define PERIODS_LOG2 (2U)    /* slow periods from look to look */
+#define ERROR_MAX (8192)     /* of the observer, what the flux is corrected by */
+#define WEAKENING_MAX (8192) /* a quarter of the highest voltage: weakening.h */
+#define IDENTIFIED (0x55AA0000UL)
+#define CHANGE_MAX (0x100000) /* of an integral in a tick, more than any gain allows */
+
+_Static_assert((1U << PERIODS_LOG2) == SUPERVISION_STEPS, "a look in each supervision period");
+
+RARE static fault_id_t found(uint32_t part, fault_t *fault)
+{
+    *fault = (fault_t){.id = FAULT_MEMORY, .value = fx_signed(part), .limit = 0};
+    return FAULT_MEMORY;
+}
+
+/* A bit that flips in one of them flips in the word. Memory of zeros is not sound. */
+static uint32_t word_of_measured(const drive_t *drive)
+{
+    const uint32_t word = fx_unsigned(drive->offset_a ^ ~drive->offset_b);
+
+    return drive->identified ? (word ^ IDENTIFIED) : word;
+}
+
+void state_guard_keep_measured(drive_t *drive)
+{
+    drive->state_guard.measured = word_of_measured(drive);
+}
+
+void state_guard_forget(drive_t *drive)
+{
+    drive->state_guard.state = DRIVE_STATE_INIT;
+}
+
+void state_guard_keep_heat(drive_t *drive)
+{
+    drive->state_guard.heat_q24 = drive->derating.heat_q24;
+}
+
+static uint32_t word_of_fade(const fade_t *fade)
+{
+    return fx_unsigned(fade->zero ^ fade->gain) ^ fade->shift;
+}
+
+static uint32_t word_of_derating(const derating_cfg_t *cfg)
+{
+    const int32_t ends = cfg->temperature_lowest ^ cfg->temperature_highest;
+    const int32_t currents = cfg->current_max ^ cfg->current_continuous ^ cfg->bus_current_max;
+
+    return word_of_fade(&cfg->temperature) ^ word_of_fade(&cfg->bus_low) ^
+           fx_unsigned(ends ^ currents);
+}
+
+static uint32_t word_of_modulator(const modulator_cfg_t *cfg)
+{
+    return fx_unsigned(cfg->timer_counts ^ cfg->ratio_max_q15 ^ cfg->drop_q15 ^ cfg->ripple_q15 ^
+                       cfg->edge_slope);
+}
+
+static uint32_t word_of_speed_loop(const speed_loop_cfg_t *cfg)
+{
+    return fx_unsigned(cfg->pi.kp ^ cfg->pi.ki) ^ cfg->pi.kp_shift ^ cfg->pi.ki_shift ^
+           cfg->error_shift;
+}
+
+/* Of the settings that a flip in makes speed or current wrong within 100 ms. */
+static uint32_t word_of_config(const drive_cfg_t *cfg)
+{
+    const uint32_t sampling =
+        cfg->sampling.current_shift ^ cfg->sampling.bus_shift ^ cfg->sampling.sensor_pole_pairs;
+    const int32_t filter = cfg->torque_filter.smooth_rate_q15 ^ cfg->torque_filter.notch_share_q15;
+    const int32_t reference = cfg->current_reference.floor ^ cfg->current_reference.slope_down;
+    const int32_t flux = cfg->observer.flux_q27 ^ cfg->current_loop.emf_q13;
+
+    return cfg->speed_shift ^ cfg->slow_ticks ^ sampling ^ word_of_modulator(&cfg->modulator) ^
+           word_of_derating(&cfg->derating) ^ word_of_speed_loop(&cfg->speed_loop) ^
+           fx_unsigned(filter ^ reference ^ flux);
+}
+
+void state_guard_keep_config(drive_t *drive)
+{
+    drive->state_guard.config = word_of_config(drive->cfg);
+}
+
+static bool asks_speed(const drive_t *drive)
+{
+    return drive->mode == (uint8_t)DRIVE_MODE_SPEED;
+}
+
+/* The parts that a supervision period may change by so much only. */
+static bool is_ramp(const drive_t *drive)
+{
+    const step_t change = fx_abs(drive->speed_loop.reference - drive->state_guard.reference);
+
+    return !asks_speed(drive) || (fx_asr(change, PERIODS_LOG2) <= drive->cfg->speed_loop.ramp);
+}
+
+static bool is_drift(const drive_t *drive)
+{
+    const int32_t change = fx_abs(drive->model.flux_q30 - drive->state_guard.flux_q30);
+
+    return fx_asr(change, PERIODS_LOG2) <= (ERROR_MAX * drive->cfg->model.flux_rate);
+}
+
+/* In RUN. */
+static fault_id_t look_at_run(drive_t *drive, fault_t *fault)
+{
+    state_guard_t *const guard = &drive->state_guard;
+    fault_id_t id = FAULT_NONE;
+
+    if (guard->state == DRIVE_STATE_RUN) {
+        if (!is_ramp(drive)) {
+            id = found((uint32_t)STATE_GUARD_REFERENCE, fault);
+        } else if (!is_drift(drive)) {
+            id = found((uint32_t)STATE_GUARD_FLUX, fault);
+        } else {
+            /* as they may be */
+        }
+    }
+    guard->reference = drive->speed_loop.reference;
+    guard->flux_q30 = drive->model.flux_q30;
+    return id;
+}
+
+static bool is_integral(const drive_t *drive, const pi_cfg_t *cfg, int32_t now, int32_t before)
+{
+    const int32_t gain = fx_asr(FX_Q15_MAX * fx_abs(cfg->ki), cfg->ki_shift);
+    const int32_t ticks = (int32_t)drive->cfg->slow_ticks;
+
+    return fx_asr(fx_abs(now - before), PERIODS_LOG2) <= (fx_min(gain + 1, CHANGE_MAX) * ticks);
+}
+
+/* Of a rotor that rests in the field. What has left the circle of the voltage would cut an integral at once. */
+static bool has_soft_integrals(const drive_t *drive)
+{
+    const current_loop_cfg_t *const loop = &drive->cfg->hold_loop;
+    const state_guard_t *const guard = &drive->state_guard;
+
+    return is_integral(drive, &loop->pi_d, drive->current_loop.pi_d.integral_q26,
+                       guard->integral_d_q26) &&
+           is_integral(drive, &loop->pi_q, drive->current_loop.pi_q.integral_q26,
+                       guard->integral_q_q26);
+}
+
+/* In HOLD with a vector that rests. */
+static fault_id_t look_at_rest(drive_t *drive, fault_t *fault)
+{
+    state_guard_t *const guard = &drive->state_guard;
+    const angle_t angle = rotor_position_angle(&drive->vector.position);
+    fault_id_t id = FAULT_NONE;
+
+    if (guard->state == DRIVE_STATE_HOLD) {
+        if (angle != guard->angle) {
+            id = found((uint32_t)STATE_GUARD_ANGLE, fault);
+        } else if (!has_soft_integrals(drive)) {
+            id = found((uint32_t)STATE_GUARD_INTEGRALS, fault);
+        } else {
+            /* as they may be */
+        }
+    }
+    guard->angle = angle;
+    guard->integral_d_q26 = drive->current_loop.pi_d.integral_q26;
+    guard->integral_q_q26 = drive->current_loop.pi_q.integral_q26;
+    return id;
+}
+
+static fault_id_t look(drive_t *drive, fault_t *fault)
+{
+    fault_id_t id = FAULT_NONE;
+
+    if (word_of_measured(drive) != drive->state_guard.measured) {
+        id = found((uint32_t)STATE_GUARD_MEASURED, fault);
+    } else if (drive->state == DRIVE_STATE_RUN) {
+        id = look_at_run(drive, fault);
+    } else if (drive_is_held(drive)) {
+        id = look_at_rest(drive, fault);
+    } else {
+        /* nothing rests */
+    }
+    drive->state_guard.state = drive->state;
+    return id;
+}
+
+static bool holds_limits(const drive_t *drive)
+{
+    const protection_limits_t due =
+        protection_limits(&drive->cfg->protection, drive_is_driving(drive->state));
+
+    return (drive->limits.current_max == due.current_max) &&
+           (drive->limits.bus_max == due.bus_max) && (drive->limits.bus_min == due.bus_min);
+}
+
+static bool holds_choices(const drive_t *drive)
+{
+    const bool voltage = drive->voltage_drive.active && (drive->cfg->voltage_drive.enabled == 0U);
+
+    return !voltage && ((uint32_t)drive->align.phase <= (uint32_t)ALIGN_DONE) &&
+           ((uint32_t)drive->flying_start.phase <= (uint32_t)FLYING_START_CHARGE) &&
+           ((uint32_t)drive->safe_state.phase <= (uint32_t)SAFE_STATE_BROKEN) &&
+           (drive->speed_loop.halvings <= 1U) &&
+           (fx_abs(drive->weakening.voltage) <= WEAKENING_MAX);
+}
+
+/* A start that fails so often is a fault already. */
+static bool holds_start(const drive_t *drive)
+{
+    return drive->attempts <= drive->cfg->startup.attempts;
+}
+
+static bool holds_model(drive_t *drive, uint32_t part)
+{
+    const model_nominal_t nominal = drive_nominal(drive);
+
+    return model_holds(&drive->model, &nominal, (model_part_t)part);
+}
+
+static bool holds(drive_t *drive, uint32_t part)
+{
+    bool sound;
+
+    if (part <= (uint32_t)STATE_GUARD_MODEL_FLUX) {
+        sound = holds_model(drive, part);
+    } else if (part == (uint32_t)STATE_GUARD_LIMITS) {
+        sound = holds_limits(drive);
+    } else if (part == (uint32_t)STATE_GUARD_CHOICES) {
+        sound = holds_choices(drive);
+    } else if (part == (uint32_t)STATE_GUARD_START) {
+        sound = holds_start(drive);
+    } else { /* CONFIG */
+        sound = word_of_config(drive->cfg) == drive->state_guard.config;
+    }
+    return sound;
+}
+
+/* What a part that does not hold is. */
+RARE static fault_id_t found_part(const drive_t *drive, uint32_t part, fault_t *fault)
+{
+    fault_id_t id = found(part, fault);
+
+    if (part == (uint32_t)STATE_GUARD_CONFIG) {
+        id = FAULT_CONFIGURATION;
+        *fault = (fault_t){.id = id,
+                           .value = fx_signed(word_of_config(drive->cfg)),
+                           .limit = fx_signed(drive->state_guard.config)};
+    }
+    return id;
+}
+
+fault_id_t state_guard_step(drive_t *drive, fault_t *fault)
+{
+    const uint32_t part = drive->state_guard.at % (uint32_t)STATE_GUARD_PARTS;
+    fault_id_t id = look(drive, fault);
+
+    drive->state_guard.at = (part + 1U) % (uint32_t)STATE_GUARD_PARTS;
+    if ((id == FAULT_NONE) && !holds(drive, part)) {
+        id = found_part(drive, part, fault);
+    }
+    return id;
+}
+
+fault_id_t state_guard_check_heat(const drive_t *drive, fault_t *fault)
+{
+    const bool sound = drive->derating.heat_q24 == drive->state_guard.heat_q24;
+
+    return sound ? FAULT_NONE : found((uint32_t)STATE_GUARD_HEAT, fault);
+}
+
+fault_id_t state_guard_check_vector(const drive_t *drive, fault_t *fault)
+{
+    const startup_cfg_t *const cfg = &drive->cfg->startup;
+    const step_t step = drive->vector.step;
+    const step_t change = fx_abs(drive->speed_reference - step);
+    const bool jumps = asks_speed(drive) && (change > cfg->ramp);
+    const bool lost = drive->lost_periods > cfg->lost_periods;
+    const bool measured = word_of_measured(drive) == drive->state_guard.measured;
+    const bool sound = (step == drive->speed_loop.reference) && measured && !jumps && !lost;
+
+    return sound ? FAULT_NONE : found((uint32_t)STATE_GUARD_VECTOR, fault);
+}
