@@ -6,6 +6,14 @@
 
 #include <stddef.h>
 
+/* Nothing is told. */
+static void clear_failure(app_t *app)
+{
+    app->fails = false;
+    barrier_compiler();
+    app->failure = (drive_command_t){.request = 0U};
+}
+
 const char *app_init(app_t *app, hal_t *hal, const drive_cfg_t *cfg)
 {
     hal_open_gates(hal);
@@ -18,7 +26,7 @@ const char *app_init(app_t *app, hal_t *hal, const drive_cfg_t *cfg)
     app->failed = false;
     app->unlocked = false;
     app->change = NULL;
-    app->fails = false;
+    clear_failure(app);
     app->check = (cross_check_t){.tick = 0U};
     return drive_init(&app->drive, cfg);
 }
@@ -72,11 +80,19 @@ void app_fail(app_t *app, const fault_t *fault)
     app->fails = true;
 }
 
+/* It is also over where it is none: a bit has flipped by itself. */
 void app_forget_failure(app_t *app)
 {
-    if (app->drive.state == DRIVE_STATE_FAULT) {
-        app->fails = false;
+    if (app->fails &&
+        ((app->drive.state == DRIVE_STATE_FAULT) || (app->failure.request != DRIVE_REQUEST_FAIL))) {
+        clear_failure(app);
     }
+}
+
+/* Both have to say it: a bit that flips by itself in one of them tells nothing, and starts nothing. */
+static bool is_told(const app_t *app)
+{
+    return app->fails && (app->failure.request == DRIVE_REQUEST_FAIL);
 }
 
 /* What was found is applied before it is recorded: its time is short. */
@@ -85,7 +101,7 @@ void control_isr(app_t *app)
     hal_sample(app->hal, &app->in);
     if (drive_reads_slow_inputs(&app->drive)) {
         app->in.command = command_mailbox_take(&app->mailbox);
-        if (app->fails) {
+        if (is_told(app)) {
             app->in.command = app->failure;
         }
         if (app->change != NULL) {

@@ -242,3 +242,67 @@ TEST(test_a_number_that_is_no_fault_is_none)
         TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, app.drive.state);
     }
 }
+
+/* The words of a failure that is told. */
+static void flip_failure(uint32_t bit)
+{
+    uint8_t *const bytes = (uint8_t *)&app.failure;
+
+    bytes[bit / 8U] ^= (uint8_t)(1U << (bit % 8U));
+}
+
+static void flip_fails(void)
+{
+    app.fails = !app.fails;
+}
+
+/* A slow period and a pass later. */
+static void assert_nothing_is_driven(void)
+{
+    pass(cfg.slow_ticks);
+    TEST_ASSERT_FALSE(app.out.gate_enable);
+    TEST_ASSERT_TRUE((app.drive.state == DRIVE_STATE_READY) ||
+                     (app.drive.state == DRIVE_STATE_FAULT));
+}
+
+TEST(test_a_flipped_bit_tells_nothing_and_the_command_stays_in_force)
+{
+    const drive_command_t command = {.target = 7, .mode = (uint8_t)DRIVE_MODE_SPEED, .request = 0U};
+    const drive_command_t clear = {.request = DRIVE_REQUEST_CLEAR};
+    const fault_t fault = {.id = FAULT_CURRENT_SUM, .value = 1, .limit = 1};
+
+    for (uint32_t bit = 0U; bit <= (8U * sizeof(app.failure)); bit++) {
+        power_on();
+        pass(EXAMPLE_CALIBRATION_TICKS);
+        app_fail(&app, &fault);
+        pass(cfg.slow_ticks);
+        command_mailbox_post(&app.mailbox, &clear); /* and nothing of it is left */
+        pass(EXAMPLE_CALIBRATION_TICKS + cfg.slow_ticks);
+        command_mailbox_post(&app.mailbox, &command);
+        if (bit < (8U * sizeof(app.failure))) {
+            flip_failure(bit);
+        } else {
+            flip_fails();
+        }
+        assert_nothing_is_driven();
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, app.drive.state);
+        TEST_ASSERT_EQUAL_INT32(7, app.in.command.target);
+        TEST_ASSERT_FALSE(app.fails);
+    }
+}
+
+TEST(test_a_flipped_bit_of_what_is_told_starts_no_motor)
+{
+    const fault_t fault = {.id = FAULT_CURRENT_SUM, .value = 300, .limit = 228};
+    uint32_t latched = 0U;
+
+    for (uint32_t bit = 0U; bit < (8U * sizeof(app.failure)); bit++) {
+        power_on();
+        pass(EXAMPLE_CALIBRATION_TICKS);
+        app_fail(&app, &fault);
+        flip_failure(bit);
+        assert_nothing_is_driven();
+        latched += (app.drive.state == DRIVE_STATE_FAULT) ? 1U : 0U;
+    }
+    TEST_ASSERT_TRUE(latched >= 32U); /* with other numbers, or another name */
+}
