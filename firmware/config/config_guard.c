@@ -23,7 +23,7 @@ void config_guard_reset(config_guard_t *guard)
     *guard = (config_guard_t){.at = 0U, .crc = CRC32_START};
 }
 
-static fault_id_t next_word(config_guard_t *guard, const drive_cfg_t *cfg, fault_t *fault)
+static fault_id_t check_next_word(config_guard_t *guard, const drive_cfg_t *cfg, fault_t *fault)
 {
     const uint8_t *const bytes = (const uint8_t *)cfg;
     fault_id_t id = FAULT_NONE;
@@ -55,5 +55,6 @@ RARE static fault_id_t begin_again(config_guard_t *guard, fault_t *fault)
 
 fault_id_t config_guard_step(config_guard_t *guard, const drive_cfg_t *cfg, fault_t *fault)
 {
-    return (guard->at < GUARDED_BYTES) ? next_word(guard, cfg, fault) : begin_again(guard, fault);
+    return (guard->at < GUARDED_BYTES) ? check_next_word(guard, cfg, fault)
+                                       : begin_again(guard, fault);
 }

@@ -347,6 +347,12 @@ static void obey(drive_t *drive, const drive_in_t *in)
     }
 }
 
+/* A setting that has flipped below its range would leave slots out, the one that finds it among them. */
+static uint8_t slow_period(const drive_cfg_t *cfg)
+{
+    return (uint8_t)((cfg->slow_ticks < (uint32_t)SLOTS) ? (uint32_t)SLOTS : cfg->slow_ticks);
+}
+
 /*
  * Ticks left in the slow period after this one. On the last one slow_step() reloads the count: a tick without a slot has
  * nothing more to test.
@@ -615,7 +621,7 @@ static void slow_step(drive_t *drive, const drive_in_t *in, uint32_t left, bool 
         fault_t fault;
 
         if (left == 0U) {
-            drive->slow_count = (uint8_t)drive->cfg->slow_ticks;
+            drive->slow_count = slow_period(drive->cfg);
         }
         fault_clear(&fault);
         follow_or_fail(drive, schedule_step(drive, in, (slot_t)left, moving, &fault), &fault);

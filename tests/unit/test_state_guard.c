@@ -308,3 +308,16 @@ TEST(test_a_code_that_is_no_state_is_a_fault_in_its_tick_whatever_is_asked_for)
         }
     }
 }
+
+/* Also one that leaves no room for the slot that looks at it. */
+TEST(test_each_flip_of_the_slow_period_itself_is_found)
+{
+    for (uint32_t bit = 0U; bit < 32U; bit++) {
+        cfg = example_drive_cfg_with_startup();
+        power_on();
+        cfg.slow_ticks ^= 1UL << bit;
+        ticks(TICKS_300_MS);
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
+        TEST_ASSERT_EQUAL_INT(FAULT_CONFIGURATION, drive.fault.id);
+    }
+}
