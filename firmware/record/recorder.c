@@ -3,6 +3,7 @@
 
 #include "barrier.h"
 #include "fx.h"
+#include "inlining.h"
 
 #include <stddef.h>
 
@@ -14,7 +15,12 @@
 #define COMPARE_MASK (0x7FFFU)
 #define CHANGE_MARK (0x8000U)
 #define GATE_BIT (15U)
+#define ENTRY_LOG2 (4U) /* bytes */
+#define TOP_SHIFT ((8U * sizeof(size_t)) - ENTRY_LOG2)
+#define TICK_ENTRIES (3U) /* that a tick may take */
+#define SLACK_SHARE (2U)  /* of a segment at most, where a slow period has so many ticks */
 
+_Static_assert(sizeof(recorder_entry_t) == (1U << ENTRY_LOG2), "an entry has 16 bytes");
 _Static_assert(RECORDER_STATES == (SPARE + 1U), "one state more than segments");
 
 static uint32_t pair(uint32_t lower, uint32_t upper)
@@ -42,12 +48,59 @@ static recorder_entry_t *first_of(const recorder_t *recorder, uint32_t segment)
     return &recorder->entries[at];
 }
 
-/* A tick takes two entries at most: of two changes the second has nothing new. The proof does not see that, so it is three. */
-static const recorder_entry_t *stop_of(const recorder_t *recorder, uint32_t segment)
+/*
+ * Entries at the end of the ring that no sound tick takes. A stop that has flipped by itself is looked at once in a slow period, and
+ * until then the ticks may go beyond it.
+ */
+static uint32_t slack(const recorder_t *recorder, uint32_t segment, uint32_t slow_ticks)
+{
+    const bool last = in_ring(segment) == (RECORDER_SEGMENTS - 1U);
+    const uint32_t most = recorder->segment_entries / SLACK_SHARE;
+    const uint32_t bound = (slow_ticks < most) ? slow_ticks : most;
+
+    return last ? bound : 0U;
+}
+
+/* Where the last tick of a segment begins. The proof does not see that a tick takes two entries at most, so it is three. */
+static const recorder_entry_t *stop_of(const recorder_t *recorder, uint32_t segment,
+                                       uint32_t slow_ticks)
 {
     const uint32_t behind = (in_ring(segment) + 1U) * recorder->segment_entries;
 
-    return &recorder->entries[behind - 2U];
+    return &recorder->entries[behind - TICK_ENTRIES - slack(recorder, segment, slow_ticks)];
+}
+
+/* Whether the ring is where it was. */
+static bool is_ring_sound(const recorder_t *recorder)
+{
+    return (recorder->entries == recorder->due_entries) &&
+           (recorder->segment_entries == recorder->due_segment_entries);
+}
+
+/* In entries. The bits below an entry come to the top: what is not a whole number of them is a huge one. */
+static size_t entries_between(const recorder_entry_t *first, const recorder_entry_t *end)
+{
+    const uint8_t *const from = (const uint8_t *)first;
+    const uint8_t *const to = (const uint8_t *)end;
+    const ptrdiff_t distance = to - from;
+    const size_t bytes = (size_t)distance;
+
+    return (bytes >> ENTRY_LOG2) | (bytes << TOP_SHIFT);
+}
+
+/* Whether a tick may begin there: where it lies beyond the stop, or between two entries, the number is a huge one. */
+static bool is_within(const recorder_t *recorder, const recorder_entry_t *at)
+{
+    return entries_between(at, recorder->stop) <= recorder->span;
+}
+
+static void set_stop(recorder_t *recorder, uint32_t segment, uint32_t slow_ticks)
+{
+    const recorder_entry_t *const stop = stop_of(recorder, segment, slow_ticks);
+
+    recorder->span = (uint16_t)entries_between(first_of(recorder, segment), stop);
+    recorder->due_stop = stop;
+    recorder->stop = stop;
 }
 
 /* Compared by bit operations, so that there is only one branch. */
@@ -56,6 +109,12 @@ static bool has_changed(const recorder_t *recorder, const drive_in_t *in)
     const uint32_t target = fx_unsigned(in->command.target);
 
     return ((target ^ recorder->target) | (slow_part(in) ^ recorder->slow)) != 0U;
+}
+
+/* Both are looked at in one tick of a slow period. */
+static bool needs_attention(const recorder_t *recorder, const drive_in_t *in)
+{
+    return (recorder->stop != recorder->due_stop) || has_changed(recorder, in);
 }
 
 static recorder_entry_t *put_change(recorder_t *recorder, recorder_entry_t *at,
@@ -95,7 +154,7 @@ static void enter_segment(recorder_t *recorder, const drive_t *drive, const driv
     recorder->segments[next].follows = (recorder->current != NONE) && !recorder->gap;
     recorder->gap = false;
     recorder->current = next;
-    recorder->stop = stop_of(recorder, next);
+    set_stop(recorder, next, drive->cfg->slow_ticks);
     recorder->at = put_change(recorder, first_of(recorder, next), drive, in);
 }
 
@@ -105,8 +164,8 @@ static recorder_entry_t *room_for_tick(recorder_t *recorder, const drive_t *driv
 {
     recorder_entry_t *at = recorder->at;
 
-    recorder->stop = stop_of(recorder, recorder->current);
-    if (at >= recorder->stop) {
+    set_stop(recorder, recorder->current, drive->cfg->slow_ticks);
+    if (!is_within(recorder, at)) {
         recorder->gap = true;
         at = NULL;
     } else if (recorder->changed) {
@@ -118,7 +177,7 @@ static recorder_entry_t *room_for_tick(recorder_t *recorder, const drive_t *driv
 }
 
 /* Where the entries of this tick go; NULL when the recording is frozen or there is no room. */
-static recorder_entry_t *turn_over(recorder_t *recorder, const drive_t *drive, const drive_in_t *in)
+static recorder_entry_t *next_room(recorder_t *recorder, const drive_t *drive, const drive_in_t *in)
 {
     const bool fits = recorder->offered && (recorder->next_tick == (drive->tick - 1U));
     recorder_entry_t *at = NULL;
@@ -139,18 +198,40 @@ static recorder_entry_t *turn_over(recorder_t *recorder, const drive_t *drive, c
     return at;
 }
 
+/* A ring that is not where it was is not written to any more. */
+RARE static recorder_entry_t *turn_over(recorder_t *recorder, const drive_t *drive,
+                                        const drive_in_t *in)
+{
+    return is_ring_sound(recorder) ? next_room(recorder, drive, in) : NULL;
+}
+
+/* Something is not as it was: a stop that has flipped by itself, or the slow inputs. */
+RARE static recorder_entry_t *attend_change(recorder_t *recorder, recorder_entry_t *at,
+                                            const drive_t *drive, const drive_in_t *in)
+{
+    recorder_entry_t *room = at;
+
+    if (recorder->stop != recorder->due_stop) {
+        room = turn_over(recorder, drive, in);
+    }
+    if ((room != NULL) && has_changed(recorder, in)) {
+        room = put_change(recorder, room, drive, in);
+    }
+    return room;
+}
+
 void recorder_step(recorder_t *recorder, const drive_t *drive, const drive_in_t *in,
                    const drive_out_t *out)
 {
     recorder_entry_t *at = recorder->at;
 
-    if (at >= recorder->stop) {
+    if (!is_within(recorder, at)) {
         at = turn_over(recorder, drive, in);
     }
+    if ((at != NULL) && drive_has_read_slow_inputs(drive) && needs_attention(recorder, in)) {
+        at = attend_change(recorder, at, drive, in);
+    }
     if (at != NULL) {
-        if (drive_has_read_slow_inputs(drive) && has_changed(recorder, in)) {
-            at = put_change(recorder, at, drive, in);
-        }
         recorder->at = put_frame(at, in, out);
     }
 }
@@ -160,7 +241,7 @@ void recorder_change(recorder_t *recorder, const drive_cfg_t *before)
 {
     recorder->before = before;
     recorder->changed = true;
-    recorder->stop = recorder->entries;
+    recorder->stop = NULL;
 }
 
 uint32_t recorder_newest(const recorder_t *recorder)
@@ -177,7 +258,7 @@ static void begin_anew(recorder_t *recorder)
         recorder->segments[k] = (recorder_segment_t){0};
     }
     recorder->at = recorder->entries;
-    recorder->stop = recorder->entries;
+    recorder->stop = NULL; /* before any place: the next tick turns over */
     recorder->current = NONE;
     recorder->offered = false;
     recorder->gap = false;
@@ -195,10 +276,12 @@ const char *recorder_init(recorder_t *recorder, recorder_entry_t *entries, uint3
 
     *recorder = (recorder_t){.entries = entries,
                              .segment_entries = segment_entries,
+                             .due_entries = entries,
+                             .due_segment_entries = segment_entries,
                              .post_ticks = post_ticks,
                              .current = NONE};
     begin_anew(recorder);
-    if (segment_entries < RECORDER_ENTRIES_MIN) {
+    if ((segment_entries < RECORDER_ENTRIES_MIN) || (segment_entries > RECORDER_ENTRIES_MAX)) {
         bad = "segment_entries";
     } else if (post_ticks > RECORDER_POST_TICKS_MAX) {
         bad = "post_ticks";
@@ -239,17 +322,16 @@ static void offer(recorder_t *recorder, const volatile drive_t *drive, uint32_t 
         recorder->next_tick = tick;
         barrier_compiler();
         recorder->offered = true;
-        recorder->stop = recorder->entries;
+        recorder->stop = NULL;
     }
 }
 
-static bool is_nearly_full(const recorder_t *recorder)
+static bool is_nearly_full(const recorder_t *recorder, uint32_t slow_ticks)
 {
     const uint32_t current = recorder->current;
 
-    return (current == NONE) ||
-           (recorder->at >
-            &first_of(recorder, current)[recorder->segment_entries - 1U - RECORDER_MARGIN]);
+    return (current == NONE) || (&recorder->at[RECORDER_MARGIN + 1U - TICK_ENTRIES] >
+                                 stop_of(recorder, current, slow_ticks));
 }
 
 static uint32_t segment_after(uint32_t segment)
@@ -275,7 +357,7 @@ static void prepare(recorder_t *recorder, const volatile drive_t *live)
 {
     if (is_over(recorder, live->tick)) {
         offer(recorder, live, END);
-    } else if (is_nearly_full(recorder)) {
+    } else if (is_nearly_full(recorder, live->cfg->slow_ticks)) {
         offer(recorder, live, segment_after(recorder->current));
     } else {
         /* there is room */
@@ -362,22 +444,36 @@ static bool is_entry_of_change(const recorder_entry_t *entry)
     return (entry->word[2] & CHANGE_MARK) != 0U;
 }
 
-/* Whether a segment has no configuration but the two of a history that begins with `begin`. */
+/* From the state before a segment to the one after it. */
+static uint32_t ticks_of(const recorder_t *recorder, uint32_t segment)
+{
+    const uint32_t after =
+        (segment == recorder->current) ? SPARE : ((segment + 1U) % RECORDER_SEGMENTS);
+
+    return recorder->states[after].tick - recorder->states[segment].tick;
+}
+
+/*
+ * Whether a segment has no configuration but the two of a history that begins with `begin`, and a frame for each of its ticks: a place
+ * to write that has flipped by itself leaves old frames, or overwrites new ones.
+ */
 static bool has_only_two(const recorder_t *recorder, uint32_t segment, const drive_cfg_t *begin)
 {
     const drive_cfg_t *const other = other_config(recorder, begin);
     const uint32_t other_crc = (other == NULL) ? begin->crc : other->crc;
     const recorder_entry_t *const first = first_of(recorder, segment);
     const uint32_t count = count_entries(recorder, segment, recorder->segments[segment].end);
+    uint32_t frames = 0U;
     bool known = true;
 
     for (uint32_t at = 0U; at < count; at++) {
         const uint32_t crc = first[at].word[3];
+        const bool change = is_entry_of_change(&first[at]);
 
-        known =
-            known && (!is_entry_of_change(&first[at]) || (crc == begin->crc) || (crc == other_crc));
+        known = known && (!change || (crc == begin->crc) || (crc == other_crc));
+        frames += change ? 0U : 1U;
     }
-    return known;
+    return known && (frames == ticks_of(recorder, segment));
 }
 
 /* From this segment to the end no configuration has been overwritten since. */
@@ -413,7 +509,7 @@ recorder_history_t recorder_history(const recorder_t *recorder)
 {
     recorder_history_t history = {.first = END, .entries = 0U};
 
-    if (recorder->frozen) {
+    if (recorder->frozen && is_ring_sound(recorder)) {
         uint32_t count;
 
         barrier_compiler(); /* what was recorded is read behind `frozen` */
@@ -496,7 +592,8 @@ const drive_cfg_t *recorder_further_config(const recorder_t *recorder,
 bool recorder_find(const recorder_t *recorder, uint32_t number, recorder_view_t *view)
 {
     const uint32_t newest = recorder_newest(recorder);
-    const bool may_be = (number != 0U) && ((newest - number) < RECORDER_SEGMENTS);
+    const bool may_be =
+        (number != 0U) && ((newest - number) < RECORDER_SEGMENTS) && is_ring_sound(recorder);
     bool found = false;
 
     for (uint32_t k = 0U; may_be && (k < RECORDER_SEGMENTS); k++) {

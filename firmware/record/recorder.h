@@ -35,6 +35,7 @@
 #define RECORDER_STATES (5U)  /* one more than segments; the proof takes a literal only */
 #define RECORDER_MARGIN (16U) /* entries left in a segment when the next is offered */
 #define RECORDER_ENTRIES_MIN (4U * RECORDER_MARGIN) /* of a segment */
+#define RECORDER_ENTRIES_MAX (65535U)               /* of a segment */
 #define RECORDER_POST_TICKS_MAX (1000000U)
 
 /*
@@ -65,12 +66,16 @@ typedef struct {
 } recorder_segment_t;
 
 typedef struct {
-    recorder_entry_t *volatile at;         /* the next entry … */
-    const recorder_entry_t *volatile stop; /* … as long as it is before this one */
-    uint32_t target;                       /* first word of the last change */
-    uint32_t slow;                         /* its second word: mode, request, temperature */
-    volatile uint32_t current;             /* segment; RECORDER_SEGMENTS: none yet */
-    volatile bool offered;                 /* segment `next` may begin in the tick `next_tick` */
+    recorder_entry_t *volatile at; /* the next entry … */
+    const recorder_entry_t
+        *volatile stop; /* … as long as it is not beyond this one, NULL: turn over; … */
+    uint16_t
+        span; /* … and not more entries before it; no flip of it is as far as `at` can be beyond the stop */
+    const recorder_entry_t *due_stop; /* `stop` as the interrupt has set it */
+    uint32_t target;                  /* first word of the last change */
+    uint32_t slow;                    /* its second word: mode, request, temperature */
+    volatile uint32_t current;        /* segment; RECORDER_SEGMENTS: none yet */
+    volatile bool offered;            /* segment `next` may begin in the tick `next_tick` */
     volatile bool frozen;
     uint32_t next;  /* segment, or RECORDER_SEGMENTS: the end */
     uint32_t ended; /* number of the last segment before the recording began anew */
@@ -86,6 +91,8 @@ typedef struct {
     const drive_cfg_t *before; /* the configuration before the last change, NULL: none */
     recorder_entry_t *entries;
     uint32_t segment_entries;
+    const recorder_entry_t *due_entries; /* both once more: where they differ nothing is written */
+    uint32_t due_segment_entries;
     uint32_t post_ticks;
     recorder_segment_t segments[RECORDER_SEGMENTS];
     /*
@@ -97,7 +104,7 @@ typedef struct {
 
 /*
  * Initialise: nothing recorded, not frozen. `entries` has room for RECORDER_SEGMENTS · segment_entries and must outlive
- * the recorder; post_ticks is 0…RECORDER_POST_TICKS_MAX. Returns NULL, or the name of the argument that is out of range.
+ * the recorder; segment_entries is RECORDER_ENTRIES_MIN…RECORDER_ENTRIES_MAX, post_ticks 0…RECORDER_POST_TICKS_MAX. Returns NULL, or the name of the argument that is out of range.
  * Call before the first tick.
  */
 const char *recorder_init(recorder_t *recorder, recorder_entry_t *entries, uint32_t segment_entries,
