@@ -82,7 +82,7 @@ static size_t entries_between(const recorder_entry_t *first, const recorder_entr
 {
     const uint8_t *const from = (const uint8_t *)first;
     const uint8_t *const to = (const uint8_t *)end;
-    const ptrdiff_t distance = to - from;
+    const ptrdiff_t distance = to - from; /* cppcheck-suppress misra-c2012-18.4 ; D6 */
     const size_t bytes = (size_t)distance;
 
     return (bytes >> ENTRY_LOG2) | (bytes << TOP_SHIFT);

@@ -40,6 +40,7 @@
 #include "../../firmware/drive/probing.c"
 #include "../../firmware/drive/run.c"
 #include "../../firmware/drive/schedule.c"
+#include "../../firmware/drive/state_guard.c"
 #include "../../firmware/drive/straight.c"
 #include "../../firmware/drive/transitions.c"
 #include "../../firmware/drive/voltage_drive.c"
