@@ -273,6 +273,32 @@ static uint32_t multiple_below(int32_t whole, int32_t turn)
     return fx_unsigned(whole) - (uint32_t)within;
 }
 
+/* A bit that flips in a position flips in its word. */
+static uint32_t word_of_position(int64_t position_q32)
+{
+    const uint64_t bits = fx_unsigned64(position_q32);
+    const uint64_t both = bits ^ (bits >> 32U);
+
+    return (uint32_t)(both & UINT32_MAX);
+}
+
+static uint32_t word_of_profile(const position_loop_t *loop)
+{
+    return word_of_position(loop->profile_q32) ^ fx_unsigned(loop->profile_speed);
+}
+
+bool position_loop_holds(const position_loop_t *loop)
+{
+    return (word_of_profile(loop) ^ word_of_position(loop->zero_q32)) == loop->check;
+}
+
+/* The change goes into the check word: what has flipped stays visible. */
+void position_loop_set_zero(position_loop_t *loop, int64_t zero_q32)
+{
+    loop->check ^= word_of_position(loop->zero_q32) ^ word_of_position(zero_q32);
+    loop->zero_q32 = zero_q32;
+}
+
 void position_loop_recount(position_loop_t *loop, const position_loop_cfg_t *cfg,
                            int64_t position_q32)
 {
@@ -282,7 +308,7 @@ void position_loop_recount(position_loop_t *loop, const position_loop_cfg_t *cfg
     const int32_t whole = fx_signed((uint32_t)(ahead >> WHOLE_TURN_SHIFT));
     const uint64_t turned = multiple_below(whole, (int32_t)cfg->pole_pairs);
 
-    loop->zero_q32 = fx_signed64(zero + (turned << WHOLE_TURN_SHIFT));
+    position_loop_set_zero(loop, fx_signed64(zero + (turned << WHOLE_TURN_SHIFT)));
 }
 
 int64_t position_loop_target(const position_loop_t *loop, int32_t target_q16)
@@ -294,8 +320,11 @@ int64_t position_loop_target(const position_loop_t *loop, int32_t target_q16)
 
 void position_loop_reset(position_loop_t *loop, int64_t position_q32, step_t speed)
 {
+    const uint32_t before = word_of_profile(loop);
+
     loop->profile_q32 = position_q32;
     loop->profile_speed = speed;
+    loop->check ^= before ^ word_of_profile(loop);
 }
 
 /* from → to, the shorter way. Positions wrap as the rotor position does. */
@@ -347,12 +376,14 @@ static void advance_profile(position_loop_t *loop, const position_loop_cfg_t *cf
     const uint32_t units = distance_units(cfg, distance_q32);
     const step_t speed = (units == 0U) ? 0 : braking_speed(cfg, units);
     const step_t wanted = (distance_q32 < 0) ? -speed : speed;
+    const uint32_t before = word_of_profile(loop);
 
     loop->profile_speed = fx_towards(loop->profile_speed, wanted, cfg->ramp);
     loop->profile_q32 = advanced(loop->profile_q32, loop->profile_speed, ticks);
     if ((units == 0U) && (loop->profile_speed == 0)) {
         loop->profile_q32 = target_q32;
     }
+    loop->check ^= before ^ word_of_profile(loop);
 }
 
 /* lag in Q16 turns, saturated to half a turn. */

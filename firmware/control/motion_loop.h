@@ -21,6 +21,7 @@
 #include "fx.h"
 #include "pi.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 
 /* 1.5. From this J on, a rotor is heavy: its loop has half of K_i. Q17 */
@@ -67,8 +68,9 @@ typedef struct {
 
 typedef struct {
     int64_t profile_q32;  /* where the profile is */
-    step_t profile_speed; /* how fast it goes */
     int64_t zero_q32;     /* where targets count from */
+    step_t profile_speed; /* how fast it goes */
+    uint32_t check;       /* check word of the others: position_loop_holds() */
 } position_loop_t;
 
 /* Allowed range of i_q*, lower ≤ upper, Q15 of I_b, ±16384. That of a motor has 0 in it, that of a slope may not. */
@@ -166,6 +168,15 @@ int64_t position_loop_target(const position_loop_t *loop, int32_t target_q16);
 
 /* Start the profile at the present position and speed, so that a rotor that turns brakes along it. The zero stays. */
 void position_loop_reset(position_loop_t *loop, int64_t position_q32, step_t speed);
+
+/* Targets count from there. */
+void position_loop_set_zero(position_loop_t *loop, int64_t zero_q32);
+
+/*
+ * Whether profile and zero are as the functions here have written them. A bit that has flipped by itself in one of them, or in the check
+ * word, makes it false, and it stays so. A loop of zeros holds.
+ */
+bool position_loop_holds(const position_loop_t *loop);
 
 /*
  * One slow period of `ticks` control ticks, 6…100. The profile brakes along

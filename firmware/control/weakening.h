@@ -38,6 +38,7 @@
 typedef struct {
     int32_t voltage; /* what E has by the integral, ±8192 */
     int32_t valley;  /* the least radius of the voltage circle of late, 0…32767 */
+    uint32_t check;  /* check word of both: weakening_holds() */
     bool acts;       /* i_d* is what the voltage allows, or on its way back */
 } weakening_t;
 
@@ -60,6 +61,12 @@ typedef struct {
 } weakening_limits_t;
 
 void weakening_reset(weakening_t *weakening);
+
+/*
+ * Whether voltage and valley are as the functions here have written them. A bit that has flipped by itself in one of them, or in the
+ * check word, makes it false, and it stays so until the reset.
+ */
+bool weakening_holds(const weakening_t *weakening);
 
 /*
  * Once a slow period: the radius of the circle at this bus, 0…32767. Returns whether the voltage may decide i_d*: it does already, or the

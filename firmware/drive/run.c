@@ -21,7 +21,7 @@ static void reset_position(drive_t *drive)
 {
     position_loop_reset(&drive->position_loop, 0, 0);
     if (!drive_has_sensor(drive)) {
-        drive->position_loop.zero_q32 = 0;
+        position_loop_set_zero(&drive->position_loop, 0);
         drive->mode = (uint8_t)DRIVE_MODE_SPEED;
     } else if (drive->mode != (uint8_t)DRIVE_MODE_POSITION) {
         drive->mode = (uint8_t)DRIVE_MODE_SPEED;
@@ -68,8 +68,8 @@ void run_set_zero(drive_t *drive)
     const bool profiled =
         drive_is_controlled(drive->state) && (drive->mode == (uint8_t)DRIVE_MODE_POSITION);
 
-    drive->position_loop.zero_q32 =
-        profiled ? drive->position_loop.profile_q32 : drive->position.turns_q32;
+    position_loop_set_zero(&drive->position_loop,
+                           profiled ? drive->position_loop.profile_q32 : drive->position.turns_q32);
 }
 
 /*

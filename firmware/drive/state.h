@@ -113,6 +113,9 @@ typedef struct {
     angle_t angle;    /* of a vector that rests */
     int32_t heat_q24; /* as derating.c has left it */
     uint32_t config;  /* check word of settings that act at once */
+    uint32_t turns;   /* of the rotor, in RUN: whole ones … */
+    angle_t turned;   /* … and the rest */
+    step_t speed;     /* in RUN */
 } state_guard_t;
 
 /* The current vector that is imposed below RUN. */

@@ -4,11 +4,12 @@
 #include "inlining.h"
 #include "io.h"
 
-#define PERIODS_LOG2 (2U)    /* slow periods from look to look */
-#define ERROR_MAX (8192)     /* of the observer, what the flux is corrected by */
-#define WEAKENING_MAX (8192) /* a quarter of the highest voltage: weakening.h */
+#define PERIODS_LOG2 (2U) /* slow periods from look to look */
+#define ERROR_MAX (8192)  /* of the observer, what the flux is corrected by */
 #define IDENTIFIED (0x55AA0000UL)
 #define CHANGE_MAX (0x100000) /* of an integral in a tick, more than any gain allows */
+#define HALF_TURN_Q16 (32768U)
+#define Q13_TO_Q17_LOG2 (4U)
 
 _Static_assert((1U << PERIODS_LOG2) == SUPERVISION_STEPS, "a look in each supervision period");
 
@@ -106,6 +107,54 @@ static bool is_drift(const drive_t *drive)
     return fx_asr(change, PERIODS_LOG2) <= (ERROR_MAX * drive->cfg->model.flux_rate);
 }
 
+/*
+ * Whole turns hold for good, and any number of them may be right. But in a supervision period no rotor goes half a turn further than the
+ * speed that it had, and was to have, leads it. What it has now may come from the same flip.
+ */
+static bool is_way(const drive_t *drive)
+{
+    const state_guard_t *const guard = &drive->state_guard;
+    const uint64_t before = ((uint64_t)guard->turns << 32U) | guard->turned;
+    const uint64_t moved = fx_unsigned64(drive->position.turns_q32) - before;
+    const uint64_t way = (fx_signed64(moved) < 0) ? (0U - moved) : moved;
+    const uint32_t speed =
+        fx_unsigned(fx_abs(guard->reference)) + fx_unsigned(fx_abs(guard->speed));
+    const uint32_t ticks = drive->cfg->slow_ticks << PERIODS_LOG2;
+    const uint32_t reach_q16 = ((speed >> 16U) * ticks) + HALF_TURN_Q16;
+    const uint64_t reach_q32 = (uint64_t)reach_q16 << 16U;
+
+    return way <= reach_q32;
+}
+
+static void keep_motion(drive_t *drive)
+{
+    const uint64_t position = fx_unsigned64(drive->position.turns_q32);
+
+    drive->state_guard.turns = (uint32_t)(position >> 32U);
+    drive->state_guard.turned = rotor_position_angle(&drive->position);
+    drive->state_guard.speed = drive->observer.speed;
+    drive->state_guard.reference = drive->speed_loop.reference;
+}
+
+static fault_id_t look_at_position(const drive_t *drive, fault_t *fault)
+{
+    fault_id_t id = FAULT_NONE;
+
+    if (!position_loop_holds(&drive->position_loop)) {
+        id = found((uint32_t)STATE_GUARD_PROFILE, fault);
+    } else if (!is_way(drive)) {
+        id = found((uint32_t)STATE_GUARD_TURNS, fault);
+    } else {
+        /* it may be there */
+    }
+    return id;
+}
+
+static bool asks_position(const drive_t *drive)
+{
+    return drive->mode == (uint8_t)DRIVE_MODE_POSITION;
+}
+
 /* In RUN. */
 static fault_id_t look_at_run(drive_t *drive, fault_t *fault)
 {
@@ -117,11 +166,15 @@ static fault_id_t look_at_run(drive_t *drive, fault_t *fault)
             id = found((uint32_t)STATE_GUARD_REFERENCE, fault);
         } else if (!is_drift(drive)) {
             id = found((uint32_t)STATE_GUARD_FLUX, fault);
+        } else if (!weakening_holds(&drive->weakening)) {
+            id = found((uint32_t)STATE_GUARD_WEAKENING, fault);
+        } else if (asks_position(drive)) {
+            id = look_at_position(drive, fault);
         } else {
             /* as they may be */
         }
     }
-    guard->reference = drive->speed_loop.reference;
+    keep_motion(drive);
     guard->flux_q30 = drive->model.flux_q30;
     return id;
 }
@@ -194,15 +247,24 @@ static bool holds_limits(const drive_t *drive)
            (drive->limits.bus_max == due.bus_max) && (drive->limits.bus_min == due.bus_min);
 }
 
+/* J as a ratio to that of the file. */
+static bool has_inertia(const drive_t *drive)
+{
+    const speed_loop_cfg_t *const cfg = &drive->cfg->speed_loop;
+    const int32_t ratio_q13 = fx_asr(drive->speed_loop.inertia_q17, Q13_TO_Q17_LOG2);
+
+    return (ratio_q13 >= cfg->inertia_least_q13) && (ratio_q13 <= cfg->inertia_most_q13);
+}
+
 static bool holds_choices(const drive_t *drive)
 {
     const bool voltage = drive->voltage_drive.active && (drive->cfg->voltage_drive.enabled == 0U);
 
-    return !voltage && ((uint32_t)drive->align.phase <= (uint32_t)ALIGN_DONE) &&
+    return !voltage && has_inertia(drive) &&
+           ((uint32_t)drive->align.phase <= (uint32_t)ALIGN_DONE) &&
            ((uint32_t)drive->flying_start.phase <= (uint32_t)FLYING_START_CHARGE) &&
            ((uint32_t)drive->safe_state.phase <= (uint32_t)SAFE_STATE_BROKEN) &&
-           (drive->speed_loop.halvings <= 1U) &&
-           (fx_abs(drive->weakening.voltage) <= WEAKENING_MAX);
+           (drive->speed_loop.halvings <= 1U);
 }
 
 /* A start that fails so often is a fault already. */

@@ -37,6 +37,9 @@ typedef enum {
     STATE_GUARD_ANGLE,
     STATE_GUARD_HEAT,
     STATE_GUARD_VECTOR,
+    STATE_GUARD_WEAKENING,
+    STATE_GUARD_PROFILE, /* of position control, or its zero */
+    STATE_GUARD_TURNS,
     STATE_GUARD_STATE /* and more: this plus the code, which is none of drive_state_t */
 } state_guard_part_t;
 

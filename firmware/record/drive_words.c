@@ -25,7 +25,7 @@ static const piece_t pieces[] = {
     WORDS(limits, tick),
     BYTE(voltage_drive.active),
     WORDS(voltage_drive.calm_periods, speed_loop.inertia_q17),
-    WORDS(position_loop, position_loop.profile_speed),
+    WORDS(position_loop, position_loop.check),
     BYTE(mode),
     WORDS(calibration, model.check_gains),
     BYTE(identified),

@@ -1154,3 +1154,30 @@ TEST(test_a_target_has_both_ends_of_its_word)
     TEST_ASSERT_EQUAL_INT64(((int64_t)INT32_MIN * 65536) + 7,
                             position_loop_target(&loop, INT32_MIN));
 }
+
+/* All that writes them. */
+static void move_profile(void)
+{
+    position_loop_set_zero(&loop, 12345678901);
+    position_loop_reset(&loop, -987654321, 1234);
+    position_loop_recount(&loop, &cfg, 55 * TURN_Q32);
+    for (uint32_t k = 0U; k < 20U; k++) {
+        (void)position_loop_step(&loop, &cfg, 9 * TURN_Q32, 4 * TURN_Q32, 10U);
+    }
+}
+
+TEST(test_each_flip_of_profile_and_zero_is_seen_and_stays_seen)
+{
+    uint8_t *const bytes = (uint8_t *)&loop;
+
+    for (uint32_t bit = 0U; bit < (8U * sizeof loop); bit++) {
+        loop = (position_loop_t){0};
+        TEST_ASSERT_TRUE(position_loop_holds(&loop));
+        move_profile();
+        TEST_ASSERT_TRUE(position_loop_holds(&loop));
+        bytes[bit / 8U] ^= (uint8_t)(1U << (bit % 8U));
+        TEST_ASSERT_FALSE(position_loop_holds(&loop));
+        move_profile();
+        TEST_ASSERT_FALSE(position_loop_holds(&loop));
+    }
+}

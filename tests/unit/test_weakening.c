@@ -6,6 +6,7 @@
 #include "testing.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 
 #define CURRENT_END (16384)
@@ -573,4 +574,48 @@ TEST(test_the_first_bus_counts_as_it_is)
     TEST_ASSERT_EQUAL_INT32(32767, weakening.valley);
     (void)is_near(0, 0, 32767);
     TEST_ASSERT_EQUAL_INT32(32767, weakening.valley);
+}
+
+/* What a kick of some slow periods winds up is gone in as many. */
+TEST(test_the_integral_moves_by_32_a_slow_period_at_most)
+{
+    static const int32_t voltages[] = {1000, 32000};
+    static const int32_t steps[] = {32, -32};
+
+    for (uint32_t side = 0U; side < 2U; side++) {
+        setUp();
+        in.voltage = (dq_t){0, voltages[side]};
+        for (int32_t k = 1; k <= 20; k++) {
+            (void)weakening_step(&weakening, &in, CURRENT_END);
+            TEST_ASSERT_EQUAL_INT32(k * steps[side], weakening.voltage);
+        }
+    }
+}
+
+static void step_often(void)
+{
+    for (int32_t k = 0; k < 50; k++) {
+        in.voltage.q = 12000 + (50 * k);
+        (void)weakening_is_near(&weakening, in.voltage, 12800 - (20 * (k % 7)));
+        (void)weakening_step(&weakening, &in, (k < 49) ? CURRENT_END : -CURRENT_END);
+    }
+}
+
+TEST(test_each_flip_of_voltage_and_valley_is_seen_and_stays_seen)
+{
+    uint8_t *const bytes = (uint8_t *)&weakening;
+
+    step_often();
+    TEST_ASSERT_TRUE(weakening.voltage != 0);
+    TEST_ASSERT_TRUE(weakening_holds(&weakening));
+    for (uint32_t bit = 0U; bit < (8U * offsetof(weakening_t, acts)); bit++) {
+        setUp();
+        step_often();
+        bytes[bit / 8U] ^= (uint8_t)(1U << (bit % 8U));
+        TEST_ASSERT_FALSE(weakening_holds(&weakening));
+        (void)weakening_is_near(&weakening, (dq_t){0, 0}, 12800);
+        TEST_ASSERT_FALSE(weakening_holds(&weakening));
+    }
+    weakening_reset(&weakening);
+    TEST_ASSERT_TRUE(weakening_holds(&weakening));
 }
