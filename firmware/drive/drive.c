@@ -468,6 +468,7 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
 void drive_warm(drive_t *drive, int32_t heat_q24)
 {
     drive->derating.heat_q24 = heat_q24;
+    state_guard_keep_heat(drive);
 }
 
 /*

@@ -1320,7 +1320,7 @@ TEST(test_a_current_that_nothing_controls_heats_as_one_that_is_controlled)
     TEST_ASSERT_EQUAL_INT32(controlled, heat_of_phases(DRIVE_STATE_READY, 8000, -4000));
     TEST_ASSERT_EQUAL_INT32(controlled, heat_of_phases(DRIVE_STATE_FAULT, -8000, 4000));
     TEST_ASSERT_EQUAL_INT32(controlled, heat_of_phases(DRIVE_STATE_FLYING_START, 8000, -4000));
-    TEST_ASSERT_TRUE(heat_of_phases(DRIVE_STATE_OFFSET_CAL, 8000, -4000) < 1000000);
+    TEST_ASSERT_EQUAL_INT32(controlled, heat_of_phases(DRIVE_STATE_OFFSET_CAL, 8000, -4000));
 }
 
 /* With open gates it is the sensor that reads so. */
