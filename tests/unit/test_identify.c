@@ -853,3 +853,13 @@ TEST(test_a_current_that_runs_away_for_want_of_voltage_says_so)
     flow(cfg.protection.current_max, 0);
     TEST_ASSERT_EQUAL_STRING(LACKS_VOLTAGE, identify.why);
 }
+
+/* Its line waits: what is said of it is the first reason. */
+TEST(test_a_measurement_that_was_refused_keeps_its_reason_when_the_link_falls_silent)
+{
+    be_in(IDENTIFY_STILL, 1U, 0U);
+    identify_refuse(&identify, "first");
+    TEST_ASSERT_EQUAL(IDENTIFY_ENDS, identify.phase);
+    identify_refuse(&identify, "second");
+    TEST_ASSERT_EQUAL_STRING("first", identify.why);
+}
