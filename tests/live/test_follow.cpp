@@ -262,7 +262,7 @@ TEST(a_line_that_spoils_one_byte_in_a_hundred_shows_nothing_wrong)
 {
     constexpr double THIRD = 0.01 / 3;
     constexpr double FOLLOWED_S = 20;
-    constexpr int RING = 1176; // that of the shipped boards with an STM32G431
+    constexpr int RING = 1168; // that of the shipped boards with an STM32G431
     // Of ten seeds: no gap to 11 of them, 83 to 98 % of the ticks shown.
     constexpr double SHOWN_MIN = 2.0 / 3;
     const nf::Config config =
@@ -502,7 +502,7 @@ TEST(a_line_whose_bytes_come_late_is_followed_without_a_gap)
 
 TEST(at_115200_baud_some_of_each_second_is_shown_with_any_ring)
 {
-    for (const int entries : {1176, 4096}) {
+    for (const int entries : {1168, 4096}) {
         constexpr std::size_t SOME = 20; // one tick in so many
         const SlowLine slow(entries, 115200);
         TEST_ASSERT_EQUAL(0, slow.shown.wrong);
@@ -515,7 +515,7 @@ TEST(at_115200_baud_some_of_each_second_is_shown_with_any_ring)
 
 TEST(a_line_that_carries_no_segment_in_time_is_told)
 {
-    const SlowLine slow(1176, 19200);
+    const SlowLine slow(1168, 19200);
     TEST_ASSERT_EQUAL(0, slow.shown.wrong);
     TEST_ASSERT_TRUE(std::any_of(slow.said.begin(), slow.said.end(), [](const std::string &text) {
         return text.find("not in step: the ring of the board is overwritten") == 0;
