@@ -54,11 +54,13 @@ double speed_of(const Bases &bases, double step)
     return step / STEPS_PER_RAD / bases.control_period_s;
 }
 
-// Without its adaptation the network leaves the speed as it is told.
+// Without its adaptation the network leaves the speed as it is told. The check word goes with it: this is no flipped bit.
 void stop_training(drive_t &drive)
 {
-    drive.model.observer.eta = 0;
-    drive.model.observer.kappa_p = 0;
+    nn_observer_cfg_t &network = drive.model.observer;
+    drive.model.check_gains ^= static_cast<uint32_t>(network.eta ^ network.kappa_p);
+    network.eta = 0;
+    network.kappa_p = 0;
 }
 
 Model Replacement::model(const drive_t &drive) const

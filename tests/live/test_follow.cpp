@@ -475,7 +475,8 @@ struct SlowLine {
 // 16 ms is what a common USB adapter collects bytes for.
 TEST(a_line_whose_bytes_come_late_is_followed_without_a_gap)
 {
-    constexpr double IN_STEP_S = 2;
+    constexpr double IN_STEP_S =
+        3; // the words of a state are 11 questions, each of twice 0.1 s at most
     constexpr double FOLLOWED_S = 2;
     for (const double late_s : {0.016, 0.05, 0.1}) {
         SimulatedBoard board(scripted("60"));

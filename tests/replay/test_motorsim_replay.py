@@ -19,7 +19,7 @@ MOTORSIM = sys.argv[1]
 FAULT = ('scenario.fault=[{time_s = 0.3, what = "break_input", until_s = 0.31}, '
          '{time_s = 0.4, what = "adc_a_high"}]')
 CLEAR = "scenario.request=[{time_s = 0.32, clear = true}]"
-MARGIN = 17  # of a segment: RECORDER_MARGIN, and the change that begins it
+MARGIN = 20  # of a segment: RECORDER_MARGIN, the change that begins it, and the last tick's three
 SAME, DEPARTS, REFUSED = 0, 1, 2
 
 # Of the recording, see firmware/record/recorder_dump.h.
@@ -151,7 +151,7 @@ class Replay(unittest.TestCase):
 
     def test_stepping_begins_where_it_departs_beside_what_was_recorded(self):
         self.record("s1", "--set", FAULT)
-        self.alter_an_output(300)
+        self.alter_an_output(250)
         run = self.stepped("stages\nback\nprint out.compare.phase[1]\n")
         self.assertEqual(run.returncode, DEPARTS, run.stdout + run.stderr)
         tick, recorded, computed = re.search(
