@@ -18,6 +18,7 @@ from board import Board
 
 ASKED = struct.Struct("<HHHHii")  # bil_plant.cpp
 MEASURED = 4  # of what is asked
+COLD = (0, 1, ~1 & 0xFFFFFFFF)  # what a reset has left of a winding without heat, kept_heat.c: that of the simulator
 DONE = struct.Struct("<HHHH")
 SPIKE_S = 100e-9  # as the switches make when they turn on
 SPIKE = 4095  # counts of a pin, beyond every level
@@ -95,7 +96,7 @@ def judge_stop(board):
 
 
 def main(image, board_file, clock, program, scenario, parts):
-    board = Board(Path(image), Path(board_file), Path(clock), choose=PARTS[parts])
+    board = Board(Path(image), Path(board_file), Path(clock), choose=PARTS[parts], kept=COLD)
     with tempfile.TemporaryDirectory() as folder, \
             subprocess.Popen([program, scenario, imperfections(board, parts, folder), f"board={board_file}"],
                              stdin=subprocess.PIPE, stdout=subprocess.PIPE) as plant:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import console
 from copies import in_a_copy
-from rig import BUS, CALIBRATION_TICKS, MIDDLE, answer, make
+from rig import BUS, CALIBRATION_TICKS, MIDDLE, answer, instant, make
 
 MOTORSIM = Path(sys.argv[4])
 OVERVOLTAGE = 4000  # of the bus' converter, beyond bus_max_v of the board
@@ -201,14 +201,12 @@ class Recorder(unittest.TestCase):
         """Before the first one, and when the next one does not come."""
         made = make()
         made.chip.usart.instant = True
-        converts, made.chip.timer.trigger = made.chip.timer.trigger, lambda: None
+        made.chip.timer.trigger = lambda: None
         made.boot()
         refused = "error: the control tick does not run, nothing is recorded"
         self.assertIn(refused, console.lines(answer(made, "dump")))
         self.assertEqual(made.ticks, 0)
-        made.chip.timer.trigger = converts
-        made.tick(10)
-        made.said()
+        made = instant()
         made.chip.timer.trigger = lambda: None  # no conversion: the tick guard comes
         self.assertEqual(made.handle_next(), made.chip.system.SYSTICK)
         made.type("dump")
