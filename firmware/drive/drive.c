@@ -615,17 +615,24 @@ INLINES_ALL NEVER_INLINED void drive_change(drive_t *drive, const drive_cfg_t *c
     }
 }
 
-/* The slot of the slow schedule that falls on this tick, if one does. */
-static void slow_step(drive_t *drive, const drive_in_t *in, uint32_t left, bool moving)
+/* The slot of the slow schedule that falls on this tick. As a part of the tick it would take its registers. */
+NEVER_INLINED static void slow_step(drive_t *drive, const drive_in_t *in, uint32_t left,
+                                    bool moving)
+{
+    fault_t fault;
+
+    if (left == 0U) {
+        drive->slow_count = slow_period(drive->cfg);
+    }
+    fault_clear(&fault);
+    follow_or_fail(drive, schedule_step(drive, in, (slot_t)left, moving, &fault), &fault);
+}
+
+/* Few ticks have a slot. */
+static void take_slot(drive_t *drive, const drive_in_t *in, uint32_t left, bool moving)
 {
     if (left < (uint32_t)SLOTS) {
-        fault_t fault;
-
-        if (left == 0U) {
-            drive->slow_count = slow_period(drive->cfg);
-        }
-        fault_clear(&fault);
-        follow_or_fail(drive, schedule_step(drive, in, (slot_t)left, moving, &fault), &fault);
+        slow_step(drive, in, left, moving);
     }
 }
 
@@ -689,7 +696,7 @@ static void control_tick(drive_t *drive, const drive_in_t *in, uint32_t left, dr
     if (drive->state != DRIVE_STATE_RUN) {
         control_vector(drive);
     }
-    slow_step(drive, in, left, true);
+    take_slot(drive, in, left, true);
     act(drive, trained, out);
 }
 
@@ -703,7 +710,7 @@ static void idle_tick(drive_t *drive, const drive_in_t *in, uint32_t left, drive
         fault_clear(&fault);
         follow_or_fail(drive, open_loop_flying_start(drive, in, out, &fault), &fault);
     }
-    slow_step(drive, in, left, false);
+    take_slot(drive, in, left, false);
     if (!drive_is_driving(drive->state)) {
         rest(drive, out);
     }
@@ -714,7 +721,7 @@ static void probe_tick(drive_t *drive, const drive_in_t *in, uint32_t left, driv
 {
     probing_step(drive, &in->command, &out->compare);
     out->gate_enable = true;
-    slow_step(drive, in, left, false);
+    take_slot(drive, in, left, false);
     if (drive->state != DRIVE_STATE_PROBE) {
         rest(drive, out);
     }
@@ -746,17 +753,25 @@ static void general_tick(drive_t *drive, const drive_in_t *in, uint32_t left, dr
     }
 }
 
-/* An ordinary tick. Its slow part may end RUN; then the general way goes on. */
-static void straight_tick(drive_t *drive, const drive_in_t *in, uint32_t left, drive_out_t *out)
+/* The slow part of an ordinary tick has ended RUN. */
+RARE static void leave_straight(drive_t *drive, drive_out_t *out)
+{
+    act(drive, true, out);
+}
+
+/*
+ * An ordinary tick. Its slow part may end RUN; then the general way goes on. Its parts are made part of it: left to itself, the compiler
+ * calls some of them as the rest of the firmware grows, 23 instructions of a RUN tick on a Cortex-M0+.
+ */
+INLINES_ALL static void straight_tick(drive_t *drive, const drive_in_t *in, uint32_t left,
+                                      drive_out_t *out)
 {
     straight_estimate(drive);
-    if (left < (uint32_t)SLOTS) {
-        slow_step(drive, in, left, true);
-    }
+    take_slot(drive, in, left, true);
     if (drive->state == DRIVE_STATE_RUN) {
         straight_control(drive, out);
     } else {
-        act(drive, true, out);
+        leave_straight(drive, out);
     }
 }
 
