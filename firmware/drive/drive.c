@@ -615,9 +615,8 @@ INLINES_ALL NEVER_INLINED void drive_change(drive_t *drive, const drive_cfg_t *c
     }
 }
 
-/* The slot of the slow schedule that falls on this tick. As a part of the tick it would take its registers. */
-NEVER_INLINED static void slow_step(drive_t *drive, const drive_in_t *in, uint32_t left,
-                                    bool moving)
+/* The slot of the slow schedule that falls on this tick. */
+TICK_APART static void slow_step(drive_t *drive, const drive_in_t *in, uint32_t left, bool moving)
 {
     fault_t fault;
 
@@ -754,17 +753,14 @@ static void general_tick(drive_t *drive, const drive_in_t *in, uint32_t left, dr
 }
 
 /* The slow part of an ordinary tick has ended RUN. */
-RARE static void leave_straight(drive_t *drive, drive_out_t *out)
+TICK_APART static void leave_straight(drive_t *drive, drive_out_t *out)
 {
     act(drive, true, out);
 }
 
-/*
- * An ordinary tick. Its slow part may end RUN; then the general way goes on. Its parts are made part of it: left to itself, the compiler
- * calls some of them as the rest of the firmware grows, 23 instructions of a RUN tick on a Cortex-M0+.
- */
-INLINES_ALL static void straight_tick(drive_t *drive, const drive_in_t *in, uint32_t left,
-                                      drive_out_t *out)
+/* An ordinary tick. Its slow part may end RUN; then the general way goes on. */
+TICK_WHOLE static void straight_tick(drive_t *drive, const drive_in_t *in, uint32_t left,
+                                     drive_out_t *out)
 {
     straight_estimate(drive);
     take_slot(drive, in, left, true);
