@@ -104,6 +104,25 @@ TEST(test_a_bit_that_flips_changes_no_command_and_is_mended)
     }
 }
 
+/* A bit that flips in a command and the same one in its check word leave a sound slot of another command. */
+TEST(test_sound_slots_that_are_unlike_are_made_alike)
+{
+    command_mailbox_t *const box = &shared->box;
+
+    for (uint32_t slot = 0U; slot < COMMAND_MAILBOX_SLOTS; slot++) {
+        command_mailbox_t other;
+
+        command_mailbox_init(box);
+        command_mailbox_init(&other);
+        command_mailbox_post(&other, &commands[1]);
+        box->slots[slot] = other.slots[slot];
+        box->in_force = slot;
+        command_mailbox_mend(box);
+        flip(box, slot * SLOT_BITS);
+        TEST_ASSERT_TRUE(same(commands[1], command_mailbox_take(box)));
+    }
+}
+
 /* The same bits in both slots. */
 TEST(test_where_both_slots_are_damaged_nothing_is_asked_for)
 {

@@ -498,6 +498,16 @@ TEST(test_another_configuration_is_no_overload_by_itself_and_ends_none)
     TEST_ASSERT_INT32_WITHIN(limit / 8192, (limit / 2) * 3, derating.heat_q24);
 }
 
+TEST(test_a_configuration_that_bears_less_heat_is_no_overload_by_itself)
+{
+    derating_cfg_t other = cfg;
+
+    other.heat_max_q14 = cfg.heat_max_q14 / 2;
+    derating.heat_q24 = cfg.heat_max_q14 * 1024;
+    derating_change(&derating, &cfg, &other);
+    TEST_ASSERT_EQUAL_INT32(other.heat_max_q14 * 1024, derating.heat_q24);
+}
+
 TEST(test_the_least_heat_is_exact_in_a_scale_that_is_much_finer)
 {
     derating_cfg_t other = cfg;

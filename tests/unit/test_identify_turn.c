@@ -726,6 +726,21 @@ TEST(test_ramps_that_the_bus_does_not_bear_take_twice_as_long_or_go_half_as_far)
     TEST_ASSERT_TRUE(identify.turn.steep);
 }
 
+/* Such as on a bus that the pairs before have charged. */
+TEST(test_a_steep_ramp_that_the_bus_does_not_bear_takes_twice_as_long_too)
+{
+    int32_t before;
+
+    begin_ramps(0.3);
+    identify.turn.ramp_ticks = 1000;
+    pair_of_ramps(0.3);
+    TEST_ASSERT_TRUE(identify.turn.steep);
+    before = identify.turn.ramp_ticks;
+    wait_for_bus(0.3);
+    TEST_ASSERT_FALSE(identify.turn.steep);
+    TEST_ASSERT_EQUAL_INT32(2 * before, identify.turn.ramp_ticks);
+}
+
 /* Of 64 ticks, 1024 at both ends, and a hold of 80 ms. */
 static int32_t pairs_of(int32_t ms_ticks, int32_t ramp)
 {

@@ -46,6 +46,17 @@ TEST(test_the_heat_is_after_a_reset_what_it_was_before)
     }
 }
 
+TEST(test_the_largest_shift_of_the_heat_comes_back)
+{
+    drive_cfg_t image = cfg;
+
+    image.derating.heat_shift = 27U;
+    (void)reset_with(&image);
+    set_heat(ONE_Q24 / 3);
+    kept_heat_step(&app);
+    TEST_ASSERT_EQUAL_INT32(ONE_Q24 / 3, reset_with(&image));
+}
+
 /* A motor that may take twice the current is a quarter as hot by the same square of the current. */
 TEST(test_the_heat_is_that_of_the_same_current_where_another_configuration_starts)
 {
@@ -84,6 +95,29 @@ TEST(test_the_winding_counts_as_warm_where_no_valid_words_were_kept)
         hardware.kept[bit / 32U] ^= 1UL << (bit % 32U);
     }
     TEST_ASSERT_EQUAL_INT32(ONE_Q24 / 8, reset_with(&image));
+}
+
+/* The heat may be in the new scale already, and the scale that is read beside it the old one. */
+TEST(test_nothing_is_kept_while_a_change_waits_to_be_taken)
+{
+    drive_cfg_t other = cfg;
+    hal_t before;
+
+    calibrate();
+    set_heat(ONE_Q24);
+    kept_heat_step(&app);
+    before = hardware;
+    other.derating.heat_gain /= 4;
+    other.crc = config_guard_crc(&other);
+    app_change(&app, &other);
+    set_heat(ONE_Q24 / 4);
+    kept_heat_step(&app);
+    TEST_ASSERT_EQUAL_MEMORY(before.kept, hardware.kept, sizeof(before.kept));
+    tick_period();
+    TEST_ASSERT_FALSE(app_changes(&app));
+    set_heat(ONE_Q24 / 4);
+    kept_heat_step(&app);
+    TEST_ASSERT_EQUAL_INT32(ONE_Q24 / 4, reset_with(&other));
 }
 
 /* A start that fails before the drive has a configuration. */
