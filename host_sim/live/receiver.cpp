@@ -45,8 +45,9 @@ Receiver::Received Receiver::take(double wait_s)
         came_.wait_for(lock, std::chrono::duration<double>(wait_s),
                        [this] { return !bytes_.empty() || !end_.empty(); });
     }
-    // What came before the end counts.
-    return {std::exchange(bytes_, {}), bytes_.empty() ? end_ : ""};
+    // What came before the end counts: the end is said when nothing is left.
+    const bool is_over = bytes_.empty();
+    return {std::exchange(bytes_, {}), is_over ? end_ : ""};
 }
 
 // Why it ends; empty when there is something to read.
