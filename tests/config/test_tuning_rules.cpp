@@ -230,6 +230,22 @@ TEST(the_virtual_resistance_is_a_share_of_the_reactance)
 
 constexpr double DEGREE = 2 * nf::PI / 360;
 
+// What shows the angle, what i_d > 0 takes of the voltage and where a braking lead ends: all by L_d, however large L_q is.
+TEST(the_rules_of_a_salient_motor_take_the_inductance_along_its_flux)
+{
+    const std::string salient = "motor.inductance_q_h=0.02";
+    const double omega = 2 * 2 * nf::PI * 30;
+    expect(0.1 - PERIOD_S * 2.125 / 0.0116, ruled({salient}).observer_feedback);
+    expect(0.8 * std::atan(2.125 / (omega * 0.0116)) / DEGREE, ruled({salient}).brake_max_deg);
+    const double spare_v = 0.95 * 0.95 * 310 / std::sqrt(3.0) - omega * 0.387;
+    expect(100 * spare_v / (omega * 0.0116 * 8.4),
+           ruled({salient, "board.dead_time_s=3e-6"}).current_floor_pct);
+    // X = 0.302 slows the speed loop to less than half of what the torque allows.
+    const double reactance = 0.0174 * 7.8 / (3 * 0.387) / 0.387;
+    expect(0.5 * omega / (reactance * reactance) * 0.165 / 8.1 / (2 * nf::PI),
+           ruled({"motor.inductance_d_h=0.0174", salient}).speed_bandwidth_hz);
+}
+
 double margin_deg(const nf::TuningSettings &t, nf::TorqueFilter filter)
 {
     return nf::speed_margin(t, PERIOD_S, t.speed_bandwidth_hz, filter) / DEGREE;
