@@ -37,7 +37,7 @@ FLOORS = ("math", "control", "protect", "config", "drive", "record")
 DRIVE, RECORDER = "tests/proof/proof_of_drive.c", "tests/proof/proof_of_recorder.c"
 CURRENT_SUM = "tests/proof/proof_of_current_sum.c"
 ENTRIES = {"proof_init": DRIVE, "proof_startup": DRIVE, "proof_startup_regulated": DRIVE, "proof_plain": DRIVE,
-           "proof_plain_regulated": DRIVE, "proof_change": DRIVE, "proof_change_regulated": DRIVE,
+           "proof_plain_regulated": DRIVE, "proof_no_state": DRIVE, "proof_change": DRIVE, "proof_change_regulated": DRIVE,
            "proof_recorder": RECORDER, "proof_current_sum": CURRENT_SUM}
 CHECK = "check_state"  # what each entry ends with
 NO_PART_OF_IT = {f"{name}.{kind}" for name in ("cobs", "config_block", "config_ceiling", "drive_words", "fault_text", "frame_code",

@@ -40,7 +40,7 @@ FAULTS = {
     "a shift too far": (
         *RESET, "    *guard = (config_guard_t){.at = 0U, .crc = CRC32_START << (32U + guard->at)};\n", "shift"),
     "an entry that asks for no range": (
-        "proof_init", proof.DRIVE, "    drive_init(&drive, &cfg);\n    check_state();\n", "    drive_init(&drive, &cfg);\n",
+        "proof_init", proof.DRIVE, "WARMEST_Q24));\n    check_state();\n", "WARMEST_Q24));\n",
         f"proof_init: {proof.CHECK}: "),
     "a tick that does not end": (
         "proof_recorder", "firmware/record/recorder.c", "    recorder_entry_t *at = recorder->at;\n\n    if (",
@@ -60,6 +60,9 @@ FURTHER_FAULTS = {
         *RESET, "    *guard = (config_guard_t){.at = 0U, .crc = CRC32_START / guard->at};\n", "division_by_zero"),
     "a word that was never written": (
         *RESET, "    uint32_t crc;\n    *guard = (config_guard_t){.at = 0U, .crc = crc};\n", "initialization"),
+    "a code that is no state, and stays": (
+        "proof_no_state", "firmware/drive/transitions.c", "        next = DRIVE_STATE_FAULT;\n", "        next = state;\n",
+        "(check_code): precondition of within"),
     "a conversion that changes the value": (
         *RESET, "    *guard = (config_guard_t){.at = 0U, .crc = (uint8_t)CRC32_START};\n", "downcast"),
 }

@@ -77,6 +77,12 @@ static void choose_voltage_drive(void)
 #include "cfg.def"
 }
 
+/* Each of the states from number `first` to number `last`. A set of their codes: what lies between them is no state. */
+static drive_state_t any_state(uint32_t first, uint32_t last)
+{
+    return transitions_state(Frama_C_unsigned_int_interval(first, last));
+}
+
 static void choose_state(void)
 {
     choose_words((uint32_t *)&drive, sizeof(drive));
@@ -91,9 +97,16 @@ static void choose_state(void)
     drive.angle_sensor.position.turns_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
     drive.position_loop.profile_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
     drive.position_loop.zero_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
-    drive.state = Frama_C_interval(DRIVE_STATE_INIT, DRIVE_STATE_FAULT); /* also what is no state */
+    drive.state = any_state(0U, DRIVE_STATES - 1U);
     drive.state_guard.state = Frama_C_interval(DRIVE_STATE_INIT, DRIVE_STATE_FAULT);
     drive.guard.at = Frama_C_unsigned_int_interval(0U, GUARD_AT_MAX);
+}
+
+/* The state is one, code for code. */
+static void check_code(void)
+{
+    /*@ split drive.state; */
+    within(transitions_is_state(drive.state), 1, 1);
 }
 
 static void check_state(void)
@@ -103,8 +116,8 @@ static void check_state(void)
     within(drive.path, lowest, highest);
 #include "state.def"
     within(drive.cfg == &cfg, 1, 1);
-    within(drive.state, DRIVE_STATE_INIT, DRIVE_STATE_FAULT);
     within(drive.guard.at, 0, GUARD_AT_MAX);
+    check_code();
 }
 
 static void step(void)
@@ -132,15 +145,15 @@ static void check_regulated(void)
 /* Without a start-up its states are never entered, and what is configured of it is free, as it is not read. */
 static void step_without_startup(void)
 {
-    drive.state = Frama_C_interval(DRIVE_STATE_INIT, DRIVE_STATE_READY);
     switch (Frama_C_interval(0, 2)) {
     case 1:
         drive.state = DRIVE_STATE_PROBE;
         break;
     case 2:
-        drive.state = Frama_C_interval(DRIVE_STATE_RUN, DRIVE_STATE_FAULT);
+        drive.state = any_state(DRIVE_STATES - 2U, DRIVE_STATES - 1U); /* RUN, FAULT */
         break;
-    default: /* at rest */
+    default: /* INIT, OFFSET_CAL, READY */
+        drive.state = any_state(0U, 2U);
         break;
     }
     step();
@@ -203,6 +216,33 @@ void proof_plain_regulated(void)
     choose_regulated();
     step_without_startup();
     check_regulated();
+}
+
+/*
+ * From a code that is no state, with any configuration: between each state and the next one, and beyond the last. One
+ * interval after the other, as none of the codes between two states is one of them.
+ */
+void proof_no_state(void)
+{
+    choose_configuration();
+    if (Frama_C_interval(0, 1) != 0) {
+        choose_startup();
+        cfg.sampling.sensor_pole_pairs = 0U;
+    } else {
+        cfg.startup.current_hold = 0;
+    }
+    choose_voltage_drive();
+    /*@ loop unroll 11; */
+    for (uint32_t k = 0U; k < DRIVE_STATES; k++) {
+        const uint32_t first = (uint32_t)transitions_state(k) + 1U;
+        const uint32_t last =
+            (k < (DRIVE_STATES - 1U)) ? ((uint32_t)transitions_state(k + 1U) - 1U) : UINT32_MAX;
+
+        choose_state();
+        drive.state = (drive_state_t)Frama_C_unsigned_int_interval(first, last);
+        step();
+        within(drive_is_driving(drive.state), 0, 0);
+    }
 }
 
 /* From any state, with any two configurations: it ends within the ranges from which the steps go on. */
