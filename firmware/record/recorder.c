@@ -4,6 +4,7 @@
 #include "barrier.h"
 #include "fx.h"
 #include "inlining.h"
+#include "ring.h"
 
 #include <stddef.h>
 
@@ -15,12 +16,9 @@
 #define COMPARE_MASK (0x7FFFU)
 #define CHANGE_MARK (0x8000U)
 #define GATE_BIT (15U)
-#define ENTRY_LOG2 (4U) /* bytes */
-#define TOP_SHIFT ((8U * sizeof(size_t)) - ENTRY_LOG2)
 #define TICK_ENTRIES (3U) /* that a tick may take */
 #define SLACK_SHARE (2U)  /* of a segment at most, where a slow period has so many ticks */
 
-_Static_assert(sizeof(recorder_entry_t) == (1U << ENTRY_LOG2), "an entry has 16 bytes");
 _Static_assert(RECORDER_STATES == (SPARE + 1U), "one state more than segments");
 
 static uint32_t pair(uint32_t lower, uint32_t upper)
@@ -77,28 +75,18 @@ static bool is_ring_sound(const recorder_t *recorder)
            (recorder->segment_entries == recorder->due_segment_entries);
 }
 
-/* In entries. The bits below an entry come to the top: what is not a whole number of them is a huge one. */
-static size_t entries_between(const recorder_entry_t *first, const recorder_entry_t *end)
-{
-    const uint8_t *const from = (const uint8_t *)first;
-    const uint8_t *const to = (const uint8_t *)end;
-    const ptrdiff_t distance = to - from; /* cppcheck-suppress misra-c2012-18.4 ; D6 */
-    const size_t bytes = (size_t)distance;
-
-    return (bytes >> ENTRY_LOG2) | (bytes << TOP_SHIFT);
-}
-
-/* Whether a tick may begin there: where it lies beyond the stop, or between two entries, the number is a huge one. */
+/* Whether a tick may begin there. */
 static bool is_within(const recorder_t *recorder, const recorder_entry_t *at)
 {
-    return entries_between(at, recorder->stop) <= recorder->span;
+    return ring_is_within(at, recorder->stop, recorder->span);
 }
 
 static void set_stop(recorder_t *recorder, uint32_t segment, uint32_t slow_ticks)
 {
+    /*@ split segment; */
     const recorder_entry_t *const stop = stop_of(recorder, segment, slow_ticks);
 
-    recorder->span = (uint16_t)entries_between(first_of(recorder, segment), stop);
+    recorder->span = (uint16_t)ring_entries_between(first_of(recorder, segment), stop);
     recorder->due_stop = stop;
     recorder->stop = stop;
 }

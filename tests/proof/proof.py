@@ -57,7 +57,7 @@ CASES = {
         "estimate_step": 300, "frame_measure": 200, "frame_modulate": 2000, "frame_modulate_plain": 2000, "judge": 50,
         "fx_approach": 20, "average": 20, "share_of": 100, "bits_beyond_15": 20, "heat_up": 60, "observer_rho": 10, "drive_step": 4, "watch": 20,
     },
-    RECORDER: {"turn_over": 20},
+    RECORDER: {"recorder_step": 20, "turn_over": 20, "room_for_tick": 20, "is_within": 10, "ring_is_within": 10},
     CURRENT_SUM: {"sum_of": 10, "current_sum_step": 20},
 }
 OPTIONS = [
@@ -65,7 +65,7 @@ OPTIONS = [
     "-eva-domains", "equality,symbolic-locations", "-eva-subdivide-non-linear", "10", "-eva-split-limit", "1024",
     "-warn-signed-downcast", "-warn-unsigned-downcast",
 ]
-SPLIT_RETURN = {DRIVE: "fx_leading_zeros:full,protection_check:full", RECORDER: "fx_leading_zeros:full",
+SPLIT_RETURN = {DRIVE: "fx_leading_zeros:full,protection_check:full", RECORDER: "fx_leading_zeros:full,ring_is_within:full,is_within:full",
                 CURRENT_SUM: "fx_leading_zeros:full"}
 COLLECTED_SELDOM = {"OCAMLRUNPARAM": "s=4M,o=200"}  # garbage: a ninth of the time for some more memory
 NOT_CALLED = {"drive_knows_rotor", "drive_position_from_zero_q32", "drive_position_q32", "drive_step_general", "drive_reads_slow_inputs", "probe_is_done"}  # by what is analysed

@@ -19,6 +19,8 @@
 void __atomic_signal_fence(int order);
 
 #define volatile
+#include "port/ring.h" /* in place of the header of that name */
+
 #include "../../firmware/record/recorder.c"
 
 /* Entries of a segment that a configuration allows at most; RECORDER_ENTRIES_MIN is the least. */
@@ -50,10 +52,24 @@ static void choose_tick(void)
     out.gate_enable = Frama_C_interval(0, 1) != 0;
 }
 
+/* An entry, or none: as an offer or a change leaves the stop. */
+static const recorder_entry_t *any_place(uint32_t last)
+{
+    const recorder_entry_t *place = NULL;
+
+    if (Frama_C_interval(0, 1) != 0) {
+        place = &recorder.entries[Frama_C_unsigned_int_interval(0U, last)];
+    }
+    return place;
+}
+
 static void choose_state(uint32_t behind)
 {
     recorder.at = &recorder.entries[Frama_C_unsigned_int_interval(0U, behind)];
-    recorder.stop = &recorder.entries[Frama_C_unsigned_int_interval(0U, behind - 1U)];
+    recorder.stop = any_place(behind - TICK_ENTRIES);
+    recorder.due_stop = any_place(behind - TICK_ENTRIES);
+    recorder.span = Frama_C_unsigned_short_interval(0, 65535);
+    recorder.due_segment_entries = Frama_C_unsigned_int_interval(0U, UINT32_MAX);
     recorder.target = Frama_C_unsigned_int_interval(0U, UINT32_MAX);
     recorder.slow = Frama_C_unsigned_int_interval(0U, UINT32_MAX);
     recorder.current = Frama_C_unsigned_int_interval(0U, NONE);
@@ -65,6 +81,13 @@ static void choose_state(uint32_t behind)
     recorder.changed = Frama_C_interval(0, 1) != 0;
 }
 
+static void check_stop(const recorder_entry_t *entries, uint32_t last)
+{
+    if (recorder.stop != NULL) {
+        within(recorder.stop - entries, 0, last);
+    }
+}
+
 static void check_state(const recorder_entry_t *entries, uint32_t segment_entries)
 {
     const uint32_t behind = RECORDER_SEGMENTS * segment_entries;
@@ -72,7 +95,7 @@ static void check_state(const recorder_entry_t *entries, uint32_t segment_entrie
     within(recorder.entries == entries, 1, 1);
     within(recorder.segment_entries, segment_entries, segment_entries);
     within(recorder.at - entries, 0, behind);
-    within(recorder.stop - entries, 0, behind - 1U);
+    check_stop(entries, behind - TICK_ENTRIES);
     within(recorder.current, 0, NONE);
     within(recorder.next, 0, END);
 }

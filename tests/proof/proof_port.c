@@ -3,6 +3,7 @@
 
 #include "port/fx_plain.h"
 #include "port/fx_port.h"
+#include "port/ring.h"
 
 proof_word_t *const proof_saturations[7] = {fx_sat14, fx_sat15, fx_sat16, fx_sat27,
                                             fx_sat28, fx_sat30, fx_usat15};
@@ -40,4 +41,14 @@ int32_t proof_mla_32x16(int32_t sum, int32_t a, int32_t b)
 uint32_t proof_leading_zeros(uint32_t x)
 {
     return fx_leading_zeros(x);
+}
+
+size_t proof_entries_between(const recorder_entry_t *first, const recorder_entry_t *end)
+{
+    return ring_entries_between(first, end);
+}
+
+bool proof_is_within(const recorder_entry_t *at, const recorder_entry_t *stop, uint32_t span)
+{
+    return ring_is_within(at, stop, span);
 }

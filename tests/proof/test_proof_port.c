@@ -2,12 +2,14 @@
 /* What the proof has in place of some functions gives what they give. */
 #include "fx.h"
 #include "proof_port.h"
+#include "ring.h"
 #include "testing.h"
 
 #include <stdint.h>
 
 #define COUNT (7U)
 #define STEP (7U)
+#define ENTRIES (40U)
 
 static proof_word_t *const saturations[COUNT] = {fx_sat14, fx_sat15, fx_sat16, fx_sat27,
                                                  fx_sat28, fx_sat30, fx_usat15};
@@ -95,5 +97,35 @@ TEST(test_products_and_low_pass_are_those_of_the_proof)
         TEST_ASSERT_EQUAL_INT32(fx_mla_32x16(b, a, b), proof_mla_32x16(b, a, b));
         TEST_ASSERT_EQUAL_INT32(fx_approach(fx_asr(a, 1U), b, shift),
                                 proof_approach(fx_asr(a, 1U), b, shift));
+    }
+}
+
+TEST(test_entries_of_a_ring_are_counted_as_the_proof_counts_them)
+{
+    static const recorder_entry_t ring[ENTRIES];
+
+    for (uint32_t first = 0U; first < ENTRIES; first++) {
+        for (uint32_t end = first; end < ENTRIES; end++) {
+            TEST_ASSERT_EQUAL_UINT32(end - first, ring_entries_between(&ring[first], &ring[end]));
+            TEST_ASSERT_EQUAL_UINT32(end - first, proof_entries_between(&ring[first], &ring[end]));
+        }
+    }
+}
+
+TEST(test_a_place_is_within_a_ring_where_the_proof_has_it_within)
+{
+    static const recorder_entry_t ring[ENTRIES];
+
+    for (uint32_t at = 0U; at < ENTRIES; at++) {
+        for (uint32_t stop = 0U; stop < ENTRIES; stop++) {
+            for (uint32_t span = 0U; span <= ENTRIES; span++) {
+                const bool due = (at <= stop) && ((stop - at) <= span);
+
+                TEST_ASSERT_EQUAL(due, ring_is_within(&ring[at], &ring[stop], span));
+                TEST_ASSERT_EQUAL(due, proof_is_within(&ring[at], &ring[stop], span));
+            }
+        }
+        TEST_ASSERT_FALSE(ring_is_within(&ring[at], NULL, UINT16_MAX));
+        TEST_ASSERT_FALSE(proof_is_within(&ring[at], NULL, UINT16_MAX));
     }
 }

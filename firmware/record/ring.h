@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Distances in the ring of the recorder, from bits that may have flipped by themselves. A header of its own, as the proof has
+ * an equal formulation in its place. Pure, any context.
+ */
+#ifndef RING_H
+#define RING_H
+
+#include "recorder.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define RING_ENTRY_LOG2 (4U) /* bytes */
+#define RING_TOP_SHIFT ((8U * sizeof(size_t)) - RING_ENTRY_LOG2)
+
+_Static_assert(sizeof(recorder_entry_t) == (1U << RING_ENTRY_LOG2), "an entry has 16 bytes");
+
+/* In entries. The bits below an entry come to the top: what is not a whole number of them is a huge one. */
+static inline size_t ring_entries_between(const recorder_entry_t *first,
+                                          const recorder_entry_t *end)
+{
+    const uint8_t *const from = (const uint8_t *)first;
+    const uint8_t *const to = (const uint8_t *)end;
+    const ptrdiff_t distance = to - from; /* cppcheck-suppress misra-c2012-18.4 ; D6 */
+    const size_t bytes = (size_t)distance;
+
+    return (bytes >> RING_ENTRY_LOG2) | (bytes << RING_TOP_SHIFT);
+}
+
+/*
+ * Whether `at` is not beyond `stop`, and at most `span` entries before it. Where it lies beyond the stop, or between two
+ * entries, their number is a huge one. Without a stop, NULL, nothing is within.
+ */
+static inline bool ring_is_within(const recorder_entry_t *at, const recorder_entry_t *stop,
+                                  uint32_t span)
+{
+    return ring_entries_between(at, stop) <= span;
+}
+
+#endif
