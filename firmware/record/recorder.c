@@ -19,6 +19,7 @@
 #define TICK_ENTRIES (3U) /* that a tick may take */
 #define SLACK_SHARE (2U)  /* of a segment at most, where a slow period has so many ticks */
 
+_Static_assert(sizeof(recorder_entry_t) == (1U << RING_ENTRY_LOG2), "an entry has 16 bytes");
 _Static_assert(RECORDER_STATES == (SPARE + 1U), "one state more than segments");
 
 static uint32_t pair(uint32_t lower, uint32_t upper)
@@ -433,7 +434,7 @@ static bool is_entry_of_change(const recorder_entry_t *entry)
 }
 
 /* From the state before a segment to the one after it. */
-static uint32_t ticks_of(const recorder_t *recorder, uint32_t segment)
+static uint32_t ticks_of_segment(const recorder_t *recorder, uint32_t segment)
 {
     const uint32_t after =
         (segment == recorder->current) ? SPARE : ((segment + 1U) % RECORDER_SEGMENTS);
@@ -461,7 +462,7 @@ static bool has_only_two(const recorder_t *recorder, uint32_t segment, const dri
         known = known && (!change || (crc == begin->crc) || (crc == other_crc));
         frames += change ? 0U : 1U;
     }
-    return known && (frames == ticks_of(recorder, segment));
+    return known && (frames == ticks_of_segment(recorder, segment));
 }
 
 /* From this segment to the end no configuration has been overwritten since. */

@@ -27,6 +27,7 @@
 #define RECORDER_H
 
 #include "drive.h"
+#include "recorder_entry.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -37,20 +38,6 @@
 #define RECORDER_ENTRIES_MIN (4U * RECORDER_MARGIN) /* of a segment */
 #define RECORDER_ENTRIES_MAX (65535U)               /* of a segment */
 #define RECORDER_POST_TICKS_MAX (1000000U)
-
-/*
- * An entry is a frame or a change.
- *
- *     frame    adc_ia, adc_ib; adc_bus, flags; compare of a and b; compare of c with gate_enable in bit 15, angle:
- *              each word has two halves of 16 bits, the lower first; a compare value has 15 bits
- *     change   marked by bit 15 of the third word; target; mode, request, adc_temperature: 8, 8 and 16 bits; the
- *              fourth word is the crc of the configuration. They apply to the frames that follow, up to the next change
- *
- * A segment begins with a change.
- */
-typedef struct {
-    uint32_t word[4];
-} recorder_entry_t;
 
 /* Input and output of a tick. */
 typedef struct {

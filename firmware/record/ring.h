@@ -6,7 +6,7 @@
 #ifndef RING_H
 #define RING_H
 
-#include "recorder.h"
+#include "recorder_entry.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -14,8 +14,6 @@
 
 #define RING_ENTRY_LOG2 (4U) /* bytes */
 #define RING_TOP_SHIFT ((8U * sizeof(size_t)) - RING_ENTRY_LOG2)
-
-_Static_assert(sizeof(recorder_entry_t) == (1U << RING_ENTRY_LOG2), "an entry has 16 bytes");
 
 /* In entries. The bits below an entry come to the top: what is not a whole number of them is a huge one. */
 static inline size_t ring_entries_between(const recorder_entry_t *first,

@@ -245,6 +245,30 @@ void proof_no_state(void)
     }
 }
 
+/* What a flipped bit leads to, from words that no tick makes; called by itself, as the tick that finds it may be a later one. */
+void proof_flipped(void)
+{
+    config_guard_t guard;
+    fault_t fault;
+
+    choose_configuration();
+    choose_voltage_drive();
+    choose_state();
+    choose_words((uint32_t *)&drive.align, sizeof(drive.align));
+    choose_words((uint32_t *)&drive.flying_start, sizeof(drive.flying_start));
+    choose_words((uint32_t *)&drive.safe_state, sizeof(drive.safe_state));
+    drive.speed_loop.halvings = Frama_C_unsigned_int_interval(0U, UINT32_MAX);
+    (void)holds_choices(&drive);
+    choose_words((uint32_t *)&guard, sizeof(guard));
+    (void)config_guard_step(&guard, &cfg, &fault);
+    within(guard.at, 0, GUARD_AT_MAX);
+    cfg.slow_ticks = Frama_C_unsigned_int_interval(0U, UINT8_MAX);
+    within(slow_period(&cfg), SLOTS, UINT8_MAX);
+    choose_configuration();
+    drive_init(&drive, &cfg);
+    check_state();
+}
+
 /* From any state, with any two configurations: it ends within the ranges from which the steps go on. */
 static void change(void)
 {

@@ -42,6 +42,7 @@ void within(int64_t value, int64_t lowest, int64_t highest);
 static void choose_tick(void)
 {
     cfg.crc = Frama_C_unsigned_int_interval(0U, UINT32_MAX);
+    cfg.slow_ticks = Frama_C_unsigned_int_interval(0U, UINT32_MAX);
     drive.cfg = &cfg;
     drive.tick = Frama_C_unsigned_int_interval(0U, UINT32_MAX);
     drive.slow_count = Frama_C_unsigned_int_interval(1U, 100U);
@@ -69,6 +70,7 @@ static void choose_state(uint32_t behind)
     recorder.stop = any_place(behind - TICK_ENTRIES);
     recorder.due_stop = any_place(behind - TICK_ENTRIES);
     recorder.span = Frama_C_unsigned_short_interval(0, 65535);
+    recorder.due_entries = (recorder_entry_t *)any_place(behind - TICK_ENTRIES);
     recorder.due_segment_entries = Frama_C_unsigned_int_interval(0U, UINT32_MAX);
     recorder.target = Frama_C_unsigned_int_interval(0U, UINT32_MAX);
     recorder.slow = Frama_C_unsigned_int_interval(0U, UINT32_MAX);

@@ -3,7 +3,7 @@
 #ifndef PROOF_PORT_H
 #define PROOF_PORT_H
 
-#include "recorder.h"
+#include "recorder_entry.h"
 
 #include <stdbool.h>
 #include <stddef.h>

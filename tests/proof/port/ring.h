@@ -6,7 +6,9 @@
 #ifndef RING_H
 #define RING_H
 
-#include "recorder.h"
+#define RING_ENTRY_LOG2 (4U) /* bytes */
+
+#include "recorder_entry.h"
 
 #include <stdbool.h>
 #include <stddef.h>
