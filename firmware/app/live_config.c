@@ -3,7 +3,6 @@
 
 #include "commander.h"
 #include "config_change.h"
-#include "config_lock.h"
 
 #include <stddef.h>
 
@@ -23,6 +22,7 @@ void live_config_init(live_config_t *live, app_t *app, hal_t *hal, const about_t
     stored_config_load(&live->stored, hal, cfg, &live->about);
     live->in_force = &live->stored.block;
     live->prepared = &live->other;
+    config_lock_keep(&live->lock, &live->in_force->cfg);
     live->pending = false;
     live_config_forget(live);
 }
@@ -106,7 +106,7 @@ static live_config_verdict_t lock_verdict(const live_config_t *live)
     live_config_verdict_t verdict = DONE;
 
     if (!live->app->unlocked) {
-        verdict.path = config_lock_refused(&live->in_force->cfg, &live->prepared->cfg);
+        verdict.path = config_lock_refused(&live->lock, &live->in_force->cfg, &live->prepared->cfg);
         verdict.why = (verdict.path == NULL)
                           ? NULL
                           : "protects less than what is in force; stop the drive and unlock first";
@@ -129,6 +129,9 @@ static live_config_verdict_t change_to_prepared(live_config_t *live, bool of_ima
         verdict.why = NO_TICK;
     }
     if (verdict.why == NULL) {
+        if (of_image || live->app->unlocked) {
+            config_lock_keep(&live->lock, &live->prepared->cfg);
+        }
         app_change(live->app, &live->prepared->cfg);
         live->pending = true;
         commander_lock(live->app);

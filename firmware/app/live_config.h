@@ -14,6 +14,7 @@
 #include "about.h"
 #include "app.h"
 #include "config_block.h"
+#include "config_lock.h"
 #include "stored_config.h"
 
 #include <stdbool.h>
@@ -37,6 +38,7 @@ typedef struct {
     config_block_t *prepared;      /* the other one of the two */
     live_config_verdict_t applied; /* of the last apply */
     uint32_t applied_crc;          /* that it was asked for with */
+    config_lock_t lock;            /* what was unlocked last, or was there at the start */
     bool preparing;                /* a word was written since the last apply */
     bool pending;                  /* the prepared block waits for the tick that takes it */
 } live_config_t;

@@ -2,6 +2,7 @@
 #include "config_lock.h"
 
 #include "config_rule.h"
+#include "fx.h"
 
 /* A limit of 0 is none. */
 static bool is_lifted(uint32_t from, uint32_t to)
@@ -9,22 +10,11 @@ static bool is_lifted(uint32_t from, uint32_t to)
     return (from != 0U) && ((to == 0U) || (to > from));
 }
 
-/* Of limits that follow from the motor's constants: both are at least 0. */
-static bool is_twice(int32_t from, int32_t to)
-{
-    return (to / 2) > from;
-}
-
-static uint64_t ticks_of(const drive_cfg_t *cfg, uint32_t periods)
-{
-    return (uint64_t)periods * cfg->slow_ticks;
-}
-
-/* A time is rounded to whole periods, which are as long as the tuning makes them. */
+/* In slow periods, which are as long as the tuning makes them. */
 static bool is_longer(const drive_cfg_t *from, uint32_t from_periods, const drive_cfg_t *to,
                       uint32_t to_periods)
 {
-    return ticks_of(to, to_periods) > ticks_of(from, from_periods + 1U);
+    return ((uint64_t)to_periods * to->slow_ticks) > ((uint64_t)from_periods * from->slow_ticks);
 }
 
 /* What a file chooses. */
@@ -57,40 +47,50 @@ static const char *choice_refused(const drive_cfg_t *from, const drive_cfg_t *to
     return config_rule_broken(rules, CONFIG_RULES(rules));
 }
 
-/* What follows from the motor's constants. */
-static const char *limit_refused(const drive_cfg_t *from, const drive_cfg_t *to)
-{
-    const supervision_cfg_t *const before = &from->supervision;
-    const supervision_cfg_t *const after = &to->supervision;
-    const config_rule_t rules[] = {
-        {"supervision.phase_range_min", is_twice(before->phase_range_min, after->phase_range_min)},
-        {"supervision.swing_periods",
-         ticks_of(to, after->swing_periods) > (2U * ticks_of(from, before->swing_periods + 1U))},
-        {"supervision.voltage_max", is_twice(before->voltage_max, after->voltage_max)},
-        {"supervision.follow_error_max",
-         is_twice(before->follow_error_max, after->follow_error_max)},
-        {"supervision.residual_max", is_twice(before->residual_max, after->residual_max)},
-        {"supervision.speed_error_max", is_twice(before->speed_error_max, after->speed_error_max)},
-        {"supervision.speed_error_periods",
-         ticks_of(to, after->speed_error_periods) >
-             (2U * ticks_of(from, before->speed_error_periods + 1U))},
-        {"supervision.overspeed", is_twice(before->overspeed, after->overspeed)},
-        {"supervision.stall_current", is_twice(before->stall_current, after->stall_current)},
-        {"supervision.sum_max", is_twice(before->sum_max, after->sum_max)},
-        {"supervision.sum_share_q15", is_twice(before->sum_share_q15, after->sum_share_q15)},
-        {"oscillation.amplitude_max",
-         is_twice(from->oscillation.amplitude_max, to->oscillation.amplitude_max)},
-    };
+static const char *const LIMITS[CONFIG_LOCK_LIMITS] = {
+    "supervision.phase_range_min",     "supervision.swing_periods",
+    "supervision.voltage_max",         "supervision.follow_error_max",
+    "supervision.residual_max",        "supervision.speed_error_max",
+    "supervision.speed_error_periods", "supervision.overspeed",
+    "supervision.stall_current",       "supervision.sum_max",
+    "supervision.sum_share_q15",       "oscillation.amplitude_max"};
 
-    return config_rule_broken(rules, CONFIG_RULES(rules));
+/* Times in ticks: 100 of them to 10^6 periods are no more than a word holds. */
+void config_lock_keep(config_lock_t *lock, const drive_cfg_t *cfg)
+{
+    const supervision_cfg_t *const now = &cfg->supervision;
+
+    *lock = (config_lock_t){
+        {fx_unsigned(now->phase_range_min), now->swing_periods * cfg->slow_ticks,
+         fx_unsigned(now->voltage_max), fx_unsigned(now->follow_error_max),
+         fx_unsigned(now->residual_max), fx_unsigned(now->speed_error_max),
+         now->speed_error_periods * cfg->slow_ticks, fx_unsigned(now->overspeed),
+         fx_unsigned(now->stall_current), fx_unsigned(now->sum_max),
+         fx_unsigned(now->sum_share_q15), fx_unsigned(cfg->oscillation.amplitude_max)}};
 }
 
-const char *config_lock_refused(const drive_cfg_t *from, const drive_cfg_t *to)
+/* What follows from the motor's constants. */
+static const char *limit_refused(const config_lock_t *lock, const drive_cfg_t *to)
+{
+    const char *path = NULL;
+    config_lock_t found;
+
+    config_lock_keep(&found, to);
+    for (uint32_t k = 0U; (k < CONFIG_LOCK_LIMITS) && (path == NULL); k++) {
+        if ((found.limits[k] / 2U) > lock->limits[k]) {
+            path = LIMITS[k];
+        }
+    }
+    return path;
+}
+
+const char *config_lock_refused(const config_lock_t *lock, const drive_cfg_t *from,
+                                const drive_cfg_t *to)
 {
     const char *path = choice_refused(from, to);
 
     if (path == NULL) {
-        path = limit_refused(from, to);
+        path = limit_refused(lock, to);
     }
     return path;
 }

@@ -5,7 +5,8 @@
  *
  * What a file chooses may not be less at all: the watch for swings, the time-out of the link, the short circuit at a stop, the lowest bus, the
  * limits of the supply, late ticks, and the times for which a symptom may last. What follows from the motor's constants may be up to
- * twice as wide, as the constants are when they are corrected: the limits of the supervision and the amplitude of a swing.
+ * twice as wide as when it was unlocked last, as the constants are when they are corrected: the limits of the supervision and the
+ * amplitude of a swing. Many small changes lead no further than one.
  *
  * Pure. Context: background.
  */
@@ -14,10 +15,21 @@
 
 #include "drive_cfg.h"
 
+#define CONFIG_LOCK_LIMITS (12U)
+
+/* What follows from the motor's constants, as it was unlocked last. */
+typedef struct {
+    uint32_t limits[CONFIG_LOCK_LIMITS];
+} config_lock_t;
+
+/* This configuration is in force with the will of whoever may unlock: at the start, and when it was unlocked. */
+void config_lock_keep(config_lock_t *lock, const drive_cfg_t *cfg);
+
 /*
- * Returns the path of the first setting of `to` that protects less than that of `from`, a constant string; NULL: none does. Both
- * configurations are good by config_check.h.
+ * Returns the path of the first setting of `to` that protects less than that of `from`, or than twice what `lock` has, a constant string;
+ * NULL: none does. Both configurations are good by config_check.h.
  */
-const char *config_lock_refused(const drive_cfg_t *from, const drive_cfg_t *to);
+const char *config_lock_refused(const config_lock_t *lock, const drive_cfg_t *from,
+                                const drive_cfg_t *to);
 
 #endif

@@ -351,6 +351,13 @@ TEST(after_a_cut_the_gap_is_named_and_it_is_in_step_within_a_second)
     fmt::print("{}; the line was back at {}\n", said.back(), back);
 }
 
+bool is_locked(const drive_cfg_t &from, const drive_cfg_t &to)
+{
+    config_lock_t lock{};
+    config_lock_keep(&lock, &from);
+    return config_lock_refused(&lock, &from, &to) != nullptr;
+}
+
 // The block in force, which is the image's, with another value of a row; nothing where the image takes neither neighbour of its value.
 // Of what is locked the one that protects less.
 std::optional<config_block_t> neighbour(const config_block_t &block, const nf::CfgRow &row)
@@ -364,7 +371,7 @@ std::optional<config_block_t> neighbour(const config_block_t &block, const nf::C
         cfg.crc = config_guard_crc(&cfg);
         if (config_check(&cfg) == nullptr &&
             config_ceiling_crossed(&block.cfg, &cfg, true) == nullptr &&
-            config_lock_refused(&cfg, &block.cfg) == nullptr) {
+            !is_locked(cfg, block.cfg)) {
             config_block_t changed{};
             config_block_make(&changed, &block.identity, &block.about, &cfg);
             return changed;
@@ -402,7 +409,7 @@ TEST(each_setting_that_may_change_in_run_does_under_load_and_the_others_are_refu
             continue;
         }
         const std::string why = bench.follower.change(*wanted);
-        if (row.in_run && config_lock_refused(&now.cfg, &wanted->cfg) == nullptr) {
+        if (row.in_run && !is_locked(now.cfg, wanted->cfg)) {
             TEST_ASSERT_EQUAL_STRING_MESSAGE("", why.c_str(), row.path);
             bench.pass(BETWEEN_S);
             TEST_ASSERT_EQUAL_STRING("", bench.follower.change(now).c_str());

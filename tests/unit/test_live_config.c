@@ -306,6 +306,22 @@ TEST(test_a_run_and_another_session_lock_what_was_unlocked)
     assert_verdict("supervision.late_max", LOCKED, apply_wanted());
 }
 
+/* Twice as wide as at the start, and no step further; what was unlocked is where the next steps begin. */
+TEST(test_many_small_steps_take_no_limit_away)
+{
+    wanted.cfg.supervision.overspeed *= 2;
+    seal();
+    bring_into_force();
+    wanted.cfg.supervision.overspeed += 2;
+    seal();
+    assert_verdict("supervision.overspeed", LOCKED, apply_wanted());
+    TEST_ASSERT_NULL(commander_unlock(&app));
+    bring_into_force();
+    wanted.cfg.supervision.overspeed += 2;
+    seal();
+    bring_into_force();
+}
+
 /* The author of the image has chosen it. */
 TEST(test_the_configuration_of_the_image_needs_no_unlocking)
 {
