@@ -90,9 +90,9 @@ TEST(test_the_winding_counts_as_warm_where_no_valid_words_were_kept)
     set_heat(ONE_Q24 / 8);
     kept_heat_step(&app);
     for (uint32_t bit = 0U; bit < (32U * HAL_KEPT_WORDS); bit++) {
-        hardware.kept[bit / 32U] ^= 1UL << (bit % 32U);
+        hardware.kept[bit / 32U] ^= 1U << (bit % 32U);
         TEST_ASSERT_EQUAL_INT32(KEPT_HEAT_UNKNOWN_Q24, reset_with(&image));
-        hardware.kept[bit / 32U] ^= 1UL << (bit % 32U);
+        hardware.kept[bit / 32U] ^= 1U << (bit % 32U);
     }
     TEST_ASSERT_EQUAL_INT32(ONE_Q24 / 8, reset_with(&image));
 }

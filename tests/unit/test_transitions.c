@@ -103,7 +103,7 @@ TEST(test_from_up_to_three_flipped_bits_of_a_state_every_event_leads_to_a_fault)
     for (uint32_t number = 0U; number < DRIVE_STATES; number++) {
         for (uint32_t first = 0U; first < 32U; first++) {
             for (uint32_t last = first; last < 32U; last++) {
-                const uint32_t flips = (1UL << first) | (1UL << last) | (1UL << (last / 2U));
+                const uint32_t flips = (1U << first) | (1U << last) | (1U << (last / 2U));
                 const drive_state_t code =
                     (drive_state_t)((uint32_t)transitions_state(number) ^ flips);
 
