@@ -104,7 +104,7 @@ bool hal_store_program(hal_t *hal, uint32_t slot, uint32_t unit,
  * may be anything after the supply was away, and where a board has none: who reads them tells by a check word of his own.
  * `index` is below HAL_KEPT_WORDS. Context: background, and before the control interrupt is enabled. Neither function waits.
  */
-#define HAL_KEPT_WORDS (3U)
+#define HAL_KEPT_WORDS (6U)
 
 void hal_keep(hal_t *hal, uint32_t index, uint32_t word);
 uint32_t hal_kept(const hal_t *hal, uint32_t index);

@@ -37,6 +37,7 @@ typedef struct {
     cross_check_t check;
     uint32_t ticket; /* of the next command of a PC, commander.h */
     bool failed;     /* as commander_step() has seen the drive last */
+    bool keeps_heat; /* it was taken over from the last reset, kept_heat.h */
     bool unlocked;   /* the next configuration may protect less, commander.h */
 } app_t;
 

@@ -73,7 +73,7 @@ bool commander_is_at_rest(const app_t *app);
 
 /*
  * The next configuration that is taken over may protect less than the one in force (config_lock.h). It ends with that one, as soon as the
- * drive does not rest, and with whoever has the line. Returns NULL, or why it is refused: the drive does not rest.
+ * drive does not rest, and when a PC gives the line back. Returns NULL, or why it is refused: the drive does not rest.
  */
 const char *commander_unlock(app_t *app);
 
@@ -81,8 +81,8 @@ const char *commander_unlock(app_t *app);
 void commander_lock(app_t *app);
 
 /*
- * Locks again where the drive does not rest. Takes a clear back once the fault is left: kept, it would clear the next fault unseen. Takes a run back once there is a fault:
- * kept, whatever left FAULT would start the motor. Takes a zero back once the drive has it. Call once per pass of the background.
+ * Locks again where the drive does not rest. Takes a clear back once the fault is left: kept, it would clear the next fault unseen.
+ * Takes a run back once there is a fault: kept, whatever left FAULT would start the motor. Takes a zero back once the drive has it. Call once per pass of the background.
  */
 void commander_step(app_t *app);
 

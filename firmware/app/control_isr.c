@@ -25,6 +25,7 @@ const char *app_init(app_t *app, hal_t *hal, const drive_cfg_t *cfg)
     app->ticket = 0U;
     app->failed = false;
     app->unlocked = false;
+    app->keeps_heat = false;
     app->change = NULL;
     clear_failure(app);
     app->check = (cross_check_t){.tick = 0U};

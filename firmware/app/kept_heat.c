@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "kept_heat.h"
 
-#include <stddef.h>
+#include <stdbool.h>
 
 #define HEAT_MAX_Q24 (0x40000000U)
 #define GAIN_BITS (16U)
@@ -9,10 +9,14 @@
 #define GAIN_MAX (0x7FFFU)
 #define SHIFT_MAX (27U)
 
-/* Indices of the words. */
+/* A copy's words. */
 #define HEAT (0U)
 #define SCALE (1U) /* heat_gain, and heat_shift above it */
-#define CHECK (2U)
+#define SEAL (2U)
+#define COPY_WORDS (3U)
+
+/* Two copies: a reset while one is written leaves the other. */
+#define COPIES (HAL_KEPT_WORDS / COPY_WORDS)
 
 /* Words that are all 0, or all 1, are none. */
 static uint32_t seal_of(uint32_t heat, uint32_t scale)
@@ -36,33 +40,50 @@ static int32_t in_scale_of(uint32_t heat, uint32_t scale, const derating_cfg_t *
     return kept.heat_q24;
 }
 
-void kept_heat_restore(app_t *app)
+/* The heat of a copy. False, and `heat_q24` is as it was, where its words are none. */
+static bool copy_holds(const app_t *app, uint32_t first, int32_t *heat_q24)
 {
-    const uint32_t heat = hal_kept(app->hal, HEAT);
-    const uint32_t scale = hal_kept(app->hal, SCALE);
+    const uint32_t heat = hal_kept(app->hal, first + HEAT);
+    const uint32_t scale = hal_kept(app->hal, first + SCALE);
     const uint32_t gain = scale & GAIN_MASK;
-    const bool whole = hal_kept(app->hal, CHECK) == seal_of(heat, scale);
+    const bool whole = hal_kept(app->hal, first + SEAL) == seal_of(heat, scale);
     const bool in_range = (heat <= HEAT_MAX_Q24) && (gain > 0U) && (gain <= GAIN_MAX) &&
                           ((scale >> GAIN_BITS) <= SHIFT_MAX);
-    int32_t heat_q24 = KEPT_HEAT_UNKNOWN_Q24;
+    const bool holds = whole && in_range;
 
-    if (whole && in_range) {
-        heat_q24 = in_scale_of(heat, scale, &app->drive.cfg->derating);
+    if (holds) {
+        *heat_q24 = in_scale_of(heat, scale, &app->drive.cfg->derating);
     }
-    drive_warm(&app->drive, heat_q24);
+    return holds;
 }
 
-/* A change that is posted may come in between, with another scale: then it is kept in the next pass. Nobody else posts one. */
+void kept_heat_restore(app_t *app)
+{
+    int32_t heat_q24 = KEPT_HEAT_UNKNOWN_Q24;
+
+    if (!copy_holds(app, 0U, &heat_q24)) {
+        (void)copy_holds(app, COPY_WORDS, &heat_q24);
+    }
+    drive_warm(&app->drive, heat_q24);
+    app->keeps_heat = true;
+}
+
+/*
+ * A change that is posted may come in between, with another scale: then it is kept in the next pass. Nobody else posts one, so the
+ * configuration stays what it is from the look at it on.
+ */
 void kept_heat_step(app_t *app)
 {
-    const drive_cfg_t *const cfg = app->drive.cfg;
-
-    if ((cfg != NULL) && !app_changes(app)) {
+    if (app->keeps_heat && !app_changes(app)) {
         const uint32_t heat = fx_unsigned(app->drive.derating.heat_q24);
-        const uint32_t scale = scale_of(&cfg->derating);
+        const uint32_t scale = scale_of(&app->drive.cfg->derating);
 
-        hal_keep(app->hal, HEAT, heat);
-        hal_keep(app->hal, SCALE, scale);
-        hal_keep(app->hal, CHECK, seal_of(heat, scale));
+        for (uint32_t copy = 0U; copy < COPIES; copy++) {
+            const uint32_t first = copy * COPY_WORDS;
+
+            hal_keep(app->hal, first + HEAT, heat);
+            hal_keep(app->hal, first + SCALE, scale);
+            hal_keep(app->hal, first + SEAL, seal_of(heat, scale));
+        }
     }
 }

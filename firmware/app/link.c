@@ -57,6 +57,7 @@ static void return_line(link_t *link)
 {
     link_stream_end(&link->stream);
     live_config_forget(link->live);
+    commander_lock(link->live->app);
     commander_renew_ticket(link->live->app, 0U);
     link->is_linked = false;
     link->is_framing = false;

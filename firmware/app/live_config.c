@@ -74,7 +74,6 @@ void live_config_forget(live_config_t *live)
     live->preparing = false;
     live->applied = NONE_PREPARED;
     live->applied_crc = 0U;
-    commander_lock(live->app);
 }
 
 /* Whether this image may run with the prepared block. */
@@ -100,26 +99,24 @@ static live_config_verdict_t change_verdict(const live_config_t *live)
     return verdict;
 }
 
-/* Whether the prepared block protects as the one in force does, or somebody has unlocked that. */
+/* Whether the prepared block protects as the one in force does. */
 static live_config_verdict_t lock_verdict(const live_config_t *live)
 {
     live_config_verdict_t verdict = DONE;
 
-    if (!live->app->unlocked) {
-        verdict.path = config_lock_refused(&live->lock, &live->in_force->cfg, &live->prepared->cfg);
-        verdict.why = (verdict.path == NULL)
-                          ? NULL
-                          : "protects less than what is in force; stop the drive and unlock first";
+    verdict.path = config_lock_refused(&live->lock, &live->in_force->cfg, &live->prepared->cfg);
+    if (verdict.path != NULL) {
+        verdict.why = "protects less than what is in force; stop the drive and unlock first";
     }
     return verdict;
 }
 
-/* Checks the prepared block, and hands it to the control interrupt. of_image: it is that of the image, which no lock holds up. */
-static live_config_verdict_t change_to_prepared(live_config_t *live, bool of_image)
+/* Checks the prepared block, and hands it to the control interrupt. unlocked: it may protect less. */
+static live_config_verdict_t change_to_prepared(live_config_t *live, bool unlocked)
 {
     live_config_verdict_t verdict = block_verdict(live);
 
-    if ((verdict.why == NULL) && !of_image) {
+    if ((verdict.why == NULL) && !unlocked) {
         verdict = lock_verdict(live);
     }
     if (verdict.why == NULL) {
@@ -129,13 +126,21 @@ static live_config_verdict_t change_to_prepared(live_config_t *live, bool of_ima
         verdict.why = NO_TICK;
     }
     if (verdict.why == NULL) {
-        if (of_image || live->app->unlocked) {
+        if (unlocked) {
             config_lock_keep(&live->lock, &live->prepared->cfg);
         }
         app_change(live->app, &live->prepared->cfg);
         live->pending = true;
-        commander_lock(live->app);
     }
+    return verdict;
+}
+
+/* An unlocking is for one block, taken or not. */
+static live_config_verdict_t apply_prepared(live_config_t *live)
+{
+    const live_config_verdict_t verdict = change_to_prepared(live, live->app->unlocked);
+
+    commander_lock(live->app);
     return verdict;
 }
 
@@ -149,7 +154,7 @@ live_config_verdict_t live_config_apply(live_config_t *live, uint32_t crc)
         live->preparing = false;
         live->applied =
             (live->prepared->cfg.crc == crc)
-                ? change_to_prepared(live, false)
+                ? apply_prepared(live)
                 : (live_config_verdict_t){NULL, "another block was prepared; write it again"};
         live->applied_crc = crc;
         verdict = live->applied;
@@ -173,7 +178,7 @@ live_config_verdict_t live_config_restore(live_config_t *live)
         live_config_forget(live);
         stored_config_of_image(live->prepared, live->about_of_image, live->cfg_of_image);
         if (!is_same(live->prepared, live->in_force)) {
-            verdict = change_to_prepared(live, true);
+            verdict = change_to_prepared(live, commander_is_at_rest(live->app));
         }
     }
     return verdict;

@@ -54,7 +54,7 @@ void live_config_init(live_config_t *live, app_t *app, hal_t *hal, const about_t
 /* Writes word `at` of the prepared block; beyond its end it is refused, and while a change has not been taken. */
 live_config_verdict_t live_config_write(live_config_t *live, uint32_t at, uint32_t word);
 
-/* The last apply and what was written since then are forgotten, and what protects is locked again. */
+/* The last apply and what was written since then are forgotten. */
 void live_config_forget(live_config_t *live);
 
 /*
@@ -64,7 +64,7 @@ void live_config_forget(live_config_t *live);
  */
 live_config_verdict_t live_config_apply(live_config_t *live, uint32_t crc);
 
-/* The configuration of the image takes the place of the one in force, under the same conditions; it needs no unlocking. */
+/* The configuration of the image takes the place of the one in force, under the same conditions; at rest it needs no unlocking. */
 live_config_verdict_t live_config_restore(live_config_t *live);
 
 /* Whether the board has a store: whether any unit of it can be read. */

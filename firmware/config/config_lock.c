@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "config_lock.h"
 
+#include "config_ceiling.h"
 #include "config_rule.h"
 #include "fx.h"
 
@@ -10,11 +11,25 @@ static bool is_lifted(uint32_t from, uint32_t to)
     return (from != 0U) && ((to == 0U) || (to > from));
 }
 
-/* In slow periods, which are as long as the tuning makes them. */
+/* In slow periods, which are as long as the tuning makes them; a time is rounded up to whole ones. */
 static bool is_longer(const drive_cfg_t *from, uint32_t from_periods, const drive_cfg_t *to,
                       uint32_t to_periods)
 {
-    return ((uint64_t)to_periods * to->slow_ticks) > ((uint64_t)from_periods * from->slow_ticks);
+    const uint64_t rounded = ((uint64_t)from_periods * from->slow_ticks) + to->slow_ticks;
+
+    return ((uint64_t)to_periods * to->slow_ticks) >= rounded;
+}
+
+/* A watch that acts above or below it would end where it is far enough away. */
+static bool is_half(int32_t from, int32_t to)
+{
+    return to < (from / 2);
+}
+
+/* 0: never shorted. */
+static bool is_open_further(step_t from, step_t to)
+{
+    return (from != 0) && ((to == 0) || ((to / 2) > from));
 }
 
 /* What a file chooses. */
@@ -28,7 +43,12 @@ static const char *choice_refused(const drive_cfg_t *from, const drive_cfg_t *to
         {"oscillation.halves_max", to->oscillation.halves_max > from->oscillation.halves_max},
         {"link.timeout_ticks", is_lifted(from->link.timeout_ticks, to->link.timeout_ticks)},
         {"safe_state.open_speed",
-         (from->safe_state.open_speed != 0) && (to->safe_state.open_speed == 0)},
+         is_open_further(from->safe_state.open_speed, to->safe_state.open_speed)},
+        {"oscillation.periods_max",
+         is_half((int32_t)from->oscillation.periods_max, (int32_t)to->oscillation.periods_max)},
+        {"supervision.stall_speed", is_half(before->stall_speed, after->stall_speed)},
+        {"supervision.phase_zero_max", is_half(before->phase_zero_max, after->phase_zero_max)},
+        {"supervision.phase_speed_max", is_half(before->phase_speed_max, after->phase_speed_max)},
         {"protection.bus_min", to->protection.bus_min < from->protection.bus_min},
         {"derating.bus_current_max",
          is_lifted((uint32_t)supply->bus_current_max, (uint32_t)to->derating.bus_current_max)},
@@ -55,7 +75,7 @@ static const char *const LIMITS[CONFIG_LOCK_LIMITS] = {
     "supervision.stall_current",       "supervision.sum_max",
     "supervision.sum_share_q15",       "oscillation.amplitude_max"};
 
-/* Times in ticks: 100 of them to 10^6 periods are no more than a word holds. */
+/* In the order of LIMITS. Times are in ticks: 100 ticks · 10^6 periods = 10^8 fit into a word. */
 void config_lock_keep(config_lock_t *lock, const drive_cfg_t *cfg)
 {
     const supervision_cfg_t *const now = &cfg->supervision;
@@ -87,8 +107,11 @@ static const char *limit_refused(const config_lock_t *lock, const drive_cfg_t *t
 const char *config_lock_refused(const config_lock_t *lock, const drive_cfg_t *from,
                                 const drive_cfg_t *to)
 {
-    const char *path = choice_refused(from, to);
+    const char *path = config_ceiling_crossed(from, to, true);
 
+    if (path == NULL) {
+        path = choice_refused(from, to);
+    }
     if (path == NULL) {
         path = limit_refused(lock, to);
     }

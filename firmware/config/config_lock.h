@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What protects below the ceilings (config_ceiling.h), and is locked: another configuration may not protect less than the one in
- * force, unless somebody has unlocked it at rest (commander.h).
+ * What protects is locked: another configuration may not protect less than the one in force, unless somebody has unlocked it at rest
+ * (commander.h).
  *
- * What a file chooses may not be less at all: the watch for swings, the time-out of the link, the short circuit at a stop, the lowest bus, the
- * limits of the supply, late ticks, and the times for which a symptom may last. What follows from the motor's constants may be up to
- * twice as wide as when it was unlocked last, as the constants are when they are corrected: the limits of the supervision and the
- * amplitude of a swing. Many small changes lead no further than one.
+ * What a file chooses may not be less at all: what has a ceiling (config_ceiling.h), the watch for swings, the time-out of the link, the
+ * lowest bus, the limits of the supply, late ticks, and the times of overspeed, runaway and stall, but for their rounding. What follows
+ * from the motor's constants may be twice as wide, as the constants are when they are corrected: the limits of the supervision, the amplitude
+ * of a swing, the speed up to which gates open. Of most of them twice is meant from what was unlocked last, so that many small changes lead no
+ * further than one.
  *
  * Pure. Context: background.
  */

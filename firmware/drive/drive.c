@@ -473,7 +473,7 @@ void drive_warm(drive_t *drive, int32_t heat_q24)
 
 /*
  * Words of the state mean something else from now on, so the drive begins anew and calibrates. What remains is the clock, a
- * latched fault, and the heat as a share of its limit. The slow period goes on: this tick has read its slow inputs.
+ * latched fault, and the heat of the same current. The slow period goes on: this tick has read its slow inputs.
  * A motor that is too fast for open gates is shorted first; the zeros of its current sensors hold in any scale.
  */
 static void restart(drive_t *drive, const drive_cfg_t *cfg)
@@ -483,11 +483,12 @@ static void restart(drive_t *drive, const drive_cfg_t *cfg)
     const fault_scene_t scene = drive->scene;
     const uint32_t tick = drive->tick;
     const uint32_t left = drive->slow_count;
-    const int32_t heat_q24 = drive->derating.heat_q24;
+    derating_t heat = {.heat_q24 = drive->derating.heat_q24};
     const int32_t offset_a = drive->offset_a;
     const int32_t offset_b = drive->offset_b;
     safe_state_t safe_state;
 
+    derating_change(&heat, &drive->cfg->derating, &cfg->derating);
     if (drive_is_driving(state)) {
         leave(drive, DRIVE_STATE_INIT);
     }
@@ -501,7 +502,7 @@ static void restart(drive_t *drive, const drive_cfg_t *cfg)
     drive->scene = scene;
     drive->tick = tick;
     drive->slow_count = (uint8_t)((left < cfg->slow_ticks) ? left : cfg->slow_ticks);
-    drive->derating.heat_q24 = heat_q24;
+    drive->derating.heat_q24 = heat.heat_q24;
     state_guard_keep_heat(drive);
     if (state == DRIVE_STATE_FAULT) {
         enter(drive, DRIVE_STATE_FAULT);

@@ -262,6 +262,7 @@ RARE static dq_t uncontrolled_current(const drive_t *drive, const drive_in_t *in
     return current;
 }
 
+/* Of a heat that has flipped, and its copy, one is true: the winding counts as the hotter one. */
 static fault_id_t check_heat(drive_t *drive, dq_t current, uint16_t adc_temperature, fault_t *fault)
 {
     fault_id_t id = state_guard_check_heat(drive, fault);
@@ -269,6 +270,10 @@ static fault_id_t check_heat(drive_t *drive, dq_t current, uint16_t adc_temperat
     if (id == FAULT_NONE) {
         id =
             derating_step(&drive->derating, &drive->cfg->derating, current, adc_temperature, fault);
+    } else {
+        const int32_t hotter = fx_max(drive->derating.heat_q24, drive->state_guard.heat_q24);
+
+        drive->derating.heat_q24 = fx_clamp(hotter, 0, DERATING_HEAT_MAX_Q24);
     }
     state_guard_keep_heat(drive);
     return id;

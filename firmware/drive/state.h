@@ -141,8 +141,8 @@ typedef struct {
     rotor_position_t position; /* θ̂ and whole turns, (23) */
     const drive_cfg_t *cfg;
     drive_state_t state;
-    uint8_t
-        slow_count; /* N…1: ticks to the end of the slow period; a byte, so that no flip makes it long */
+    /* N…1: ticks to the end of the slow period; a byte, so that no flip makes it long */
+    uint8_t slow_count;
     protection_limits_t limits; /* in force in this state */
     int32_t offset_a;           /* sensor zero, Q15 of I_b, nominal 16384 */
     int32_t offset_b;

@@ -20,7 +20,7 @@
 
 /*
  * The ordinary tick where the compiler has eight registers for it: it is made of all that it calls, and what few ticks need stays
- * apart. Left to itself, the compiler calls other parts of it as the rest of the firmware grows: 24 instructions of a RUN tick on a
+ * apart. Left to itself, the compiler calls other parts of it as the rest of the firmware grows. That costs a RUN tick 24 instructions on a
  * Cortex-M0+. A Cortex-M4 would lose 12 by it.
  */
 #if defined(__ARM_ARCH_6M__)

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "derating.h"
 
-#define HEAT_BITS (10U) /* of the heat's Q24 below its Q14 */
-#define HEAT_ONE (1024) /* of Q14 in Q24 */
-#define HEAT_MAX_Q24 (0x40000000)
+#define HEAT_BITS (10U)        /* of the heat's Q24 below its Q14 */
+#define HEAT_ONE (1024)        /* of Q14 in Q24 */
 #define HEAT_MAX (0x40000000U) /* as above */
 #define HEAT_MAX_BITS (30U)
 #define STEP_MAX (0x3FFFFFFFU) /* of the heat in a period: the sum is a word */
@@ -52,7 +51,6 @@ static int32_t limit_of(const derating_cfg_t *cfg)
 void derating_change(derating_t *derating, const derating_cfg_t *from, const derating_cfg_t *to)
 {
     const uint32_t heat = fx_unsigned(derating->heat_q24);
-    const bool within = derating->heat_q24 <= limit_of(from);
     const uint32_t gain = (uint32_t)from->heat_gain;
     uint32_t ratio = (((uint32_t)to->heat_gain << RATIO_BITS) + (gain / 2U)) / gain;
     int32_t shift = ((int32_t)to->heat_shift - (int32_t)from->heat_shift) - 1;
@@ -77,9 +75,6 @@ void derating_change(derating_t *derating, const derating_cfg_t *from, const der
         const uint32_t less = top >> down;
 
         derating->heat_q24 = (int32_t)less;
-    }
-    if (within) {
-        derating->heat_q24 = fx_min(derating->heat_q24, limit_of(to));
     }
 }
 
@@ -121,9 +116,9 @@ static int32_t scaled_by(int32_t change, uint32_t up, uint32_t down)
 
 /*
  * Low-pass of the squared current. A square that has no room in the scale of the heat, so of more than four times the
- * continuous current, is compared with the heat in its own scale.
+ * continuous current, is compared with the heat in its own scale. Returns whether this current holds the heat above its limit.
  */
-static void heat_up(derating_t *derating, const derating_cfg_t *cfg, dq_t current)
+static bool heat_up(derating_t *derating, const derating_cfg_t *cfg, dq_t current)
 {
     /*@ split cfg->heat_shift; */
     const uint32_t largest = (uint32_t)INT32_MAX >> cfg->heat_shift;
@@ -141,8 +136,10 @@ static void heat_up(derating_t *derating, const derating_cfg_t *cfg, dq_t curren
     }
     made = fx_mul_32x16((int32_t)kept, cfg->heat_gain);
     change = fx_mul_32x16(made - fx_asr(derating->heat_q24, up), cfg->heat_rate);
-    derating->heat_q24 =
-        fx_clamp(derating->heat_q24 + scaled_by(change, up, cfg->heat_rate_shift), 0, HEAT_MAX_Q24);
+    derating->heat_q24 = fx_clamp(derating->heat_q24 + scaled_by(change, up, cfg->heat_rate_shift),
+                                  0, DERATING_HEAT_MAX_Q24);
+    return (fx_asr(derating->heat_q24, HEAT_BITS) > cfg->heat_max_q14) &&
+           (made > fx_asr(limit_of(cfg), up));
 }
 
 static uint32_t flag(uint32_t name, int32_t share)
@@ -180,13 +177,11 @@ fault_id_t derating_step(derating_t *derating, const derating_cfg_t *cfg, dq_t c
 {
     const int32_t raw = (int32_t)adc_temperature;
     const int32_t by_temperature = share_by_temperature(cfg, raw);
+    const bool overloads = heat_up(derating, cfg, current);
+    const int32_t heat_q14 = fx_asr(derating->heat_q24, HEAT_BITS);
+    const int32_t by_heat = derating_share(&cfg->heat, heat_q14);
     fault_id_t id = FAULT_NONE;
-    int32_t heat_q14;
-    int32_t by_heat;
 
-    heat_up(derating, cfg, current);
-    heat_q14 = fx_asr(derating->heat_q24, HEAT_BITS);
-    by_heat = derating_share(&cfg->heat, heat_q14);
     derating->thermal =
         fx_min(cfg->current_continuous +
                    scaled(fx_max(cfg->current_max - cfg->current_continuous, 0), by_heat),
@@ -198,7 +193,7 @@ fault_id_t derating_step(derating_t *derating, const derating_cfg_t *cfg, dq_t c
     } else {
         derating->too_hot++;
     }
-    if (heat_q14 > cfg->heat_max_q14) {
+    if (overloads) {
         id = FAULT_OVERLOAD;
         *fault = (fault_t){.id = id, .value = heat_q14, .limit = cfg->heat_max_q14};
     } else if (derating->too_hot > cfg->temperature_periods) {

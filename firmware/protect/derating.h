@@ -71,6 +71,8 @@ typedef struct {
 #define DERATING_BUS_LOW (0x08U)
 #define DERATING_BUS_CURRENT (0x10U)
 
+#define DERATING_HEAT_MAX_Q24 (0x40000000) /* 64 */
+
 typedef struct {
     int32_t heat_q24;    /* 2^24 = steady state at the continuous current, 0…2^30 */
     int32_t thermal;     /* current limit by heat and temperature */
@@ -87,7 +89,7 @@ void derating_reset(derating_t *derating, const derating_cfg_t *cfg);
 
 /*
  * Take over another configuration: the heat becomes what the same square of the current is in the scale of `to`, to 2^-14 of
- * it, saturated. A change alone is no overload: a heat within the limit of `from` stays within that of `to`. Control interrupt only.
+ * it, saturated. Control interrupt only.
  */
 void derating_change(derating_t *derating, const derating_cfg_t *from, const derating_cfg_t *to);
 
@@ -96,7 +98,7 @@ int32_t derating_share(const fade_t *fade, int32_t x);
 
 /*
  * One supervision period, gates open or not: the heat that `current` makes (each axis within ± 32767, in any frame) and the
- * temperature. Finds OVERLOAD, OVERTEMPERATURE, and TEMPERATURE_SENSOR where the
+ * temperature. Finds OVERLOAD where the heat is above its limit and this current would hold it there, OVERTEMPERATURE, and TEMPERATURE_SENSOR where the
  * count is one that a whole sensor does not have: the temperature is not known then, so nothing is left of the current
  * (fault.h).
  */

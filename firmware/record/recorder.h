@@ -53,11 +53,11 @@ typedef struct {
 } recorder_segment_t;
 
 typedef struct {
-    recorder_entry_t *volatile at; /* the next entry … */
-    const recorder_entry_t
-        *volatile stop; /* … as long as it is not beyond this one, NULL: turn over; … */
-    uint16_t
-        span; /* … and not more entries before it; no flip of it is as far as `at` can be beyond the stop */
+    recorder_entry_t *volatile at; /* the next entry, as long as it is not beyond the stop */
+    /* the last one at which a tick may begin; NULL: turn over */
+    const recorder_entry_t *volatile stop;
+    /* `at` may be at most so many entries before the stop. No flip of it reaches as far as `at` can be beyond the stop. */
+    uint16_t span;
     const recorder_entry_t *due_stop; /* `stop` as the interrupt has set it */
     uint32_t target;                  /* first word of the last change */
     uint32_t slow;                    /* its second word: mode, request, temperature */
@@ -91,7 +91,8 @@ typedef struct {
 
 /*
  * Initialise: nothing recorded, not frozen. `entries` has room for RECORDER_SEGMENTS · segment_entries and must outlive
- * the recorder; segment_entries is RECORDER_ENTRIES_MIN…RECORDER_ENTRIES_MAX, post_ticks 0…RECORDER_POST_TICKS_MAX. Returns NULL, or the name of the argument that is out of range.
+ * the recorder; segment_entries is RECORDER_ENTRIES_MIN…RECORDER_ENTRIES_MAX, post_ticks 0…RECORDER_POST_TICKS_MAX. Returns
+ * NULL, or the name of the argument that is out of range.
  * Call before the first tick.
  */
 const char *recorder_init(recorder_t *recorder, recorder_entry_t *entries, uint32_t segment_entries,

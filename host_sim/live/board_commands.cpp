@@ -78,7 +78,7 @@ std::string BoardCommands::help()
            "zero                    positions count from here on; in position mode the rotor stays here\n"
            "torque NM               of the motor, in N·m\n"
            "set KEY=VALUE ...       keys of motor, board or tuning file; all act from one tick on\n"
-           "unlock                  at rest: the next configuration may protect less; what protects is locked again with it\n"
+           "unlock                  at rest: the next configuration may protect less; after that it is locked again\n"
            "get [PART]              the settings in force, those with PART in their path\n"
            "dump FILE               the configuration in force as a block: `load`, `nfconfig show`\n"
            "load FILE               the block of a file becomes the one in force\n"

@@ -20,7 +20,7 @@ GATES = {"A": (8, 9, 10, 12), "B": (15,), "C": (13,)}
 
 # Written to make something happen, or by each tick; what they do is tested as behaviour.
 ACTIONS = {"GPIOC_BSRR", "IWDG_KR", "SYSTEM_SYST_CVR", "RCC_CSR", "TIM1_EGR", "TIM1_SR", "TIM1_CCR1", "TIM1_CCR2",
-           "TIM1_CCR3", "TIM16_SR", "CRC_DR", "ADC1_ISR", "ADC2_ISR", "USART2_TDR", "TAMP_BKP0R", "TAMP_BKP1R", "TAMP_BKP2R"}
+           "TIM1_CCR3", "TIM16_SR", "CRC_DR", "ADC1_ISR", "ADC2_ISR", "USART2_TDR", *(f"TAMP_BKP{word}R" for word in range(6))}
 
 
 def placed(reset, width, fields):

@@ -64,6 +64,12 @@ class Warm
 public:
     explicit Warm(const nf::Config &config) : config_(config), sim_(config), winding_(config.motor)
     {
+        for (const unsigned first :
+             {0U, HAL_KEPT_WORDS / 2}) { // of two copies, cold: heat, scale, seal
+            hal_keep(&sim_.hal(), first + 1, 1);
+            hal_keep(&sim_.hal(), first + 2, ~1U);
+        }
+        kept_heat_restore(&sim_.app());
     }
 
     void seconds(double time_s)

@@ -98,6 +98,10 @@ TEST(test_a_motor_that_is_shorted_at_a_stop_stays_so)
     assert_refused("safe_state.open_speed");
     to.safe_state.open_speed = 1;
     assert_free();
+    to.safe_state.open_speed = 200001;
+    assert_free();
+    to.safe_state.open_speed = 200002;
+    assert_refused("safe_state.open_speed");
     from.safe_state.open_speed = 0;
     to.safe_state.open_speed = 1;
     assert_free();
@@ -143,16 +147,78 @@ TEST(test_a_symptom_does_not_last_longer)
 
 TEST(test_a_time_is_the_same_in_slow_periods_of_another_length)
 {
+    from.derating.heat_rate = 10000;
+    from.derating.temperature_periods = 200U;
     from.supervision.late_window = 200U;
     from.supervision.runaway_periods = 200U;
     from.supervision.overspeed_periods = 200U;
     from.supervision.stall_periods = 200U;
     to = from;
     to.slow_ticks = 2U * from.slow_ticks;
+    to.derating.heat_rate *= 2;
+    to.derating.temperature_periods /= 2U;
     to.supervision.late_window /= 2U;
     to.supervision.runaway_periods /= 2U;
     to.supervision.overspeed_periods /= 2U;
     to.supervision.stall_periods /= 2U;
+    assert_free();
+}
+
+/* 1000 ticks are 34 periods of 30. */
+TEST(test_a_time_may_be_rounded_to_whole_periods)
+{
+    from.slow_ticks = 10U;
+    from.derating.heat_rate = 10000;
+    from.supervision.stall_periods = 100U;
+    from.supervision.late_window = 100U;
+    from.supervision.runaway_periods = 100U;
+    from.supervision.overspeed_periods = 100U;
+    from.supervision.swing_periods = 100U;
+    from.supervision.speed_error_periods = 100U;
+    to = from;
+    to.slow_ticks = 30U;
+    to.supervision.stall_periods = 34U;
+    to.supervision.late_window = 34U;
+    to.supervision.runaway_periods = 34U;
+    to.supervision.overspeed_periods = 34U;
+    to.supervision.swing_periods = 34U;
+    to.supervision.speed_error_periods = 34U;
+    to.derating.temperature_periods = 0U;
+    to.derating.heat_rate *= 3;
+    TEST_ASSERT_NULL(refused());
+    to.supervision.stall_periods = 35U;
+    TEST_ASSERT_EQUAL_STRING("supervision.stall_periods", refused());
+}
+
+TEST(test_a_watch_is_not_taken_away_by_where_it_begins)
+{
+    from.oscillation.periods_max = 1000U;
+    from.supervision.stall_speed = 1000;
+    from.supervision.phase_zero_max = 1000;
+    from.supervision.phase_speed_max = 1000;
+    to = from;
+    to.oscillation.periods_max = 500U;
+    to.supervision.stall_speed = 500;
+    to.supervision.phase_zero_max = 500;
+    to.supervision.phase_speed_max = 500;
+    assert_free();
+    to.oscillation.periods_max = 499U;
+    assert_refused("oscillation.periods_max");
+    to.supervision.stall_speed = 499;
+    assert_refused("supervision.stall_speed");
+    to.supervision.phase_zero_max = 499;
+    assert_refused("supervision.phase_zero_max");
+    to.supervision.phase_speed_max = 499;
+    assert_refused("supervision.phase_speed_max");
+}
+
+TEST(test_what_has_a_ceiling_is_not_lifted_above_what_is_in_force_either)
+{
+    to.protection.current_max++;
+    assert_refused("protection.current_max");
+    to.derating.current_max++;
+    assert_refused("derating.current_max");
+    to.derating.current_max--;
     assert_free();
 }
 

@@ -150,12 +150,24 @@ TEST(test_overload_is_a_fault_above_its_heat_and_not_at_it)
 {
     derating.heat_q24 = 19661 << 10;
     cfg.heat_rate = 0;
-    TEST_ASSERT_EQUAL_INT(FAULT_NONE, step_with(0, COLD));
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, step_with(2 * CONTINUOUS, COLD));
     derating.heat_q24 = 19662 << 10;
-    TEST_ASSERT_EQUAL_INT(FAULT_OVERLOAD, step_with(0, COLD));
+    TEST_ASSERT_EQUAL_INT(FAULT_OVERLOAD, step_with(2 * CONTINUOUS, COLD));
     TEST_ASSERT_EQUAL_INT(FAULT_OVERLOAD, fault.id);
     TEST_ASSERT_EQUAL_INT32(19662, fault.value);
     TEST_ASSERT_EQUAL_INT32(19661, fault.limit);
+}
+
+/* As behind another configuration, or a fault that was cleared. The square of 1.09 is below 1.2, that of 1.1 above. */
+TEST(test_a_heat_above_its_limit_is_no_overload_where_what_flows_lets_it_cool)
+{
+    derating.heat_q24 = 30000 << 10;
+    cfg.heat_rate = 0;
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, step_with(0, COLD));
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, step_with((CONTINUOUS * 109) / 100, COLD));
+    TEST_ASSERT_EQUAL_INT32(CONTINUOUS, derating.thermal);
+    TEST_ASSERT_EQUAL_INT(FAULT_OVERLOAD, step_with((CONTINUOUS * 110) / 100, COLD));
+    TEST_ASSERT_EQUAL_INT(FAULT_OVERLOAD, step_with(FX_Q15_MAX, COLD)); /* beyond the scale */
 }
 
 /* Twice the continuous current makes four times its heat: 1.2 after τ·ln(4/2.8). */
@@ -483,29 +495,18 @@ TEST(test_the_heat_of_a_current_is_that_of_the_same_current_in_another_scale)
     }
 }
 
-/* Of 1.5 times the heat for the same current. */
-TEST(test_another_configuration_is_no_overload_by_itself_and_ends_none)
+/* A fifth of the continuous current makes 25 times the heat; the ratio of two gains has 14 bits. */
+TEST(test_a_configuration_that_bears_less_and_back_leave_the_heat)
 {
-    const int32_t limit = cfg.heat_max_q14 * 1024;
+    const int32_t heat = 19000000; /* 1.13 */
     derating_cfg_t other = cfg;
 
-    other.heat_gain = (cfg.heat_gain * 3) / 2;
-    derating.heat_q24 = limit;
+    other.heat_gain = (cfg.heat_gain * 25) / 16;
+    other.heat_shift = cfg.heat_shift + 4U;
+    derating.heat_q24 = heat;
     derating_change(&derating, &cfg, &other);
-    TEST_ASSERT_EQUAL_INT32(limit, derating.heat_q24);
-    derating.heat_q24 = limit + 1024;
-    derating_change(&derating, &cfg, &other);
-    TEST_ASSERT_INT32_WITHIN(limit / 8192, (limit / 2) * 3, derating.heat_q24);
-}
-
-TEST(test_a_configuration_that_bears_less_heat_is_no_overload_by_itself)
-{
-    derating_cfg_t other = cfg;
-
-    other.heat_max_q14 = cfg.heat_max_q14 / 2;
-    derating.heat_q24 = cfg.heat_max_q14 * 1024;
-    derating_change(&derating, &cfg, &other);
-    TEST_ASSERT_EQUAL_INT32(other.heat_max_q14 * 1024, derating.heat_q24);
+    derating_change(&derating, &other, &cfg);
+    TEST_ASSERT_INT32_WITHIN(2 * (heat / 16384), heat, derating.heat_q24);
 }
 
 TEST(test_the_least_heat_is_exact_in_a_scale_that_is_much_finer)

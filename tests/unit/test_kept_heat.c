@@ -8,6 +8,7 @@
 #include <string.h>
 
 #define ONE_Q24 (0x1000000)
+#define COPY_WORDS (3U)
 
 static void set_heat(int32_t heat_q24)
 {
@@ -31,6 +32,7 @@ static int32_t reset_with(const drive_cfg_t *image)
 void setUp(void)
 {
     power_on();
+    kept_heat_restore(&app); /* nothing was kept */
 }
 
 TEST(test_the_heat_is_after_a_reset_what_it_was_before)
@@ -70,10 +72,10 @@ TEST(test_the_heat_is_that_of_the_same_current_where_another_configuration_start
                              reset_with(&image));
 }
 
-/* Each flipped bit of the words, words of zeros and of ones, and words that say what cannot be. */
+/* Words of zeros and of ones, and words that say what cannot be, in both copies. */
 TEST(test_the_winding_counts_as_warm_where_no_valid_words_were_kept)
 {
-    static const uint32_t words[][HAL_KEPT_WORDS] = {
+    static const uint32_t words[][COPY_WORDS] = {
         {0U, 0U, 0U},
         {0xFFFFFFFFU, 0xFFFFFFFFU, 0xFFFFFFFFU},
         {0x40000001U, 0x00010001U, ~0x40010002U}, /* hotter than the word goes */
@@ -84,17 +86,27 @@ TEST(test_the_winding_counts_as_warm_where_no_valid_words_were_kept)
     drive_cfg_t image = cfg;
 
     for (uint32_t k = 0U; k < (sizeof(words) / sizeof(words[0])); k++) {
-        memcpy(hardware.kept, words[k], sizeof(hardware.kept));
+        memcpy(hardware.kept, words[k], sizeof(words[k]));
+        memcpy(&hardware.kept[COPY_WORDS], words[k], sizeof(words[k]));
         TEST_ASSERT_EQUAL_INT32(KEPT_HEAT_UNKNOWN_Q24, reset_with(&image));
     }
+}
+
+/* A reset may come while one copy is written: each bit of it may be wrong, and the other one counts. */
+TEST(test_a_copy_that_is_broken_is_none_and_the_other_one_counts)
+{
+    const drive_cfg_t image = cfg;
+
     set_heat(ONE_Q24 / 8);
     kept_heat_step(&app);
     for (uint32_t bit = 0U; bit < (32U * HAL_KEPT_WORDS); bit++) {
         hardware.kept[bit / 32U] ^= 1U << (bit % 32U);
+        TEST_ASSERT_EQUAL_INT32(ONE_Q24 / 8, reset_with(&image));
+        hardware.kept[COPY_WORDS + 2U - (bit / 32U)] ^= 1U; /* of the other copy */
         TEST_ASSERT_EQUAL_INT32(KEPT_HEAT_UNKNOWN_Q24, reset_with(&image));
+        hardware.kept[COPY_WORDS + 2U - (bit / 32U)] ^= 1U;
         hardware.kept[bit / 32U] ^= 1U << (bit % 32U);
     }
-    TEST_ASSERT_EQUAL_INT32(ONE_Q24 / 8, reset_with(&image));
 }
 
 /* The heat may be in the new scale already, and the scale that is read beside it the old one. */
@@ -120,8 +132,8 @@ TEST(test_nothing_is_kept_while_a_change_waits_to_be_taken)
     TEST_ASSERT_EQUAL_INT32(ONE_Q24 / 4, reset_with(&other));
 }
 
-/* A start that fails before the drive has a configuration. */
-TEST(test_a_background_without_a_drive_leaves_the_words_as_they_are)
+/* A start that fails: before the drive has a configuration, and with one that is refused. */
+TEST(test_a_start_that_fails_leaves_the_words_as_they_are)
 {
     hal_t before;
 
@@ -129,6 +141,10 @@ TEST(test_a_background_without_a_drive_leaves_the_words_as_they_are)
     kept_heat_step(&app);
     before = hardware;
     memset(&app, 0, sizeof(app));
+    kept_heat_step(&app);
+    TEST_ASSERT_EQUAL_MEMORY(&before, &hardware, sizeof(before));
+    cfg.crc ^= 1U;
+    TEST_ASSERT_NOT_NULL(app_init(&app, &hardware, &cfg));
     kept_heat_step(&app);
     TEST_ASSERT_EQUAL_MEMORY(&before, &hardware, sizeof(before));
 }

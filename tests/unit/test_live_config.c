@@ -258,6 +258,7 @@ TEST(test_with_an_example_motor_in_the_image_another_motor_may_have_more_current
     of_image.is_example = 1U;
     wanted.cfg.derating.current_max++;
     seal();
+    TEST_ASSERT_NULL(commander_unlock(&app));
     bring_into_force();
     wanted.cfg.protection.current_max++;
     seal();
@@ -293,7 +294,7 @@ TEST(test_a_drive_that_does_not_rest_stays_locked)
     bring_into_force();
 }
 
-TEST(test_a_run_and_another_session_lock_what_was_unlocked)
+TEST(test_a_run_locks_what_was_unlocked)
 {
     TEST_ASSERT_NULL(commander_unlock(&app));
     run();
@@ -301,9 +302,29 @@ TEST(test_a_run_and_another_session_lock_what_was_unlocked)
     stop();
     want_less();
     assert_verdict("supervision.late_max", LOCKED, apply_wanted());
+}
+
+TEST(test_what_was_unlocked_for_a_block_that_is_refused_is_locked_again)
+{
     TEST_ASSERT_NULL(commander_unlock(&app));
-    live_config_forget(&live);
+    wanted.cfg.protection.bus_max++;
+    seal();
+    assert_verdict("protection.bus_max", CEILING, apply_wanted());
+    wanted.cfg.protection.bus_max--;
+    want_less();
     assert_verdict("supervision.late_max", LOCKED, apply_wanted());
+}
+
+/* A motor that runs is not left with less, whoever has chosen it. */
+TEST(test_the_configuration_of_the_image_is_locked_too_while_the_drive_runs)
+{
+    wanted.cfg.supervision.late_max--;
+    seal();
+    bring_into_force();
+    run();
+    assert_verdict("supervision.late_max", LOCKED, live_config_restore(&live));
+    stop();
+    assert_verdict(NULL, NULL, live_config_restore(&live));
 }
 
 /* Twice as wide as at the start, and no step further; what was unlocked is where the next steps begin. */
@@ -370,6 +391,7 @@ TEST(test_no_random_configuration_is_in_force_above_the_ceilings)
 
     for (unsigned k = 0U; k < changes; k++) {
         want_any(&random);
+        (void)commander_unlock(&app);
         taken += (apply_wanted().why == NULL) ? 1U : 0U;
         take();
         assert_below_ceilings();
