@@ -67,15 +67,7 @@ static const char *choice_refused(const drive_cfg_t *from, const drive_cfg_t *to
     return config_rule_broken(rules, CONFIG_RULES(rules));
 }
 
-static const char *const LIMITS[CONFIG_LOCK_LIMITS] = {
-    "supervision.phase_range_min",     "supervision.swing_periods",
-    "supervision.voltage_max",         "supervision.follow_error_max",
-    "supervision.residual_max",        "supervision.speed_error_max",
-    "supervision.speed_error_periods", "supervision.overspeed",
-    "supervision.stall_current",       "supervision.sum_max",
-    "supervision.sum_share_q15",       "oscillation.amplitude_max"};
-
-/* In the order of LIMITS. Times are in ticks: 100 ticks · 10^6 periods = 10^8 fit into a word. */
+/* In the order of the paths below. Times are in ticks: 100 ticks · 10^6 periods = 10^8 fit into a word. */
 void config_lock_keep(config_lock_t *lock, const drive_cfg_t *cfg)
 {
     const supervision_cfg_t *const now = &cfg->supervision;
@@ -92,13 +84,20 @@ void config_lock_keep(config_lock_t *lock, const drive_cfg_t *cfg)
 /* What follows from the motor's constants. */
 static const char *limit_refused(const config_lock_t *lock, const drive_cfg_t *to)
 {
+    static const char *const paths[CONFIG_LOCK_LIMITS] = {
+        "supervision.phase_range_min",     "supervision.swing_periods",
+        "supervision.voltage_max",         "supervision.follow_error_max",
+        "supervision.residual_max",        "supervision.speed_error_max",
+        "supervision.speed_error_periods", "supervision.overspeed",
+        "supervision.stall_current",       "supervision.sum_max",
+        "supervision.sum_share_q15",       "oscillation.amplitude_max"};
     const char *path = NULL;
     config_lock_t found;
 
     config_lock_keep(&found, to);
     for (uint32_t k = 0U; (k < CONFIG_LOCK_LIMITS) && (path == NULL); k++) {
         if ((found.limits[k] / 2U) > lock->limits[k]) {
-            path = LIMITS[k];
+            path = paths[k];
         }
     }
     return path;
