@@ -60,9 +60,13 @@ std::string range_problem(const drive_t &s)
 // Else drive_step makes a fault of it at once: it is a state that no run has left.
 std::string code_problem(const drive_t &s)
 {
-    return transitions_is_state(s.state)
-               ? ""
-               : fmt::format("state is {}, which is none", number_of(s.state));
+    const int64_t code = number_of(s.state);
+    for (uint32_t number = 0; number < DRIVE_STATES; number++) {
+        if (number_of(transitions_state(number)) == code) {
+            return "";
+        }
+    }
+    return fmt::format("state is {}, which is none", code);
 }
 
 // A state of a way that this configuration does not go.
