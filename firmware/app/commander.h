@@ -72,17 +72,19 @@ void commander_begin_anew(app_t *app);
 bool commander_is_at_rest(const app_t *app);
 
 /*
- * The next configuration that is taken over may protect less than the one in force (config_lock.h). It ends with that one, as soon as the
- * drive does not rest, and when a PC gives the line back. Returns NULL, or why it is refused: the drive does not rest.
+ * The next configuration of a PC may protect less than the one in force (config_lock.h). The unlocking ends with that configuration,
+ * taken or refused; as soon as the drive does not rest; and when a PC gives the line back. Returns NULL, or why it is refused: the
+ * drive does not rest.
  */
 const char *commander_unlock(app_t *app);
 
-/* Ends it. */
+/* Ends the unlocking. */
 void commander_lock(app_t *app);
 
 /*
  * Locks again where the drive does not rest. Takes a clear back once the fault is left: kept, it would clear the next fault unseen.
- * Takes a run back once there is a fault: kept, whatever left FAULT would start the motor. Takes a zero back once the drive has it. Call once per pass of the background.
+ * Takes a run back once there is a fault: kept, whatever left FAULT would start the motor. Takes a zero back once the drive has
+ * it. Call once per pass of the background.
  */
 void commander_step(app_t *app);
 

@@ -3,7 +3,6 @@
 
 #include <stdbool.h>
 
-#define HEAT_MAX_Q24 (0x40000000U)
 #define GAIN_BITS (16U)
 #define GAIN_MASK (0xFFFFU)
 #define GAIN_MAX (0x7FFFU)
@@ -47,8 +46,8 @@ static bool copy_holds(const app_t *app, uint32_t first, int32_t *heat_q24)
     const uint32_t scale = hal_kept(app->hal, first + SCALE);
     const uint32_t gain = scale & GAIN_MASK;
     const bool whole = hal_kept(app->hal, first + SEAL) == seal_of(heat, scale);
-    const bool in_range = (heat <= HEAT_MAX_Q24) && (gain > 0U) && (gain <= GAIN_MAX) &&
-                          ((scale >> GAIN_BITS) <= SHIFT_MAX);
+    const bool in_range = (heat <= (uint32_t)DERATING_HEAT_MAX_Q24) && (gain > 0U) &&
+                          (gain <= GAIN_MAX) && ((scale >> GAIN_BITS) <= SHIFT_MAX);
     const bool holds = whole && in_range;
 
     if (holds) {

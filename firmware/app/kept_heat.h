@@ -12,15 +12,18 @@
 #include "app.h"
 
 /*
- * 0.9 of the steady heat of the continuous current. Derating holds a winding at 1, so the winding is hardly hotter, but behind an
- * OVERLOAD. Up to here derating leaves the largest current (per_unit.cpp): a drive starts as ever, and has little reserve.
+ * 0.9 of the steady heat of the continuous current. Derating holds a winding at 1, so the winding is hardly hotter; only after an
+ * OVERLOAD it may be. Up to 0.9 derating leaves the largest current (per_unit.cpp): a drive starts as ever, and has little reserve.
  */
 #define KEPT_HEAT_UNKNOWN_Q24 (0xE66666)
 
-/* Warm the drive by what was kept. Context: after app_init() has accepted the configuration, before the control interrupt is enabled. */
+/*
+ * Warm the drive by what was kept. Context: after app_init() has accepted the configuration, before the control interrupt is
+ * enabled.
+ */
 void kept_heat_restore(app_t *app);
 
-/* Keep the heat, once the drive has taken over what was kept: before it leaves the words as they are. Context: background, once per pass. */
+/* Keep the heat. Before kept_heat_restore() it leaves the words as they are. Context: background, once per pass. */
 void kept_heat_step(app_t *app);
 
 #endif

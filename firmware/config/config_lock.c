@@ -5,7 +5,7 @@
 #include "config_rule.h"
 #include "fx.h"
 
-/* A limit of 0 is none. */
+/* 0 is no limit. */
 static bool is_lifted(uint32_t from, uint32_t to)
 {
     return (from != 0U) && ((to == 0U) || (to > from));
@@ -20,13 +20,13 @@ static bool is_longer(const drive_cfg_t *from, uint32_t from_periods, const driv
     return ((uint64_t)to_periods * to->slow_ticks) >= rounded;
 }
 
-/* A watch that acts above or below it would end where it is far enough away. */
+/* Where a watch begins. Moved far enough away it would never begin. */
 static bool is_half(int32_t from, int32_t to)
 {
     return to < (from / 2);
 }
 
-/* 0: never shorted. */
+/* Above this speed the motor is shorted at a stop; 0: never. */
 static bool is_open_further(step_t from, step_t to)
 {
     return (from != 0) && ((to == 0) || ((to / 2) > from));

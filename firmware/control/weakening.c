@@ -256,7 +256,6 @@ static void correct_voltage(weakening_t *weakening, const weakening_limits_t *li
 
     if ((change > 0) || !at_end || (weakening->voltage > 0)) {
         const int32_t end = fx_asr(weakening->valley, 2U);
-
         const int32_t wanted = fx_clamp(weakening->voltage + change, -end, end);
 
         set_voltage(weakening, fx_towards(weakening->voltage, wanted, VOLTAGE_STEP));

@@ -38,7 +38,10 @@
  */
 const char *drive_init(drive_t *drive, const drive_cfg_t *cfg);
 
-/* The winding is as warm as this: Q24, 1 is the steady heat of the continuous current, 0…2^30. Between drive_init() and the first tick. */
+/*
+ * The winding is as warm as this: Q24, 1 is the steady heat of the continuous current, 0…DERATING_HEAT_MAX_Q24. Call between
+ * drive_init() and the first tick.
+ */
 void drive_warm(drive_t *drive, int32_t heat_q24);
 
 /*

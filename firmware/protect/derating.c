@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "derating.h"
 
-#define HEAT_BITS (10U)        /* of the heat's Q24 below its Q14 */
-#define HEAT_ONE (1024)        /* of Q14 in Q24 */
-#define HEAT_MAX (0x40000000U) /* as above */
+#define HEAT_BITS (10U) /* of the heat's Q24 below its Q14 */
+#define HEAT_ONE (1024) /* 2^HEAT_BITS */
+#define HEAT_MAX ((uint32_t)DERATING_HEAT_MAX_Q24)
 #define HEAT_MAX_BITS (30U)
 #define STEP_MAX (0x3FFFFFFFU) /* of the heat in a period: the sum is a word */
 #define RATIO_BITS (16U)

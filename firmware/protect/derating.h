@@ -71,7 +71,7 @@ typedef struct {
 #define DERATING_BUS_LOW (0x08U)
 #define DERATING_BUS_CURRENT (0x10U)
 
-#define DERATING_HEAT_MAX_Q24 (0x40000000) /* 64 */
+#define DERATING_HEAT_MAX_Q24 (0x40000000) /* as hot as a winding can be: 64 */
 
 typedef struct {
     int32_t heat_q24;    /* 2^24 = steady state at the continuous current, 0…2^30 */

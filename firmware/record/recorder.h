@@ -78,7 +78,8 @@ typedef struct {
     const drive_cfg_t *before; /* the configuration before the last change, NULL: none */
     recorder_entry_t *entries;
     uint32_t segment_entries;
-    const recorder_entry_t *due_entries; /* both once more: where they differ nothing is written */
+    const recorder_entry_t *
+        due_entries; /* entries and segment_entries once more: where they differ nothing is written */
     uint32_t due_segment_entries;
     uint32_t post_ticks;
     recorder_segment_t segments[RECORDER_SEGMENTS];

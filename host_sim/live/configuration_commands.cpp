@@ -256,14 +256,13 @@ Answer ConfigurationCommands::load(const std::string &path)
         return refused("load takes the file of a block, of `dump` or `nfconfig block`");
     }
     const config_block_t in_force = follower_.block_in_force();
-    const drive_cfg_t before = in_force.cfg;
     const config_block_t block = parse_block(path, read_bytes(path));
     Answer answer =
         is_of_another_motor(block, in_force) ? apply_of_another_motor(block) : apply(block);
     if (answer.outcome == Outcome::done) {
         files_.set.clear();
         const std::string changed =
-            differences(before, block.cfg, follower_.bases(), DIFFERENCES_SHOWN);
+            differences(in_force.cfg, block.cfg, follower_.bases(), DIFFERENCES_SHOWN);
         answer.text = changed.empty() ? "ok, it was in force" : "ok: " + changed;
     }
     return answer;

@@ -110,8 +110,10 @@ void plant_sensors_follow(plant_sensors_t *sensors, double duration_s, const dou
 /* Time goes by: the offsets drift. */
 void plant_sensors_drift(plant_sensors_t *sensors, double duration_s);
 
-/* One conversion of the currents [A] of a and b, of c where it is measured, of the bus [V] and the
- * temperature. With a low pass the currents are those behind it, not the arguments. With noise it draws three deviates, and one of another source for c. */
+/*
+ * One conversion of the currents [A] of a and b, of c where it is measured, of the bus [V] and the temperature. With a low pass
+ * the currents are those behind it, not the arguments. With noise it draws three deviates, and one of another source for c.
+ */
 void plant_sensors_convert(plant_sensors_t *sensors, double i_a, double i_b, double bus_v,
                            plant_adc_t *adc);
 

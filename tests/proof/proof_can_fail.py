@@ -40,7 +40,7 @@ FAULTS = {
     "a shift too far": (
         *RESET, "    *guard = (config_guard_t){.at = 0U, .crc = CRC32_START << (32U + guard->at)};\n", "shift"),
     "an entry that asks for no range": (
-        "proof_init", proof.DRIVE, "WARMEST_Q24));\n    check_state();\n", "WARMEST_Q24));\n",
+        "proof_init", proof.DRIVE, "DERATING_HEAT_MAX_Q24));\n    check_state();\n", "DERATING_HEAT_MAX_Q24));\n",
         f"proof_init: {proof.CHECK}: "),
     "a tick that does not end": (
         "proof_recorder", "firmware/record/recorder.c", "    recorder_entry_t *at = recorder->at;\n\n    if (",

@@ -162,14 +162,12 @@ static void step_without_startup(void)
     }
 }
 
-#define WARMEST_Q24 (0x40000000)
-
 /* Any configuration of the ranges, whatever parts are in use: where all of the inductions below begin. */
 void proof_init(void)
 {
     choose_configuration();
     drive_init(&drive, &cfg);
-    drive_warm(&drive, Frama_C_interval(0, WARMEST_Q24));
+    drive_warm(&drive, Frama_C_interval(0, DERATING_HEAT_MAX_Q24));
     check_state();
     check_regulated();
     within(drive.state, DRIVE_STATE_INIT, DRIVE_STATE_INIT);

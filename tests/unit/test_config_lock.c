@@ -50,6 +50,24 @@ static void assert_free(void)
     to = from;
 }
 
+typedef struct {
+    const char *path;
+    void *setting; /* a word of `to` */
+} bound_t;
+
+/* Up to `most` a setting is free, and one more is refused. A setting of `least` is free. */
+static void assert_bound(const bound_t *bound, uint32_t most, uint32_t least)
+{
+    uint32_t *const setting = bound->setting;
+
+    *setting = most;
+    assert_free();
+    *setting = most + 1U;
+    assert_refused(bound->path);
+    *setting = least;
+    assert_free();
+}
+
 TEST(test_the_same_configuration_is_free)
 {
     assert_free();
@@ -130,18 +148,13 @@ TEST(test_late_ticks_do_not_become_more_nor_their_window_shorter)
 
 TEST(test_a_symptom_does_not_last_longer)
 {
-    static const struct {
-        const char *path;
-        uint32_t *periods;
-    } times[] = {{"supervision.runaway_periods", &to.supervision.runaway_periods},
-                 {"supervision.overspeed_periods", &to.supervision.overspeed_periods},
-                 {"supervision.stall_periods", &to.supervision.stall_periods}};
+    static const bound_t times[] = {
+        {"supervision.runaway_periods", &to.supervision.runaway_periods},
+        {"supervision.overspeed_periods", &to.supervision.overspeed_periods},
+        {"supervision.stall_periods", &to.supervision.stall_periods}};
 
     for (uint32_t k = 0U; k < (sizeof(times) / sizeof(times[0])); k++) {
-        *times[k].periods += 1U;
-        assert_refused(times[k].path);
-        *times[k].periods = 0U;
-        assert_free();
+        assert_bound(&times[k], *(const uint32_t *)times[k].setting, 0U);
     }
 }
 
@@ -224,42 +237,35 @@ TEST(test_what_has_a_ceiling_is_not_lifted_above_what_is_in_force_either)
 
 TEST(test_a_limit_that_follows_from_the_motor_may_be_twice_as_wide_and_not_wider)
 {
-    static const struct {
-        const char *path;
-        int32_t *limit;
-    } limits[] = {{"supervision.phase_range_min", &to.supervision.phase_range_min},
-                  {"supervision.voltage_max", &to.supervision.voltage_max},
-                  {"supervision.follow_error_max", &to.supervision.follow_error_max},
-                  {"supervision.residual_max", &to.supervision.residual_max},
-                  {"supervision.speed_error_max", &to.supervision.speed_error_max},
-                  {"supervision.overspeed", &to.supervision.overspeed},
-                  {"supervision.stall_current", &to.supervision.stall_current},
-                  {"supervision.sum_max", &to.supervision.sum_max},
-                  {"supervision.sum_share_q15", &to.supervision.sum_share_q15},
-                  {"oscillation.amplitude_max", &to.oscillation.amplitude_max}};
+    static const bound_t limits[] = {
+        {"supervision.phase_range_min", &to.supervision.phase_range_min},
+        {"supervision.voltage_max", &to.supervision.voltage_max},
+        {"supervision.follow_error_max", &to.supervision.follow_error_max},
+        {"supervision.residual_max", &to.supervision.residual_max},
+        {"supervision.speed_error_max", &to.supervision.speed_error_max},
+        {"supervision.overspeed", &to.supervision.overspeed},
+        {"supervision.stall_current", &to.supervision.stall_current},
+        {"supervision.sum_max", &to.supervision.sum_max},
+        {"supervision.sum_share_q15", &to.supervision.sum_share_q15},
+        {"oscillation.amplitude_max", &to.oscillation.amplitude_max}};
 
     for (uint32_t k = 0U; k < (sizeof(limits) / sizeof(limits[0])); k++) {
-        *limits[k].limit = 2001;
-        assert_free();
-        *limits[k].limit = 2002;
-        assert_refused(limits[k].path);
-        *limits[k].limit = 1;
-        assert_free();
+        assert_bound(&limits[k], 2001U, 1U); /* half of it is rounded down */
     }
 }
 
 TEST(test_a_time_that_follows_from_the_motor_may_be_twice_as_long_and_not_longer)
 {
+    static const bound_t times[] = {
+        {"supervision.swing_periods", &to.supervision.swing_periods},
+        {"supervision.speed_error_periods", &to.supervision.speed_error_periods}};
+
     from.supervision.swing_periods = 100U;
     from.supervision.speed_error_periods = 100U;
     to = from;
-    to.supervision.swing_periods = 200U;
-    to.supervision.speed_error_periods = 200U;
-    assert_free();
-    to.supervision.swing_periods = 201U;
-    assert_refused("supervision.swing_periods");
-    to.supervision.speed_error_periods = 201U;
-    assert_refused("supervision.speed_error_periods");
+    for (uint32_t k = 0U; k < (sizeof(times) / sizeof(times[0])); k++) {
+        assert_bound(&times[k], 200U, 0U);
+    }
 }
 
 TEST(test_many_small_changes_lead_no_further_than_one)
