@@ -90,6 +90,17 @@ TEST(test_every_flipped_bit_is_found_within_two_rounds)
 }
 
 /* Two flips of the highest bit in words two apart cancel in both of Fletcher's sums of 32 bits. */
+TEST(test_a_place_beyond_the_configuration_is_found_and_the_round_begins_again)
+{
+    guard.at = CONFIG_GUARD_STEPS * 4U;
+    TEST_ASSERT_EQUAL_INT(FAULT_MEMORY, config_guard_step(&guard, &cfg, &fault));
+    TEST_ASSERT_EQUAL_INT(FAULT_MEMORY, fault.id);
+    TEST_ASSERT_EQUAL_INT32(CONFIG_GUARD_STEPS * 4U, fault.value);
+    for (uint32_t k = 0U; k < (2U * CONFIG_GUARD_STEPS); k++) {
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, config_guard_step(&guard, &cfg, &fault));
+    }
+}
+
 TEST(test_two_flipped_highest_bits_are_found)
 {
     cfg.observer.decay ^= INT32_MIN;

@@ -96,8 +96,8 @@ void setUp(void)
 
 TEST(test_what_comes_late_commands_nothing_unless_it_is_a_stop)
 {
-    static const char *const refused[] = {"run\n",        "clear\n",    "speed 100\n",
-                                          "torque 0.1\n", "identify\n", "zero\n"};
+    static const char *const refused[] = {"run\n",      "clear\n", "speed 100\n", "torque 0.1\n",
+                                          "identify\n", "zero\n",  "unlock\n"};
 
     tick(EXAMPLE_CALIBRATION_TICKS);
     counts = false;
@@ -236,6 +236,17 @@ TEST(test_a_line_ends_with_either_end_or_both_and_nothing_is_none)
     assert_says("", "\r\n");
     assert_says("", "st");
     assert_says("ok\r\n", "op\n");
+}
+
+TEST(test_what_protects_is_unlocked_at_rest_only)
+{
+    ready();
+    assert_says("ok\r\n", "unlock\n");
+    TEST_ASSERT_TRUE(app.unlocked);
+    assert_says("ok\r\n", "run\n");
+    TEST_ASSERT_FALSE(app.unlocked);
+    assert_contains("error: ", said_to("unlock\n"));
+    TEST_ASSERT_FALSE(app.unlocked);
 }
 
 TEST(test_other_lines_name_the_commands)

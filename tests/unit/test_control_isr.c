@@ -243,6 +243,21 @@ TEST(test_fault_in_a_frame_reaches_the_gates_in_the_same_interrupt)
     TEST_ASSERT_FALSE(hal.applied.gate_enable);
 }
 
+/* The background tells of a fault by a request and a flag. A bit that flips by itself is only one of them. */
+TEST(test_a_failure_without_its_request_is_not_told)
+{
+    post(7, DRIVE_MODE_SPEED, 0U);
+    app.failure =
+        (drive_command_t){.mode = (uint8_t)FAULT_CURRENT_SUM, .request = DRIVE_REQUEST_RUN};
+    app.fails = true;
+    interrupts(300U);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, app.drive.state);
+    TEST_ASSERT_EQUAL_INT32(7, app.in.command.target);
+    app.failure.request = DRIVE_REQUEST_FAIL;
+    interrupts(cfg.slow_ticks);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, app.drive.state);
+}
+
 TEST(test_interrupt_records_each_tick_after_it_was_applied)
 {
     static recorder_t recorder;

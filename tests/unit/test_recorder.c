@@ -796,7 +796,91 @@ TEST(test_init_names_what_is_out_of_range)
         recorder_init(&recorder, run.entries, RUN_SEGMENT_ENTRIES, RECORDER_POST_TICKS_MAX));
     TEST_ASSERT_EQUAL_STRING("segment_entries",
                              recorder_init(&recorder, run.entries, RECORDER_ENTRIES_MIN - 1U, 0U));
+    TEST_ASSERT_EQUAL_STRING("segment_entries",
+                             recorder_init(&recorder, run.entries, RECORDER_ENTRIES_MAX + 1U, 0U));
     TEST_ASSERT_EQUAL_STRING(
         "post_ticks",
         recorder_init(&recorder, run.entries, RUN_SEGMENT_ENTRIES, RECORDER_POST_TICKS_MAX + 1U));
+}
+
+/* ---- a word that has flipped by itself ---- */
+
+TEST(test_of_a_ring_that_is_elsewhere_there_is_no_history_and_no_segment)
+{
+    static recorder_entry_t elsewhere[RECORDER_SEGMENTS * RUN_SEGMENT_ENTRIES];
+    recorder_view_t view;
+    uint32_t newest;
+
+    (void)record_fault();
+    newest = recorder_newest(&run.recorder);
+    TEST_ASSERT_TRUE(recorder_find(&run.recorder, newest, &view));
+    run.recorder.entries = elsewhere;
+    TEST_ASSERT_EQUAL_UINT32(0U, recorder_history(&run.recorder).entries);
+    TEST_ASSERT_FALSE(recorder_find(&run.recorder, newest, &view));
+    run.recorder.entries = run.entries;
+    run.recorder.segment_entries--;
+    TEST_ASSERT_EQUAL_UINT32(0U, recorder_history(&run.recorder).entries);
+    TEST_ASSERT_FALSE(recorder_find(&run.recorder, newest, &view));
+    run.recorder.segment_entries++;
+    TEST_ASSERT_TRUE(replay() > 0U);
+}
+
+TEST(test_a_ring_that_is_elsewhere_is_not_written_to)
+{
+    static const recorder_entry_t empty[RUN_SEGMENT_ENTRIES];
+    static recorder_entry_t elsewhere[RECORDER_SEGMENTS * RUN_SEGMENT_ENTRIES];
+
+    recorded_run_ticks(&run, LONG_RUN);
+    run.recorder.entries = elsewhere;
+    recorded_run_ticks(&run, 2U * RUN_SEGMENT_ENTRIES);
+    for (uint32_t k = 0U; k < RECORDER_SEGMENTS; k++) {
+        TEST_ASSERT_EQUAL_MEMORY(empty, &elsewhere[k * RUN_SEGMENT_ENTRIES], sizeof(empty));
+    }
+}
+
+TEST(test_a_stop_that_has_moved_is_set_again_within_a_slow_period)
+{
+    recorded_run_ticks(&run, LONG_RUN);
+    enter_next_segment();
+    run.recorder.stop = &run.recorder.stop[-1];
+    recorded_run_ticks(&run, run.cfg.slow_ticks);
+    TEST_ASSERT_EQUAL_PTR(run.recorder.due_stop, run.recorder.stop);
+    TEST_ASSERT_TRUE(fail_and_freeze() > 0U);
+}
+
+TEST(test_where_stop_and_ring_have_moved_the_tick_that_sees_it_is_not_written)
+{
+    const recorder_entry_t *before;
+
+    recorded_run_ticks(&run, LONG_RUN);
+    enter_next_segment();
+    before = run.recorder.at;
+    run.recorder.stop = &run.recorder.stop[-1];
+    run.recorder.segment_entries--;
+    for (uint32_t k = 0U; k < run.cfg.slow_ticks; k++) {
+        recorded_run_noise(&run);
+        recorded_run_interrupt(&run);
+    }
+    TEST_ASSERT_EQUAL_PTR(&before[run.cfg.slow_ticks - 1U], run.recorder.at);
+}
+
+/* An old frame stays between the new ones. */
+TEST(test_a_place_to_write_that_has_moved_leaves_no_history)
+{
+    recorded_run_ticks(&run, LONG_RUN);
+    enter_next_segment();
+    run.recorder.at = &run.recorder.at[1];
+    recorded_run_fail(&run);
+    recorded_run_ticks(&run, RUN_POST_TICKS + 1U);
+    TEST_ASSERT_TRUE(run.recorder.frozen);
+    TEST_ASSERT_EQUAL_UINT32(0U, recorder_history(&run.recorder).entries);
+}
+
+/* What the last segment keeps free for a stop that has flipped is half of it at most. */
+TEST(test_history_is_the_run_with_a_slow_period_longer_than_half_a_segment)
+{
+    run.cfg.slow_ticks = 100U;
+    run.cfg.crc = config_guard_crc(&run.cfg);
+    TEST_ASSERT_NULL(drive_init(&run.drive, &run.cfg));
+    (void)record_fault();
 }

@@ -8,8 +8,6 @@
  * Left out: the pointer to the configuration, which on a PC leads nowhere, and the padding.
  */
 #include "driven_motor.h"
-#include "state_guard.h"
-#include "transitions.h"
 
 #include <stddef.h>
 #include <stdio.h>
@@ -372,54 +370,4 @@ TEST(test_in_fault_no_flip_lets_a_current_flow)
     (void)flip_all();
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
     assert_gates_open();
-}
-
-/* The schedule goes on by itself after a count that is too long: a byte of ticks, and no more. */
-TEST(test_no_flip_of_its_count_stops_the_slow_schedule)
-{
-    moment_t moment;
-
-    power_on();
-    moment = now_moment();
-    for (uint32_t bit = 0U; bit < 8U; bit++) {
-        uint32_t waited = 0U;
-
-        go_back_to(&moment);
-        drive.slow_count = (uint8_t)(drive.slow_count ^ (1U << bit));
-        do {
-            tick();
-            waited++;
-        } while ((drive.slow_count != cfg.slow_ticks) && (waited < TICKS_100_MS));
-        TEST_ASSERT_TRUE(waited <= 256U);
-        ticks(1U);
-        TEST_ASSERT_EQUAL_UINT8(cfg.slow_ticks - 1U, drive.slow_count);
-    }
-}
-
-TEST(test_a_code_that_is_no_state_is_a_fault_in_its_tick_whatever_is_asked_for)
-{
-    for (uint32_t number = 0U; number < DRIVE_STATES; number++) {
-        for (uint32_t bit = 0U; bit < 32U; bit++) {
-            power_on();
-            drive.state = (drive_state_t)((uint32_t)transitions_state(number) ^ (1UL << bit));
-            in.command.request = DRIVE_REQUEST_RUN;
-            tick();
-            TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
-            TEST_ASSERT_EQUAL_INT(FAULT_MEMORY, drive.fault.id);
-            assert_gates_open();
-        }
-    }
-}
-
-/* Also one that leaves no room for the slot that looks at it. */
-TEST(test_each_flip_of_the_slow_period_itself_is_found)
-{
-    for (uint32_t bit = 0U; bit < 32U; bit++) {
-        cfg = example_drive_cfg_with_startup();
-        power_on();
-        cfg.slow_ticks ^= 1UL << bit;
-        ticks(TICKS_300_MS);
-        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
-        TEST_ASSERT_EQUAL_INT(FAULT_CONFIGURATION, drive.fault.id);
-    }
 }
