@@ -97,3 +97,18 @@ bool hal_store_program(hal_t *hal, uint32_t slot, uint32_t unit,
     (void)bytes;
     return false;
 }
+
+/* Nothing outlives a reset: each start begins with a winding that may be warm. */
+void hal_keep(hal_t *hal, uint32_t index, uint32_t word)
+{
+    (void)hal;
+    (void)index;
+    (void)word;
+}
+
+uint32_t hal_kept(const hal_t *hal, uint32_t index)
+{
+    (void)hal;
+    (void)index;
+    return 0U;
+}

@@ -412,9 +412,8 @@ static bool attend(drive_t *drive, const drive_in_t *in)
     }
     if (in->command.request == DRIVE_REQUEST_FAIL) {
         fail_as_told(drive, &in->command);
-    } else {
-        obey(drive, in);
     }
+    obey(drive, in); /* with a fault that is none the request to run is gone all the same */
     if (((in->command.request & DRIVE_REQUEST_ZERO) != 0U) && drive_knows_rotor(drive)) {
         run_set_zero(drive);
     }

@@ -6,6 +6,7 @@
  * message of a frame whose CRC is right, so that the questions are reached.
  */
 #include "cobs.h"
+#include "commander.h"
 #include "crc32.h"
 #include "drive_config.h"
 #include "fuzzed.h"
@@ -19,6 +20,9 @@
 #define TICKS_MAX (4096U) /* of an input; a calibration takes some 1000 */
 #define TICKS_OF_A_BYTE (16U)
 #define LINE_MAX (512U)
+#define REQUESTS (DRIVE_REQUEST_RUN | DRIVE_REQUEST_CLEAR | DRIVE_REQUEST_ZERO)
+#define COMMAND_TICKET_AT (8U) /* behind type, tag, request, mode and target */
+#define LINE_TICKET_AT (2U)
 
 /* The board's converters have 12 bits. */
 #define COUNT_MAX (4095U)
@@ -236,18 +240,33 @@ static void put(uint8_t byte)
     line.in_length++;
 }
 
+/* A ticket of 0 becomes the one that counts: this PC has heard the last answer. */
+static void give_ticket(uint8_t *message, uint32_t length)
+{
+    const bool is_line = message[0] == (uint8_t)LINK_LINE;
+    const uint32_t at = is_line ? LINE_TICKET_AT : COMMAND_TICKET_AT;
+
+    if ((is_line || (message[0] == (uint8_t)LINK_COMMAND)) && (length >= (at + WORDS_BYTES)) &&
+        (words_get(&message[at]) == 0U)) {
+        words_put(&message[at], commander_ticket(&app));
+    }
+}
+
 /* A frame around the next bytes. */
 static void receive_frame(input_t *input, size_t count)
 {
     const size_t most = (count < LINK_MESSAGE_BYTES_MAX) ? count : LINK_MESSAGE_BYTES_MAX;
-    uint8_t bytes[LINK_FRAME_BYTES_MAX];
+    uint8_t bytes[LINK_FRAME_BYTES_MAX] = {0};
     uint32_t length = 0U;
     uint32_t crc = CRC32_START;
 
     while ((length < most) && (input->left > 0U)) {
         bytes[length] = next_byte(input);
-        crc = crc32_byte(crc, bytes[length]);
         length++;
+    }
+    give_ticket(bytes, length);
+    for (uint32_t at = 0U; at < length; at++) {
+        crc = crc32_byte(crc, bytes[at]);
     }
     words_put(&bytes[length], ~crc);
     line.in_at = 0U;
@@ -270,8 +289,7 @@ static void command_holds(const drive_command_t *before)
     HOLDS(probes || (command.mode <= (uint8_t)DRIVE_MODE_TORQUE), "a mode is one of the three");
     HOLDS(probes || !is_speed || ((command.target >= -highest) && (command.target <= highest)),
           "a target is within the motor's speed");
-    HOLDS(probes || (command.request <= DRIVE_REQUEST_CLEAR),
-          "a request is one of those there are");
+    HOLDS(probes || ((command.request & ~REQUESTS) == 0U), "a request is one of those there are");
     HOLDS(may_command || (before->request == command.request) || (before->request != 0U) ||
               (command.request != DRIVE_REQUEST_RUN),
           "nothing but a message or a line starts the motor");

@@ -198,6 +198,20 @@ static void run_and_stop(void)
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
 }
 
+TEST(test_a_fault_told_that_is_none_ends_a_run_as_a_stop_does)
+{
+    static const uint8_t none[] = {(uint8_t)FAULT_NONE, (uint8_t)FAULT_COUNT, 0xFFU};
+
+    for (uint32_t k = 0U; k < (sizeof none / sizeof none[0]); k++) {
+        setUp();
+        go_to(DRIVE_STATE_RUN);
+        in.command = (drive_command_t){.mode = none[k], .request = DRIVE_REQUEST_FAIL};
+        tick();
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
+        assert_gates_open();
+    }
+}
+
 /* The drive after each of the first two ticks of a run, of which the second controls a current. */
 static void begin_run(drive_t after[2])
 {

@@ -58,7 +58,7 @@ PROGRAMS = {
     "recording": Program("any recording, read and run again", 4300, 30),
     "console": Program("any bytes to the console", 1020, 60),
     "stepper": Program("any commands of the stepper", 2400, 5),
-    "link": Program("any bytes to the serial line, of a PC that is connected", 1900, 10),
+    "link": Program("any bytes to the serial line, of a PC that is connected", 2000, 10),
     "block": Program("any block of configuration words", 840, 500),
     "frame_code": Program("any bytes as a packed frame", 135, 5000),
 }
