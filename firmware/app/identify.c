@@ -4,6 +4,7 @@
 #include "crc32.h"
 #include "fault_text.h"
 #include "identify_aim.h"
+#include "identify_heat.h"
 #include "identify_rest.h"
 #include "identify_turn.h"
 #include "probing.h"
@@ -13,6 +14,7 @@
 #define MS_PS (1000000000U)
 #define WINDOW_NUMBERS (0x7FFU)
 #define CURRENT_ONE (32768)     /* I_b in Q15 */
+#define HEAT_ONE (0x1000000)    /* of the continuous current, Q24 */
 #define NOISE_SHARE (16)        /* of the continuous current, mean change from sample to sample */
 #define LONGEST_MOVE_MS (5000U) /* of the first attempt, whose longest ramp takes 3 s */
 #define BRAKING_HELP \
@@ -534,10 +536,40 @@ static void say_or_go_on(identify_t *identify, text_t *text)
     }
 }
 
+static void add_load(text_t *text, const char *before, int32_t heat_q24)
+{
+    text_add(text, before);
+    text_number(text, (int32_t)(((int64_t)heat_q24 * 100) / HEAT_ONE), 0U);
+    text_add(text, " %");
+}
+
+/* The two minutes count from the end of the wait on. */
+static void wait_for_cooling(identify_t *identify, text_t *text, int32_t most_q24)
+{
+    identify->began = identify->app->drive.tick;
+    if (!identify->cools) {
+        identify->cools = true;
+        add_load(text, "the winding may have ", identify->app->drive.derating.heat_q24);
+        add_load(text, " of its continuous load; waits until that is ", most_q24);
+        text_end_line(text);
+    }
+}
+
+static void begin_when_cool(identify_t *identify, text_t *text)
+{
+    const int32_t most_q24 = identify_heat_most_q24(identify);
+
+    if (identify->app->drive.derating.heat_q24 <= most_q24) {
+        start_probing(identify, text);
+    } else {
+        wait_for_cooling(identify, text, most_q24);
+    }
+}
+
 static void take_turn(identify_t *identify, text_t *text)
 {
     if (identify->phase == IDENTIFY_BEGINS) {
-        start_probing(identify, text);
+        begin_when_cool(identify, text);
     } else if ((identify->phase == IDENTIFY_ENDS) ||
                (identify->app->drive.state == DRIVE_STATE_PROBE)) {
         say_or_go_on(identify, text);

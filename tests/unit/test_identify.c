@@ -4,6 +4,7 @@
 #include "example_identify.h"
 #include "identify_rest.h"
 #include "identify_turn.h"
+#include "state_guard.h"
 #include "testing.h"
 
 #include <stdio.h>
@@ -243,6 +244,67 @@ TEST(test_a_drive_that_leaves_probe_by_another_command_ends_it)
     TEST_ASSERT_FALSE(identify_is_busy(&identify));
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, command_mailbox_take(&app.mailbox).request);
     TEST_ASSERT_EQUAL_INT32(TARGET, command_mailbox_take(&app.mailbox).target);
+}
+
+/* Of the example: 20 s, a largest current of 1.96 times the continuous one: 8 s are more than the limit, so 0.25. */
+TEST(test_it_waits_until_a_winding_that_may_be_warm_has_cooled)
+{
+    app.drive.derating.heat_q24 = 0xE66666; /* 0.9 */
+    state_guard_keep_heat(&app.drive);
+    start();
+    TEST_ASSERT_EQUAL_STRING(
+        "the winding may have 89 % of its continuous load; waits until that is 25 %\r\n",
+        next_line());
+    for (uint32_t k = 0U; k < 1000U; k++) {
+        tick(1U);
+        TEST_ASSERT_EQUAL_STRING("", pass());
+        TEST_ASSERT_EQUAL(DRIVE_STATE_READY, app.drive.state);
+        TEST_ASSERT_EQUAL_UINT8(0U, app.in.command.request);
+    }
+    app.drive.derating.heat_q24 = 0x400000;
+    state_guard_keep_heat(&app.drive);
+    TEST_ASSERT_EQUAL_STRING_LEN("identify 2", next_line(), 10);
+    (void)next_line();
+    TEST_ASSERT_EQUAL(DRIVE_STATE_PROBE, app.drive.state);
+}
+
+TEST(test_a_stop_ends_the_wait_for_a_winding)
+{
+    app.drive.derating.heat_q24 = 0xE66666;
+    state_guard_keep_heat(&app.drive);
+    start();
+    (void)next_line();
+    identify_stop(&identify);
+    assert_ended();
+}
+
+/* 8 s of ten minutes add 0.05. */
+TEST(test_a_winding_with_a_long_time_constant_is_not_waited_for)
+{
+    cfg.derating.heat_rate_shift += 5U;
+    cfg.crc = config_guard_crc(&cfg);
+    state_guard_keep_config(&app.drive);
+    app.drive.derating.heat_q24 = 0xE66666;
+    state_guard_keep_heat(&app.drive);
+    begin();
+}
+
+/* The two minutes are those of the experiments. */
+TEST(test_the_wait_for_a_winding_takes_nothing_of_the_two_minutes)
+{
+    app.drive.derating.heat_q24 = 0xE66666;
+    state_guard_keep_heat(&app.drive);
+    start();
+    (void)next_line();
+    for (uint32_t second = 0U; second < 180U; second++) {
+        app.drive.tick += 1000U * (uint32_t)MS;
+        TEST_ASSERT_EQUAL_STRING("", pass());
+    }
+    app.drive.derating.heat_q24 = 0;
+    state_guard_keep_heat(&app.drive);
+    (void)next_line();
+    (void)next_line();
+    TEST_ASSERT_EQUAL(DRIVE_STATE_PROBE, app.drive.state);
 }
 
 TEST(test_it_can_be_started_again)

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: MIT */
+#include "identify_heat.h"
+
+#include "identify_aim.h"
+#include "identify_rest.h"
+
+#define LARGEST_MS (8000U)     /* of STILL's largest currents, all axes together */
+#define TENTH_Q24 (0x19999A)   /* of the steady heat */
+#define LEAST_Q24 (0x400000)   /* 0.25 */
+#define RISE_MAX (0x40000000U) /* more than any limit */
+
+/* The steady heat of STILL's largest current, Q8. */
+static uint64_t steady_q8(const identify_t *identify)
+{
+    const uint64_t largest = fx_unsigned(identify_rest_largest(identify));
+    const uint64_t continuous = fx_unsigned(identify_aim_continuous(identify));
+
+    return (largest * largest * 256U) / (continuous * continuous);
+}
+
+/* T/τ for LARGEST_MS, Q16: periods times the rate of one. */
+static uint64_t share_q16(const identify_t *identify)
+{
+    const drive_cfg_t *const cfg = identify->app->drive.cfg;
+    const uint64_t periods =
+        ((uint64_t)LARGEST_MS * fx_unsigned(identify->ms_ticks)) / cfg->slow_ticks;
+
+    return (periods * fx_unsigned(cfg->derating.heat_rate)) >> cfg->derating.heat_rate_shift;
+}
+
+int32_t identify_heat_most_q24(const identify_t *identify)
+{
+    const uint64_t rise = share_q16(identify) * steady_q8(identify);
+    const int32_t bounded = (int32_t)((rise < RISE_MAX) ? rise : RISE_MAX);
+    const int32_t limit = identify->app->drive.cfg->derating.heat_max_q14 * 1024;
+
+    return fx_max((limit - TENTH_Q24) - bounded, LEAST_Q24);
+}
