@@ -122,6 +122,7 @@ static void become_linked(link_t *link)
 {
     link_stream_end(&link->stream);
     live_config_forget(link->live);
+    commander_lock(link->live->app);
     console_forget(&link->console);
     link->is_linked = true;
 }

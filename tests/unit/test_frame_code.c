@@ -343,6 +343,51 @@ TEST(test_the_last_mode_there_is_has_a_code)
     TEST_ASSERT_EQUAL_HEX32(5U << 16U, back[1].word[3]);
 }
 
+#define BEFORE_14 (15U)
+#define LINE_14 (15U + 15U)
+
+/* The prediction as the head of frame_code.c says it, of what the last values are: before[0] is the value before. */
+static int32_t predicted(uint32_t mode, const int32_t before[4])
+{
+    int32_t value = before[0];
+
+    if (mode == LINE_14) {
+        value = (2 * before[0]) - before[1];
+    } else if (mode == SMOOTH_14) {
+        value = before[0] + (int32_t)floor((before[1] - before[3]) / 2.0);
+    }
+    return value;
+}
+
+/* A board of before sends the code to a PC of today: the values that these differences make stay the same. */
+TEST(test_each_prediction_makes_the_values_that_it_is_said_to_make)
+{
+    static const uint32_t modes[] = {BEFORE_14, LINE_14, SMOOTH_14};
+    static const int32_t differences[] = {100, -7, 33, 1, -250, 18, 5, -90};
+
+    for (uint32_t m = 0U; m < (sizeof modes / sizeof modes[0]); m++) {
+        int32_t before[4] = {0};
+
+        write_begin(4U, modes[m]);
+        for (uint32_t k = 0U; k < (sizeof differences / sizeof differences[0]); k++) {
+            const int32_t d = differences[k];
+
+            write_bits(0U, 1U);
+            write_bits((uint32_t)((d < 0) ? ((-2 * d) - 1) : (2 * d)), 14U);
+        }
+        TEST_ASSERT_TRUE(written_decodes(1U + (sizeof differences / sizeof differences[0])));
+        for (uint32_t k = 0U; k < (sizeof differences / sizeof differences[0]); k++) {
+            const int32_t value = predicted(modes[m], before) + differences[k];
+
+            TEST_ASSERT_EQUAL_HEX32((uint32_t)value & 0xFFFFU, back[k + 1U].word[3] >> 16U);
+            before[3] = before[2];
+            before[2] = before[1];
+            before[1] = before[0];
+            before[0] = value;
+        }
+    }
+}
+
 TEST(test_the_escape_of_a_change_is_one_in_the_first_channel_only)
 {
     for (uint32_t channel = 0U; channel < 5U; channel++) {

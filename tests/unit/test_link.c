@@ -483,6 +483,15 @@ TEST(test_while_the_motor_is_measured_only_a_stop_is_taken)
 {
     assert_line("identify");
     TEST_ASSERT_TRUE(identify_is_busy(&serial.console.identify));
+    for (uint8_t request = DRIVE_REQUEST_RUN; request <= (DRIVE_REQUEST_RUN | DRIVE_REQUEST_ZERO);
+         request++) {
+        uint8_t body[10];
+
+        put_command(body, request, (uint8_t)DRIVE_MODE_SPEED, 0);
+        (void)ask(LINK_COMMAND, body, sizeof body);
+        TEST_ASSERT_TRUE(verdict_on(LINK_COMMAND)[0] != '\0');
+        TEST_ASSERT_TRUE(identify_is_busy(&serial.console.identify));
+    }
     assert_command("the motor is being measured; stop ends that", DRIVE_REQUEST_RUN,
                    DRIVE_MODE_SPEED, 0);
     TEST_ASSERT_TRUE(identify_is_busy(&serial.console.identify));
@@ -584,6 +593,34 @@ TEST(test_a_setting_that_cannot_change_in_run_is_named)
     TEST_ASSERT_EQUAL_STRING("speed_shift cannot change while the drive runs; stop the drive first",
                              change_to(&settings));
     assert_verdict("the drive does not rest with open gates; stop it first", LINK_STORE, NULL, 0U);
+}
+
+static void assert_locked(void)
+{
+    drive_cfg_t settings = live.in_force->cfg;
+
+    settings.supervision.late_max++;
+    TEST_ASSERT_EQUAL_STRING(
+        "supervision.late_max protects less than what is in force; stop the drive and unlock first",
+        change_to(&settings));
+}
+
+TEST(test_what_one_session_has_unlocked_is_locked_for_the_next)
+{
+    assert_line("unlock");
+    (void)ask(LINK_BYE, NULL, 0U);
+    TEST_ASSERT_FALSE(app.unlocked);
+    hello();
+    assert_locked();
+    assert_line("unlock");
+    passes(TICKS_OF_PAUSE + SHORT_WHILE);
+    TEST_ASSERT_FALSE(serial.is_linked);
+    TEST_ASSERT_FALSE(app.unlocked);
+    hello();
+    assert_locked();
+    assert_line("unlock");
+    hello(); /* a PC that begins anew without a word of farewell */
+    assert_locked();
 }
 
 TEST(test_the_block_in_force_is_stored)
@@ -742,6 +779,18 @@ TEST(test_a_run_of_before_a_hello_starts_nothing)
     assert_verdict(COMMANDER_STALE, LINK_COMMAND, body, sizeof body);
     (void)ask(LINK_BYE, NULL, 0U);
     hello();
+    assert_verdict(COMMANDER_STALE, LINK_COMMAND, body, sizeof body);
+}
+
+/* An adapter may hold a message back while the board is switched off and on. Each session of a PC has another salt. */
+TEST(test_a_run_of_before_the_board_was_switched_off_starts_nothing)
+{
+    static const uint8_t again[] = {LINK_VERSION, 0x79U, 0x56U, 0x34U, 0x12U};
+    uint8_t body[10];
+
+    put_command(body, DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 1000000);
+    begin();
+    TEST_ASSERT_NOT_NULL(ask(LINK_HELLO, again, sizeof again));
     assert_verdict(COMMANDER_STALE, LINK_COMMAND, body, sizeof body);
 }
 

@@ -114,6 +114,21 @@ TEST(test_in_position_control_another_profile_or_a_way_that_no_rotor_goes_is_fou
     assert_finds(STATE_GUARD_TURNS);
 }
 
+/* The rotor is faster than it was asked to be: a load drives it. */
+TEST(test_a_way_at_the_speed_that_the_rotor_had_is_none_that_no_rotor_goes)
+{
+    const int64_t ticks_of_a_look = 4 * (int64_t)cfg.slow_ticks;
+
+    begin_in(DRIVE_STATE_RUN, DRIVE_MODE_POSITION);
+    drive.observer.speed = 0x10000000; /* 1/16 turn a tick */
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, state_guard_step(&drive, &fault));
+    drive.position.turns_q32 += ticks_of_a_look * drive.observer.speed;
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, state_guard_step(&drive, &fault));
+    drive.position.turns_q32 += ticks_of_a_look * 2 * drive.observer.speed;
+    TEST_ASSERT_EQUAL_INT(FAULT_MEMORY, state_guard_step(&drive, &fault));
+    TEST_ASSERT_EQUAL_INT32(STATE_GUARD_TURNS, fault.value);
+}
+
 TEST(test_a_vector_at_rest_keeps_its_angle_and_its_integrals)
 {
     begin_in(DRIVE_STATE_HOLD, DRIVE_MODE_SPEED);
