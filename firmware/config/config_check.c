@@ -1,56 +1,60 @@
 /* SPDX-License-Identifier: MIT */
 #include "config_check.h"
 
+#include "config_rows.h"
 #include "fx.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 /* Full scale of a phase current, Q15 of I_b. */
 #define CURRENT_MAX (16384)
 
-/* `bad` when something was wrong before, else `name` when value is outside lo…hi, else NULL. */
-static const char *in_range(const char *bad, const char *name, int64_t value, int64_t lo,
-                            int64_t hi)
+/* `bad` when something was wrong before, else `name` when lower is above upper, else NULL. */
+static const char *in_order(const char *bad, const char *name, int64_t lower, int64_t upper)
 {
     const char *result = bad;
 
-    if ((bad == NULL) && ((value < lo) || (value > hi))) {
+    if ((bad == NULL) && (lower > upper)) {
         result = name;
     }
     return result;
 }
 
-/* `bad` when something was wrong before, else `name` when lower is above upper, else NULL. */
-static const char *in_order(const char *bad, const char *name, int64_t lower, int64_t upper)
+static bool lies_outside(const config_row_t *row, const drive_cfg_t *cfg)
 {
-    return in_range(bad, name, lower, INT64_MIN, upper);
+    const int32_t value = config_row_value(row, cfg);
+
+    return (value < row->lowest) || (value > row->highest);
 }
 
-/* The ranges of cfg.def. Straight statements: of a constant configuration the compiler computes them all. */
+/* The path of the first row of this use whose setting is out of its range; NULL: none is. */
+static const char *first_outside(const drive_cfg_t *cfg, config_use_t use)
+{
+    const config_row_t *rows = NULL;
+    const uint32_t count = config_rows(&rows);
+    const char *bad = NULL;
+
+    for (uint32_t k = 0U; (k < count) && (bad == NULL); k++) {
+        const config_row_t *const row = &rows[k];
+
+        if ((row->use == (uint8_t)use) && lies_outside(row, cfg)) {
+            bad = row->path;
+        }
+    }
+    return bad;
+}
+
 static const char *check_rows(const drive_cfg_t *cfg)
 {
-    const char *bad = NULL;
-    const char *startup = NULL; /* of the rows that count with a start-up */
-    const char *voltage = NULL; /* with a voltage drive */
-
-    /* Of all rows of a kind the first that is wrong, by its path. */
-    // cppcheck-suppress misra-c2012-20.7 ; D3: a path is a member, which no brackets may enclose
-    // cppcheck-suppress misra-c2012-20.10 ; D4: what is returned is the row's own path
-#define CHECK(found, path, lo, hi) found = in_range(found, #path, (int64_t)cfg->path, (lo), (hi));
-#define CFG(path, when, lo, hi, quantity, meaning) CHECK(bad, path, lo, hi)
-#define CFG_STARTUP(path, when, lo, hi, quantity, meaning) CHECK(startup, path, lo, hi)
-#define CFG_BOTH(path, when, lo, lo_startup, hi, quantity, meaning) \
-    CHECK(bad, path, lo, hi) CHECK(startup, path, lo_startup, hi)
-#define CFG_VOLTAGE(path, when, lo, hi, quantity, meaning) CHECK(voltage, path, lo, hi)
-    // cppcheck-suppress misra-c2012-20.1 ; D5: the rows are the statements here
-#include "cfg.def"
+    const char *bad = first_outside(cfg, CONFIG_USE_ALWAYS);
 
     if ((bad == NULL) && (cfg->startup.current_hold != 0)) {
-        bad = startup;
+        bad = first_outside(cfg, CONFIG_USE_STARTUP);
     }
     if ((bad == NULL) && (cfg->voltage_drive.enabled != 0U)) {
-        bad = voltage;
+        bad = first_outside(cfg, CONFIG_USE_VOLTAGE_DRIVE);
     }
     return bad;
 }

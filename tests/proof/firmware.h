@@ -7,11 +7,19 @@
 #include "../../firmware/math/trig.c"
 #include "../../firmware/math/trig_table.c"
 #undef DISTANCE_MAX /* motion_loop.c and derating.c have one each */
+#include "../../firmware/config/config_rows.c"
+#undef CFG
+#undef CFG_STARTUP
+#undef CFG_BOTH
+#undef CFG_VOLTAGE
+#include "../../firmware/config/config_change.c"
 #include "../../firmware/config/config_check.c"
+#include "../../firmware/config/config_guard.c"
 #include "../../firmware/control/align.c"
 #include "../../firmware/control/angle_sensor.c"
 #include "../../firmware/control/flying_start.c"
 #include "../../firmware/control/inductance.c"
+#include "../../firmware/control/model.c"
 #include "../../firmware/control/nn_observer.c"
 #include "../../firmware/control/phase_compensator.c"
 #include "../../firmware/control/pi.c"
@@ -21,17 +29,6 @@
 #include "../../firmware/control/transforms.c"
 #include "../../firmware/control/virtual_resistance.c"
 #include "../../firmware/control/weakening.c"
-#undef CFG
-#undef CFG_STARTUP
-#undef CFG_BOTH
-#undef CFG_VOLTAGE
-#include "../../firmware/config/config_change.c"
-#undef CFG
-#undef CFG_STARTUP
-#undef CFG_BOTH
-#undef CFG_VOLTAGE
-#include "../../firmware/config/config_guard.c"
-#include "../../firmware/control/model.c"
 #include "../../firmware/drive/drive.c"
 #include "../../firmware/drive/estimate.c"
 #include "../../firmware/drive/frame.c"
