@@ -81,7 +81,4 @@ static inline bool drive_has_read_slow_inputs(const drive_t *drive)
 /* One control tick. Total: every input frame is allowed. Context: control interrupt only. */
 void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out);
 
-/* One control tick without the straight way through an ordinary tick of RUN. The results are the same. For tests. */
-void drive_step_general(drive_t *drive, const drive_in_t *in, drive_out_t *out);
-
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The state machine of the drive as a table: which state follows from an event. drive.c alone sets the state. */
+/* The state machine of the drive as a table: which state follows from an event. life.c alone sets the state. */
 #ifndef TRANSITIONS_H
 #define TRANSITIONS_H
 

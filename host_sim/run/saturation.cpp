@@ -32,7 +32,7 @@ constexpr std::array<const char *, SIGNAL_COUNT> NAMES = {
     "duty",
 };
 
-// The clamps of drive.c, nn_observer.c, pi.c and motion_loop.c.
+// The clamps of tick.c, nn_observer.c, pi.c and motion_loop.c.
 constexpr int32_t PHASE_LIMIT = 16383;
 constexpr int32_t STATE_LIMIT_Q27 = (1 << 27) - 1;
 constexpr int32_t ERROR_LIMIT = 8191;

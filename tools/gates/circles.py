@@ -28,10 +28,10 @@ import sources
 PORTS = Path("firmware/math/port")
 CORE = ("-target", "thumbv7em-none-eabi", "-ffreestanding")  # has what the ports use
 DRIVE, STATE = "drive_t", "state"
-DRIVE_FILE, RECORDER_FILE = Path("firmware/drive/drive.c"), Path("firmware/record/recorder.c")
+LIFE_FILE, RECORDER_FILE = Path("firmware/drive/life.c"), Path("firmware/record/recorder.c")
 WRITERS = {  # the recorder writes copies that nobody steps
-    f"{DRIVE}.{STATE}": [(DRIVE_FILE, "enter")],
-    DRIVE: [(DRIVE_FILE, "initialise"), (RECORDER_FILE, "offer"), (RECORDER_FILE, "recorder_keep_state")],
+    f"{DRIVE}.{STATE}": [(LIFE_FILE, "enter")],
+    DRIVE: [(LIFE_FILE, "initialise"), (RECORDER_FILE, "offer"), (RECORDER_FILE, "recorder_keep_state")],
 }
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*"([^"]+)"', re.MULTILINE)
 

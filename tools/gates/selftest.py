@@ -58,7 +58,7 @@ CIRCLES = {
 }
 DRIVE = {
     "firmware/drive/state.h": "typedef struct {\n    int state;\n    int tick;\n} drive_t;\n",
-    "firmware/drive/drive.c": '#include "state.h"\nstatic void enter(drive_t *drive) { drive->state = 1; }\n'
+    "firmware/drive/life.c": '#include "state.h"\nstatic void enter(drive_t *drive) { drive->state = 1; }\n'
                               "void initialise(drive_t *drive)\n{\n    *drive = (drive_t){.state = 2};\n"
                               "    enter(drive);\n}\n",
 }
@@ -220,14 +220,14 @@ class GatesCanFail(unittest.TestCase):
         self.write("firmware/app/f.c", head + "drive_t copy = *drive;\ndrive->tick = copy.state;\n"
                                               "return (drive->state > 1) && (copy.tick != 0);\n}\n")
         self.assert_passes("floors")
-        self.append("firmware/drive/drive.c", "void drive_step(drive_t *drive)\n{\n    drive->state = 3;\n}\n")
-        self.assert_fails("floors", "firmware/drive/drive.c:10: drive_step writes drive_t.state", "1 finding(s)")
+        self.append("firmware/drive/life.c", "void drive_step(drive_t *drive)\n{\n    drive->state = 3;\n}\n")
+        self.assert_fails("floors", "firmware/drive/life.c:10: drive_step writes drive_t.state", "1 finding(s)")
 
     def test_who_writes_the_state_is_there(self):
         for path, text in DRIVE.items():
             self.write(path, text.replace("drive_t", "machine_t"))
-        self.assert_fails("floors", "enter of firmware/drive/drive.c does not write drive_t.state",
-                          "initialise of firmware/drive/drive.c does not write drive_t", "2 finding(s)")
+        self.assert_fails("floors", "enter of firmware/drive/life.c does not write drive_t.state",
+                          "initialise of firmware/drive/life.c does not write drive_t", "2 finding(s)")
 
     def test_registers_are_touched_in_target_bindings_only(self):
         lines = ("*(volatile uint32_t *)place = 1U;", "*(const volatile uint32_t *)0x40010300U;",

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What a frame asks of the drive before anything is controlled: sensor, command, flags and limits. It may change the state.
+ *
+ * Part of the drive; called from drive_step only.
+ */
+#ifndef ATTEND_H
+#define ATTEND_H
+
+#include "io.h"
+#include "state.h"
+
+#include <stdbool.h>
+
+/*
+ * Whether attend_step() would change nothing: the drive is in RUN, without a sensor or a flag, the command is to run, and the
+ * samples are within their limits. Pure.
+ */
+bool attend_is_ordinary(const drive_t *drive, const drive_in_t *in);
+
+/* Attends to the frame. Returns whether the current is controlled in this tick: so it was before, and so it is now. */
+bool attend_step(drive_t *drive, const drive_in_t *in);
+
+#endif

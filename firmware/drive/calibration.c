@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: MIT */
+#include "calibration.h"
+
+#include "state_guard.h"
+
+#define ADC_MID_Q15 (16384)         /* I_b is twice the converter's full scale */
+#define OFFSET_END (32768)          /* no sensor's zero is further away */
+#define OFFSET_SUM_MAX (0x10000000) /* of 2^12 counts */
+
+/* Mean of 2^offset_log2 raw samples in Q15 of I_b. */
+static int32_t mean_sample(const sampling_cfg_t *cfg, int32_t sum)
+{
+    const uint64_t scaled = (uint64_t)sum << cfg->current_shift;
+    const uint64_t mean = scaled >> cfg->offset_log2;
+
+    return (mean < (uint64_t)OFFSET_END) ? (int32_t)mean : OFFSET_END;
+}
+
+static drive_event_t finish_calibration(drive_t *drive, fault_t *fault)
+{
+    const sampling_cfg_t *const cfg = &drive->cfg->sampling;
+    fault_id_t id;
+
+    drive->offset_a = mean_sample(cfg, drive->calibration.sum_a);
+    drive->offset_b = mean_sample(cfg, drive->calibration.sum_b);
+    state_guard_keep_measured(drive);
+    id = protection_check_offset(&drive->cfg->protection, drive->offset_a - ADC_MID_Q15,
+                                 drive->offset_b - ADC_MID_Q15, fault);
+    return (id == FAULT_NONE) ? DRIVE_EVENT_CALIBRATED : DRIVE_EVENT_FAULT;
+}
+
+/* Without current nothing but noise changes a sample. */
+static void count_noise(calibration_t *sums, const drive_in_t *in)
+{
+    const int32_t a = (int32_t)in->adc_ia - (int32_t)sums->before_a;
+    const int32_t b = (int32_t)in->adc_ib - (int32_t)sums->before_b;
+
+    if (sums->samples > 0U) {
+        sums->noise = fx_min(sums->noise + fx_abs(a) + fx_abs(b), OFFSET_SUM_MAX);
+    }
+    sums->before_a = in->adc_ia;
+    sums->before_b = in->adc_ib;
+}
+
+drive_event_t calibration_step(drive_t *drive, const drive_in_t *in, fault_t *fault)
+{
+    calibration_t *const sums = &drive->calibration;
+    drive_event_t event = DRIVE_EVENT_NONE;
+
+    sums->sum_a = fx_min(sums->sum_a + (int32_t)in->adc_ia, OFFSET_SUM_MAX);
+    sums->sum_b = fx_min(sums->sum_b + (int32_t)in->adc_ib, OFFSET_SUM_MAX);
+    count_noise(sums, in);
+    sums->samples++;
+    if (sums->samples == (1UL << drive->cfg->sampling.offset_log2)) {
+        event = finish_calibration(drive, fault);
+    }
+    return event;
+}
+
+drive_event_t calibration_begin(drive_t *drive)
+{
+    drive->calibration = (calibration_t){.sum_a = 0};
+    safe_state_reset(&drive->safe_state);
+    speed_loop_init(&drive->speed_loop);
+    return DRIVE_EVENT_CALIBRATE;
+}

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * OFFSET_CAL: the zeros of the current sensors, and their noise, while the gates are open.
+ *
+ * Part of the drive; called from drive_step only.
+ */
+#ifndef CALIBRATION_H
+#define CALIBRATION_H
+
+#include "io.h"
+#include "state.h"
+
+/*
+ * Before the first tick of OFFSET_CAL. A safe state ends. J was learned from the speed that the observer saw before the
+ * fault, so it is forgotten; R, L and φ stay: they were measured, or are bound to their files.
+ */
+drive_event_t calibration_begin(drive_t *drive);
+
+/*
+ * One tick of OFFSET_CAL. CALIBRATED: the mean of 2^offset_log2 samples is the zero. FAULT: such a zero is too far from
+ * mid-scale.
+ */
+drive_event_t calibration_step(drive_t *drive, const drive_in_t *in, fault_t *fault);
+
+#endif
