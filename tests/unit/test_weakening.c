@@ -10,6 +10,7 @@
 #include <stdlib.h>
 
 #define CURRENT_END (16384)
+#define PERIODS_TO_THE_END (100) /* 32 a slow period, up to 3200 */
 #define MOTORS (20000U)
 #define GRID (4000)
 
@@ -516,7 +517,7 @@ TEST(test_the_integral_ends_at_a_quarter_of_the_circle_on_both_sides)
     for (uint32_t side = 0U; side < 2U; side++) {
         setUp();
         in.voltage = (dq_t){0, voltages[side]};
-        for (int k = 0; k < 100; k++) {
+        for (int k = 0; k < (PERIODS_TO_THE_END + 50); k++) {
             weakening_step(&weakening, &in, CURRENT_END);
         }
         TEST_ASSERT_EQUAL_INT32(ends[side], weakening.voltage);
@@ -532,6 +533,20 @@ TEST(test_at_the_deepest_i_d_a_rest_alone_is_learned_from_its_first_step_on)
     TEST_ASSERT_EQUAL_INT32(1, weakening.voltage);
     learn(12650 - 16);
     TEST_ASSERT_EQUAL_INT32(3, weakening.voltage);
+}
+
+/* i_d* would stay as deep as a voltage asks for that is not there. */
+TEST(test_at_the_deepest_i_d_a_lack_takes_back_what_was_added_and_no_more)
+{
+    in.deepest = 3000;
+    learn(12650 - 24);
+    TEST_ASSERT_EQUAL_INT32(3, weakening.voltage);
+    for (int32_t left = 2; left >= 0; left--) {
+        learn(12650 + 1); /* rounded down to a lack of 1 */
+        TEST_ASSERT_EQUAL_INT32(left, weakening.voltage);
+    }
+    learn(12650 + 1);
+    TEST_ASSERT_EQUAL_INT32(0, weakening.voltage);
 }
 
 TEST(test_what_was_learned_is_forgotten_where_the_voltage_does_not_decide)
