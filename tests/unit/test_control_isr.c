@@ -95,6 +95,12 @@ TEST(test_init_opens_the_gates_even_when_the_configuration_is_refused)
     TEST_ASSERT_EQUAL_STRING("o", hal.diary);
 }
 
+TEST(test_init_forgets_the_fault_that_was_seen_and_what_was_unlocked)
+{
+    TEST_ASSERT_FALSE(app.failed);
+    TEST_ASSERT_FALSE(app.unlocked);
+}
+
 TEST(test_interrupt_samples_then_steps_then_applies_once_each)
 {
     control_isr(&app);
@@ -256,6 +262,49 @@ TEST(test_a_failure_without_its_request_is_not_told)
     app.failure.request = DRIVE_REQUEST_FAIL;
     interrupts(cfg.slow_ticks);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, app.drive.state);
+}
+
+/* The request alone, as a bit that flips after the start leaves it. */
+TEST(test_a_request_alone_tells_no_failure)
+{
+    interrupts(300U);
+    app.failure =
+        (drive_command_t){.mode = (uint8_t)FAULT_CURRENT_SUM, .request = DRIVE_REQUEST_FAIL};
+    interrupts(cfg.slow_ticks);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, app.drive.state);
+}
+
+/* With its numbers, and also where passes of the background come before the tick that takes it. */
+TEST(test_a_failure_is_told_until_the_drive_is_in_fault_and_then_the_command_counts)
+{
+    const fault_t fault = {.id = FAULT_CURRENT_SUM, .value = 300, .limit = 228};
+
+    post(7, DRIVE_MODE_SPEED, 0U);
+    interrupts(300U);
+    app_fail(&app, &fault);
+    app_forget_failure(&app);
+    app_forget_failure(&app);
+    interrupts(cfg.slow_ticks);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, app.drive.state);
+    TEST_ASSERT_EQUAL_INT(FAULT_CURRENT_SUM, app.drive.fault.id);
+    TEST_ASSERT_EQUAL_INT32(300, app.drive.fault.value);
+    TEST_ASSERT_EQUAL_INT32(228, app.drive.fault.limit);
+    app_forget_failure(&app);
+    interrupts(cfg.slow_ticks);
+    TEST_ASSERT_EQUAL_UINT8(0U, app.in.command.request);
+    TEST_ASSERT_EQUAL_INT32(7, app.in.command.target);
+}
+
+/* The bit of the request that flips next would tell of a fault. */
+TEST(test_a_flag_that_has_flipped_is_taken_back)
+{
+    interrupts(300U);
+    app.fails = true;
+    app_forget_failure(&app);
+    app.failure =
+        (drive_command_t){.mode = (uint8_t)FAULT_CURRENT_SUM, .request = DRIVE_REQUEST_FAIL};
+    interrupts(cfg.slow_ticks);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, app.drive.state);
 }
 
 TEST(test_interrupt_records_each_tick_after_it_was_applied)

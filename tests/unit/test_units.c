@@ -201,6 +201,21 @@ TEST(test_the_base_of_a_torque_is_right_for_all_scales_of_a_watt_and_more)
     }
 }
 
+/* Whole mW and whole ns lose nothing: what is left is 3/(2π)·2^17 as 62582, 4.3·10^-6 less, and digits of 10^-9. */
+TEST(test_the_base_of_a_torque_of_whole_milliwatts_and_nanoseconds_is_right_to_five_millionths)
+{
+    static const uint32_t shifts[] = {1U, 6U, 10U};
+    const units_rotation_t rotation = {.pole_pairs = 4U, .tick_ps = 100000000U};
+
+    for (uint32_t k = 0U; k < (sizeof(shifts) / sizeof(shifts[0])); k++) {
+        const double exact = exact_torque_base(&rotation, 20000000.0, 450000000.0, shifts[k]);
+
+        TEST_ASSERT_DOUBLE_WITHIN(
+            5e-6 * exact, exact,
+            (double)units_torque_base(&rotation, 20000000U, 450000000U, shifts[k]));
+    }
+}
+
 TEST(test_a_torque_comes_back_from_its_number_and_saturates)
 {
     static const int64_t bases[] = {1000, 50000, 48892000, 4000000000LL, 70368744177664LL};
