@@ -15,6 +15,8 @@ const LOAD_NM = 2;
 const KNOWN_RATES = [921600, 460800, 115200];
 const LOADED_A = 2 * LOAD_NM / 3 / 2 / 0.387 / 2; // half of torque over 3/2 · pole pairs · flux
 
+const LOCKED = /^board\.temperature_max_c: the board refuses: \S+ protects less than what is in force; stop the drive and unlock first$/;
+
 // To the line that was asked last.
 function answers(page, line, text) {
     return until(() => page.getByRole("log").locator("> *").allInnerTexts(), (said) => {
@@ -26,6 +28,12 @@ function answers(page, line, text) {
 async function tell(page, line) {
     await page.getByLabel(/^Command \(/).fill(line);
     await page.keyboard.press("Enter");
+}
+
+// In the table of parameters, below the key.
+function keyAnswers(page, key, text) {
+    const body = page.locator("table.keys tbody").filter({ has: page.getByRole("rowheader", { name: key, exact: true }) });
+    return body.getByRole("status").filter({ hasText: text }).waitFor();
 }
 
 test("a page without Web Serial says so, and names the program that connects", async () => withPage(async (page) => {
@@ -151,9 +159,36 @@ test("a fault has its advice; after Clear fault and Start motor the motor turns 
     await state(page, "FAULT");
     assert.match(await page.locator(".fault").innerText(), /^OVERTEMPERATURE at [\d.]+ s\s+\S.*, limit .*\s+\w.*; \w/);
     await setKey(page, "board.temperature_max_c", "100");
+    await keyAnswers(page, "board.temperature_max_c", LOCKED);
+    await button(page, "Unlock").click();
+    await setKey(page, "board.temperature_max_c", "100");
+    await keyAnswers(page, "board.temperature_max_c", /^ok: /);
     await button(page, "Clear fault").click();
     await state(page, "READY");
     await run(page);
+}));
+
+test("Unlock is refused while the motor runs; at rest it is for the next value only", async () => withBoard(async (page) => {
+    const key = "board.temperature_max_c";
+    await connectToReady(page);
+    await run(page);
+    await button(page, "Parameters").click();
+    await button(page, "Unlock").click();
+    await answers(page, "unlock", /^board: error: what protects is unlocked at rest only; stop the drive first$/);
+    await button(page, "Stop").click();
+    await state(page, "READY");
+    await setKey(page, key, "80"); // protects more
+    await until(() => valueOf(page, key), (value) => value === "80");
+    await setKey(page, key, "85");
+    await keyAnswers(page, key, LOCKED);
+    await button(page, "Unlock").click();
+    await setKey(page, key, "85");
+    await until(() => valueOf(page, key), (value) => value === "85");
+    await setKey(page, key, "90");
+    await keyAnswers(page, key, LOCKED);
+    assert.equal(await valueOf(page, key), "85");
+    await button(page, "Disconnect").click();
+    await page.getByRole("button", { name: "Unlock", exact: true, disabled: true }).waitFor();
 }));
 
 test("set acts and names the change; a wrong value gets the program's line", async () => withBoard(async (page) => {

@@ -9,6 +9,7 @@ import { KeysTable } from "./keys_table.tsx";
 import { type Keys, useKeys } from "./use_keys.ts";
 
 const TITLES: Record<string, [string, string]> = {
+    unlock: ["Unlock", "At rest: the next configuration may protect less than the one in force. After that it is locked again."],
     store: ["Store", "The next start of the board has what is in force now."],
     defaults: ["Defaults", "What is built into the image comes into force."],
     adopt: ["Adopt files", "Use the values of the chosen files."],
