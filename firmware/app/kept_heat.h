@@ -13,7 +13,7 @@
 
 /*
  * 0.9 of the steady heat of the continuous current. Derating holds a winding at 1, so the winding is hardly hotter; only after an
- * OVERLOAD it may be. Up to 0.9 derating leaves the largest current (per_unit.cpp): a drive starts as ever, and has little reserve.
+ * OVERLOAD it may be. Up to 0.9 derating leaves the largest current (derating_units.cpp): a drive starts as ever, and has little reserve.
  */
 #define KEPT_HEAT_UNKNOWN_Q24 (0xE66666)
 

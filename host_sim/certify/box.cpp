@@ -2,6 +2,7 @@
 #include "box.h"
 
 #include "bars.h"
+#include "modulator_units.h"
 #include "si.h"
 #include "timetable.h"
 

@@ -2,6 +2,7 @@
 #include "margins.h"
 
 #include "metrics.h"
+#include "modulator_units.h"
 #include "numbers.h"
 
 #include <algorithm>

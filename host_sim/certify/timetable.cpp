@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "timetable.h"
 
+#include "sampling_units.h"
 #include "times.h"
 
 namespace nf::certify

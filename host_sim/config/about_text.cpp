@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "about_text.h"
 
-#include "per_unit.h"
+#include "temperature_sensor.h"
 
 #include <algorithm>
 #include <cmath>

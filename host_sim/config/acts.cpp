@@ -2,7 +2,7 @@
 #include "acts.h"
 
 #include "layer.h"
-#include "numbers.h"
+#include "voltage_drive_units.h"
 
 #include <algorithm>
 #include <set>

@@ -5,13 +5,14 @@
 #include "complete.h"
 #include "files.h"
 #include "layer.h"
-#include "low_speed_units.h"
-#include "numbers.h"
 #include "plate.h"
 #include "ratings.h"
 #include "readable.h"
 #include "refusal.h"
+#include "sampling_units.h"
 #include "scenario_file.h"
+#include "setting_error.h"
+#include "startup_units.h"
 
 #include "zoo.h"
 

@@ -4,6 +4,7 @@
 #include "acts.h"
 #include "bars.h"
 #include "cfg_rows.h"
+#include "per_unit.h"
 
 #include <map>
 #include <utility>

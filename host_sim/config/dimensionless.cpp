@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "dimensionless.h"
 
+#include "modulator_units.h"
+#include "motor_model.h"
+#include "nn_observer_units.h"
 #include "numbers.h"
-#include "rules.h"
+#include "per_unit.h"
 
 namespace nf
 {

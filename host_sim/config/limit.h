@@ -2,7 +2,7 @@
 // The limit of a value as a text. What is written is allowed itself: a person tries it next.
 #pragma once
 
-#include "per_unit.h"
+#include "setting_error.h"
 
 #include <string>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "plate.h"
 
+#include "motor_model.h"
 #include "numbers.h"
 #include "schema.h"
 #include "specimen.h"

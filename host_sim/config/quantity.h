@@ -2,7 +2,7 @@
 // What one of an integer of the firmware is: the quantities that the rows of cfg.def and the words of the drive's state name.
 #pragma once
 
-#include "per_unit.h"
+#include "bases.h"
 
 #include <string>
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "ratings.h"
 
+#include "modulator_units.h"
+#include "motor_model.h"
 #include "numbers.h"
-#include "per_unit.h"
 #include "rules.h"
+#include "sampling_units.h"
 #include "speed_margin.h"
 #include "torque_filter_units.h"
 

@@ -2,9 +2,10 @@
 #include "refusal.h"
 
 #include "limit.h"
-#include "numbers.h"
+#include "per_unit.h"
 #include "rules.h"
 #include "schema.h"
+#include "setting_error.h"
 
 #include <algorithm>
 #include <cmath>

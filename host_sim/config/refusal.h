@@ -3,6 +3,7 @@
 #pragma once
 
 #include "config.h"
+#include "setting_error.h"
 
 namespace nf
 {

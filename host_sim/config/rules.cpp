@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "rules.h"
 
+#include "modulator_units.h"
+#include "motor_model.h"
+#include "nn_observer_units.h"
 #include "numbers.h"
 #include "speed_margin.h"
 #include "torque_filter_units.h"
@@ -350,19 +353,6 @@ TuningSettings by_rules(const TuningSettings &as_written, const MotorSettings &m
     fill_motion(f, drive);
     fill_voltage_drive(f, drive);
     return f.tuning;
-}
-
-double estimate_lag_s(const TuningSettings &tuning, double period_s)
-{
-    const bool is_observed = tuning.angle_source == AngleSource::observer;
-    return is_observed && tuning.observer_kappa > 0
-               ? tuning.observer_kappa_p / tuning.observer_kappa * period_s
-               : 0;
-}
-
-double leg_loss_v(const BoardSettings &board, double dead_time_s, double device_drop_v)
-{
-    return 4.0 / 3 * (board.bus_nominal_v * dead_time_s * board.pwm_frequency_hz + device_drop_v);
 }
 
 } // namespace nf

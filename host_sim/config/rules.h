@@ -2,7 +2,7 @@
 // What a tuning leaves open is filled in by rules, the same for every motor and board: docs/tuning_rules.md.
 #pragma once
 
-#include "per_unit.h"
+#include "settings.h"
 
 #include <cmath>
 #include <map>
@@ -25,11 +25,5 @@ TuningSettings by_rules(const TuningSettings &as_written, const MotorSettings &m
 
 // The key of the motor or board file that a rule's value follows from most, or null where `key` is written or has no rule.
 const char *rule_source(const std::string &key, const TuningSettings &as_written);
-
-// The estimate follows a ramp of speed with this delay, T·κ_p/κ. None with the published law, and with a sensor.
-double estimate_lag_s(const TuningSettings &tuning, double period_s);
-
-// The vector that dead time and device drop take off the voltage: its first harmonic is 4/3 of what a leg loses.
-double leg_loss_v(const BoardSettings &board, double dead_time_s, double device_drop_v);
 
 } // namespace nf

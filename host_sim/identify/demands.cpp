@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "demands.h"
 
+#include "bases.h"
 #include "numbers.h"
 #include "plate.h"
 

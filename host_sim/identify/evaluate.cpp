@@ -2,7 +2,8 @@
 #include "evaluate.h"
 
 #include "bars.h"
-#include "numbers.h"
+#include "modulator_units.h"
+#include "motor_model.h"
 #include "phases.h"
 #include "pulse_model.h"
 

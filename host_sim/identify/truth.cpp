@@ -3,7 +3,8 @@
 
 #include "legs_fit.h"
 #include "machine.h"
-#include "numbers.h"
+#include "modulator_units.h"
+#include "motor_model.h"
 
 #include <cmath>
 

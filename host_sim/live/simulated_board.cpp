@@ -4,6 +4,7 @@
 #include "about_text.h"
 #include "header.h"
 #include "identity.h"
+#include "temperature_sensor.h"
 #include "writer.h"
 
 #include <algorithm>

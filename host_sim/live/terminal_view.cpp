@@ -5,6 +5,7 @@
 #include "live_view.h"
 #include "names.h"
 #include "numbers.h"
+#include "temperature_sensor.h"
 
 #include <algorithm>
 #include <deque>

@@ -2,6 +2,7 @@
 #include "fault_line.h"
 
 #include "numbers.h"
+#include "temperature_sensor.h"
 
 extern "C" {
 #include "fault_text.h"

@@ -2,7 +2,7 @@
 // A fault with all that the drive knows of it.
 #pragma once
 
-#include "per_unit.h"
+#include "bases.h"
 
 extern "C" {
 #include "drive.h"

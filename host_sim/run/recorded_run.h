@@ -2,7 +2,7 @@
 // A drive as it was in the field, what it was told from there on, and what it answered.
 #pragma once
 
-#include "per_unit.h"
+#include "bases.h"
 
 extern "C" {
 #include "drive.h"

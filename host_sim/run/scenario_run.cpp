@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "scenario_run.h"
 
+#include "motor_model.h"
 #include "numbers.h"
 #include "si.h"
 

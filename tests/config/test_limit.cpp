@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The limit of a value as a text.
 #include "limit.h"
+#include "setting_error.h"
 
 extern "C" {
 #include "testing.h"

@@ -4,8 +4,10 @@
 // and the ends of a range make otherwise.
 #include "config.h"
 #include "describe.h"
-#include "low_speed_units.h"
 #include "numbers.h"
+#include "per_unit.h"
+#include "setting_error.h"
+#include "startup_units.h"
 
 #include <algorithm>
 #include <cmath>

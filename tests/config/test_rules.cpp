@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // From the motor file to the gains: what a tuning leaves open is filled in by the motor, docs/configuration.md.
 #include "folder.h"
+#include "motor_model.h"
+#include "startup_units.h"
 
-#include "low_speed_units.h"
 #include "numbers.h"
 #include "rules.h"
 

@@ -6,6 +6,7 @@
 #include "hal_header.h"
 #include "header.h"
 #include "schema.h"
+#include "temperature_sensor.h"
 
 extern "C" {
 #include "about.h"

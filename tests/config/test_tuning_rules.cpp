@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The rules of the tuning `any`, each at dimensionless numbers where its value is known: docs/tuning_rules.md.
+#include "nn_observer_units.h"
 #include "rules.h"
 
 #include "config.h"

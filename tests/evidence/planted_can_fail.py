@@ -45,8 +45,8 @@ class RowsCanFail(unittest.TestCase):
         self.assertEqual(self.wrong(replace(FAULT, tests=("failing",)), "failing"), ["failing fails without the fault too"])
 
     def test_what_a_program_of_the_build_generates_is_followed(self):
-        fault = planted.Fault("another share", "config", "host_sim/config/per_unit.cpp", "constexpr double LATE_WINDOW_S = 1;",
-                              "constexpr double LATE_WINDOW_S = 2;", ("test_shipped",))
+        fault = planted.Fault("another share", "config", "host_sim/config/units/supervision_units.cpp",
+                              "constexpr double LATE_WINDOW_S = 1;", "constexpr double LATE_WINDOW_S = 2;", ("test_shipped",))
         self.assertEqual(self.wrong(fault, "generated"), ["test_shipped passes with the fault in"])
 
     def test_the_copy_is_afterwards_as_it_was(self):

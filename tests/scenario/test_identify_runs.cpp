@@ -5,6 +5,7 @@
 
 #include "evaluate.h"
 #include "measure.h"
+#include "motor_model.h"
 #include "numbers.h"
 #include "plate.h"
 #include "truth.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Injected faults change what the drive sees, when they shall and no tick earlier; and the user's requests.
 #include "scenario.h"
+#include "temperature_sensor.h"
 #include "tick.h"
 
 #include <cstddef>

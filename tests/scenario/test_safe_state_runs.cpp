@@ -4,7 +4,9 @@
 #include "config.h"
 #include "injection.h"
 #include "machine.h"
+#include "modulator_units.h"
 #include "numbers.h"
+#include "per_unit.h"
 #include "safe_state_units.h"
 #include "sim.h"
 

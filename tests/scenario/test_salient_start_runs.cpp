@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Starts of motors with so much saliency that φ/(L_q − L_d), the current at which the rotor has no stiffness on an imposed vector, is
 // near the continuous current: each is held, ends in a fault, or is refused. None is lost without a word.
-#include "low_speed_units.h"
 #include "origin.h"
 #include "per_unit.h"
 #include "scenario.h"
 #include "si.h"
+#include "startup_units.h"
 
 extern "C" {
 #include "fault_text.h"

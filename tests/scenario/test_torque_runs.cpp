@@ -2,6 +2,7 @@
 // Torque control in whole runs: how true the torque is at a speed, the ends of the window, the way through the start-up, and changes
 // between the three modes at any time.
 #include "run_bench.h"
+#include "voltage_drive_units.h"
 
 #include <algorithm>
 #include <cmath>

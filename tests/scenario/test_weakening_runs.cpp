@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Beyond base speed, in whole runs: the torque against the largest that current and voltage allow, the torque of a current against the
 // largest there is, and a speed that only a weakened field reaches.
+#include "modulator_units.h"
 #include "run_bench.h"
 #include "testing.h"
 

@@ -237,7 +237,7 @@ TEST(test_an_unknown_saliency_leaves_the_configured_one)
     assert_model(1.0, 1.2, 1.0);
 }
 
-/* f of this decay, as whole units of it: what per_unit.cpp writes. */
+/* f of this decay, as whole units of it: what nn_observer_units.cpp writes. */
 static void feed_back(int32_t decay, int32_t units)
 {
     observer.decay = decay;

@@ -104,6 +104,9 @@ SAMPLED = ("firmware/control/align.c", "firmware/control/flying_start.c", "firmw
 # Modules of which all mutants are made.
 CROSS_CHECKED = ("firmware/protect/current_sum.c", "firmware/app/cross_check.c")
 APP = ("firmware/app", "hal", *DRIVE)
+# Numbers of the configuration that other tests than its area's are for.
+TESTED_ELSEWHERE = tuple(f"host_sim/config/units/{name}.cpp"
+                         for name in ("safe_state_units", "speed_margin", "torque_filter_units", "torque_loop_units"))
 AREAS = (
     Area("control and math", ("firmware/control/*.[ch]", "firmware/math/*.[ch]", "firmware/math/port/*.h",
                               "firmware/math/port/generic/*.h"), CORE, (95, 100),
@@ -122,9 +125,9 @@ AREAS = (
     # `killed` is of all there were before the first look at them.
     Area("identification", ("firmware/app/identify*.c",), APP, (1581, 1729), sample=60),
     Area("board", tuple(f"hal/stm32g431/{name}.c" for name in ("codes", "led")), ("hal/stm32g431", *APP), (47, 50), sample=60),
-    Area("configuration", tuple(f"host_sim/config/{name}.cpp" for name in ("low_speed_units", "numbers", "per_unit")),
-         ("host_sim/config", *DRIVE), (83, 90), sample=24, looked_at=166,
-         tests=("test_per_unit", "test_rules", "test_refusals")),
+    Area("configuration", ("host_sim/config/per_unit.cpp", "host_sim/config/units/*.cpp"),
+         ("host_sim/config/units", "host_sim/config", *DRIVE), (83, 90), sample=24,
+         tests=("test_per_unit", "test_rules", "test_refusals"), left_out=TESTED_ELSEWHERE),
 )
 
 

@@ -40,22 +40,24 @@ BELOW = {
     "host_sim/zoo": ["host_sim/plant"],
 }
 CORE = [folder for folder in BELOW if folder.startswith("firmware/")]
+CONFIG = ["host_sim/config", "host_sim/config/units"]
 BELOW |= {
-    "host_sim/config": [*CORE, "host_sim/zoo", "host_sim/file"],
+    "host_sim/config/units": ["firmware/math", "firmware/control", "firmware/protect", "firmware/config"],
+    "host_sim/config": [*CORE, "host_sim/config/units", "host_sim/zoo", "host_sim/file"],
     "host_sim/file": [],
-    "host_sim/program": [*CORE, "host_sim/config", "host_sim/file"],
-    "host_sim/sheet": [*CORE, "host_sim/config", "host_sim/file", "host_sim/program"],
-    "host_sim/reference": [*CORE, "host_sim/config"],
-    "host_sim/run": [*CORE, "hal/host", "host_sim/plant", "host_sim/config"],
-    "host_sim/identify": [*CORE, "host_sim/plant", "host_sim/config", "host_sim/file", "host_sim/run"],
-    "host_sim/peers": [*CORE, "host_sim/config", "host_sim/run"],
-    "host_sim/output": [*CORE, "host_sim/config", "host_sim/file", "host_sim/run"],
-    "host_sim/certify": [*CORE, "host_sim/plant", "host_sim/zoo", "host_sim/config", "host_sim/run"],
-    "host_sim/replay": [*CORE, "host_sim/config", "host_sim/file", "host_sim/run", "host_sim/output"],
-    "host_sim/debug": [*CORE, "host_sim/config", "host_sim/file", "host_sim/reference", "host_sim/run", "host_sim/output"],
-    "host_sim/live": [*CORE, "hal/host", "host_sim/config", "host_sim/file", "host_sim/run", "host_sim/identify", "host_sim/output",
+    "host_sim/program": [*CORE, *CONFIG, "host_sim/file"],
+    "host_sim/sheet": [*CORE, *CONFIG, "host_sim/file", "host_sim/program"],
+    "host_sim/reference": [*CORE, *CONFIG],
+    "host_sim/run": [*CORE, "hal/host", "host_sim/plant", *CONFIG],
+    "host_sim/identify": [*CORE, "host_sim/plant", *CONFIG, "host_sim/file", "host_sim/run"],
+    "host_sim/peers": [*CORE, *CONFIG, "host_sim/run"],
+    "host_sim/output": [*CORE, *CONFIG, "host_sim/file", "host_sim/run"],
+    "host_sim/certify": [*CORE, "host_sim/plant", "host_sim/zoo", *CONFIG, "host_sim/run"],
+    "host_sim/replay": [*CORE, *CONFIG, "host_sim/file", "host_sim/run", "host_sim/output"],
+    "host_sim/debug": [*CORE, *CONFIG, "host_sim/file", "host_sim/reference", "host_sim/run", "host_sim/output"],
+    "host_sim/live": [*CORE, "hal/host", *CONFIG, "host_sim/file", "host_sim/run", "host_sim/identify", "host_sim/output",
                       "host_sim/replay", "host_sim/debug"],
-    "host_sim/web": [*CORE, "host_sim/config", "host_sim/run", "host_sim/identify", "host_sim/output", "host_sim/debug",
+    "host_sim/web": [*CORE, *CONFIG, "host_sim/run", "host_sim/identify", "host_sim/output", "host_sim/debug",
                      "host_sim/replay", "host_sim/live"],
 }
 FLOORED = ("firmware", "hal", "host_sim")  # their folders are floors, each of them

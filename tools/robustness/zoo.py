@@ -11,7 +11,7 @@ from .axes import Axis, Ranked
 from .distributions import Choice
 
 VARIANTS = EXACT, USER = "exact", "user"
-# What cannot be done with any number format: see check_speed() in host_sim/config/per_unit.cpp.
+# What cannot be done with any number format: see check_speed() in host_sim/config/units/weakening_units.cpp.
 PHYSICS = re.compile("the motor's EMF exceeds|the EMF charges the bus|shorts the motor|the rotor turns more than 0.7 rad in a PWM period")
 REFUSAL = re.compile("does not fit the firmware")
 FOR_PHYSICS, FOR_FORMAT = "physics", "number format"

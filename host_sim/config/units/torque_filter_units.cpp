@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "torque_filter_units.h"
 
+#include "numbers.h"
+
+#include <algorithm>
+#include <cmath>
+
 namespace nf
 {
 namespace

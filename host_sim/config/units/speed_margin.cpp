@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "speed_margin.h"
 
-#include "rules.h"
+#include "nn_observer_units.h"
+#include "si.h"
 #include "torque_filter_units.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
 
 namespace nf
 {

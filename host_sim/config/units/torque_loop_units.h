@@ -2,7 +2,7 @@
 // The firmware's numbers of torque control.
 #pragma once
 
-#include "numbers.h"
+#include "bases.h"
 
 namespace nf
 {

@@ -2,7 +2,7 @@
 // Up to which speed opening the gates is safe, and what the short circuit above it takes.
 #pragma once
 
-#include "numbers.h"
+#include "bases.h"
 
 namespace nf
 {

@@ -2,7 +2,7 @@
 // Notch and low-pass of the torque current: the firmware's numbers of their frequencies, and what they do to a frequency.
 #pragma once
 
-#include "numbers.h"
+#include "bases.h"
 
 #include <complex>
 

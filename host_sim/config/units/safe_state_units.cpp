@@ -1,6 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "safe_state_units.h"
 
+#include "modulator_units.h"
+#include "numbers.h"
+#include "setting_error.h"
+
+#include <algorithm>
+#include <cmath>
+
 namespace nf
 {
 namespace

@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-// What turning settings into the firmware's numbers is made of: ranges, mantissas, the motor model.
+// What turning settings into the firmware's numbers is made of: formats, ranges, mantissas.
 #pragma once
 
-#include "per_unit.h"
 #include "si.h"
+
+extern "C" {
+#include "pi.h"
+}
 
 #include <algorithm>
 #include <cmath>
-#include <string>
+#include <cstdint>
 
 namespace nf
 {
@@ -27,11 +30,8 @@ inline double rad_s_from_rpm(double rpm)
     return rpm * TWO_PI / 60.0;
 }
 
-// The largest −i_d that field weakening asks for: its share of the largest current, and no more than the magnets bear.
-double deepest_current(const MotorSettings &motor, const TuningSettings &tuning);
-
-// The largest phase voltage as a share of the bus: the circle in the hexagon of the inverter.
-double largest_ratio(const BoardSettings &board);
+// The range of a current, as a refusal says it.
+constexpr const char *CURRENT_REASON = "the firmware's steps of current";
 
 // The setting that a number follows from: the number goes with this power of it.
 struct Source {
@@ -72,29 +72,5 @@ Mantissa normalise(double number, int shift_min, int shift_max, const Source &se
 
 // Gains of a PI that follow from a bandwidth, ki (per sample) with a power of it.
 pi_cfg_t make_pi(double kp, double ki, double ki_power, const char *key, double bandwidth);
-
-// What the controller believes of the motor, in SI units.
-struct Model {
-    double resistance, inductance_d, inductance_q, flux, inertia;
-    double flux_current;        // φ/L_d
-    double torque_acceleration; // electrical rad/s² per ampere of i_q
-    double max_speed_el;
-};
-
-Model make_model(const MotorSettings &motor, const ModelScales &scale);
-
-// The lowest speed of the voltage drive is at least so many hand-over speeds: it gives back at 3/4 of it, which has to be
-// before the observer does.
-constexpr double ABOVE_HANDOVER = 1.5;
-
-// With an angle sensor nothing is to be found at the start, and the observer's speed is not trained.
-TuningSettings for_sensor(const TuningSettings &tuning);
-
-// Peak phase current of rated torque, i_d = 0.
-double rated_current(const MotorSettings &motor);
-
-// Peak phase current for ever: the motor file's, else that of rated torque; and the key that says so.
-double continuous_current(const MotorSettings &motor);
-Source continuous_source(const MotorSettings &motor);
 
 } // namespace nf

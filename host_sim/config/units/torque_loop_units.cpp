@@ -1,5 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "torque_units.h"
+#include "torque_loop_units.h"
+
+#include "numbers.h"
+
+#include <algorithm>
+#include <cmath>
 
 namespace nf
 {
