@@ -55,6 +55,8 @@ BELOW |= {
     "host_sim/certify": [*CORE, "host_sim/plant", "host_sim/zoo", *CONFIG, "host_sim/run"],
     "host_sim/replay": [*CORE, *CONFIG, "host_sim/file", "host_sim/run", "host_sim/output"],
     "host_sim/debug": [*CORE, *CONFIG, "host_sim/file", "host_sim/reference", "host_sim/run", "host_sim/output"],
+    "host_sim/commands": [*CORE, *CONFIG, "host_sim/file", "host_sim/program", "host_sim/run", "host_sim/identify", "host_sim/peers",
+                          "host_sim/output", "host_sim/certify", "host_sim/replay", "host_sim/debug"],
     "host_sim/live": [*CORE, "hal/host", *CONFIG, "host_sim/file", "host_sim/run", "host_sim/identify", "host_sim/output",
                       "host_sim/replay", "host_sim/debug"],
     "host_sim/web": [*CORE, *CONFIG, "host_sim/run", "host_sim/identify", "host_sim/output", "host_sim/debug",
