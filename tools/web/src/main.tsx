@@ -7,7 +7,8 @@ import { BoardLine } from "./connect/board_line.tsx";
 import { Client } from "./core/client.ts";
 import { isolateLater } from "./parts/isolation.ts";
 import { setTheme, type Theme, THEMES } from "./parts/theme.ts";
-import { TABS, type Tab, type TabProps } from "./tabs.ts";
+import type { Tab, TabProps } from "./tab.ts";
+import { TABS } from "./tabs.ts";
 
 function ThemeChoice() {
     return (

@@ -1,28 +1,11 @@
 // SPDX-License-Identifier: MIT
 // The parts of the bench; each is a row.
-import type { ComponentType } from "preact";
 import { ConnectTab } from "./connect/connect_tab.tsx";
-import type { Client } from "./core/client.ts";
-import type { Names, SchemaKey } from "./core/protocol.ts";
 import { PlayTab } from "./play/play_tab.tsx";
 import { ReplayTab } from "./replay/replay_tab.tsx";
 import { RunTab } from "./run/run_tab.tsx";
 import { StepTab } from "./step/step_tab.tsx";
-
-export interface TabProps {
-    // Opens another tab; `what` is for it.
-    show(id: string, what?: string): void;
-    what: string;
-    client: Client;
-    names: Names;
-    schema: SchemaKey[];
-}
-
-export interface Tab {
-    id: string;
-    title: string;
-    view: ComponentType<TabProps>;
-}
+import type { Tab } from "./tab.ts";
 
 // The id is the one of the address.
 export const TABS: Tab[] = [

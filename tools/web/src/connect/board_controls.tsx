@@ -4,7 +4,7 @@ import type { PlayMode } from "../core/protocol.ts";
 import { CommandChoice } from "../parts/command_choice.tsx";
 import { download } from "../parts/format.ts";
 import { Requests } from "../parts/requests.tsx";
-import type { TabProps } from "../tabs.ts";
+import type { TabProps } from "../tab.ts";
 import type { Board } from "./board.ts";
 import type { Recording } from "./talk.ts";
 

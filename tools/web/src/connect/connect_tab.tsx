@@ -2,7 +2,7 @@
 // Connect: a running board at a serial port, as `motorsim live` shows it.
 import { useState } from "preact/hooks";
 import { ScopeScene, SpanChoice } from "../parts/scope_scene.tsx";
-import type { TabProps } from "../tabs.ts";
+import type { TabProps } from "../tab.ts";
 import { Alarms } from "./alarms.tsx";
 import type { Board } from "./board.ts";
 import { BoardControls, RecordButtons } from "./board_controls.tsx";

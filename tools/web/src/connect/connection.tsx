@@ -3,7 +3,7 @@
 import { useState } from "preact/hooks";
 import type { LiveHead } from "../core/protocol.ts";
 import { useRefresh } from "../parts/use_refresh.ts";
-import type { TabProps } from "../tabs.ts";
+import type { TabProps } from "../tab.ts";
 import type { Board, Phase } from "./board.ts";
 import { knownRates } from "./known_rates.ts";
 import { Leave } from "./leave.tsx";

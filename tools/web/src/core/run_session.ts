@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // A run in slices.
+import type { Job } from "./job.ts";
 import type { Requests, Run, RunHead, RunResult, SignalInfo } from "./protocol.ts";
 import type { Block, Core } from "./wasm.ts";
-import type { Job } from "./worker.ts";
 
 // Some 20 ms of computing: between two of them a run can be stopped.
 const SLICE_TICKS = 8192;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The stepper. A command that lets many ticks go by comes in slices, between which it can be stopped.
+import type { Job } from "./job.ts";
 import type { Requests, StepHead, StepView } from "./protocol.ts";
 import type { Core } from "./wasm.ts";
-import type { Job } from "./worker.ts";
 
 export function stepOpen(core: Core, { source, choice }: Requests["stepOpen"]["given"]): StepHead {
     return core.call("step.open", { source, ...choice });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The worker: it holds the simulator, takes requests one after the other, and lets a long one be stopped between slices.
 import * as setup from "./board_setup.ts";
+import type { Job } from "./job.ts";
 import type { Answer, Cancel, Names, Request, RequestName, Requests, SchemaKey } from "./protocol.ts";
 import * as live from "./live_session.ts";
 import * as play from "./play_session.ts";
@@ -8,13 +9,6 @@ import * as replay from "./replay_session.ts";
 import { run, trace } from "./run_session.ts";
 import * as step from "./step_session.ts";
 import { Core, type Module } from "./wasm.ts";
-
-// Of a request while it is served.
-export interface Job {
-    progress(share: number): void;
-    // Lets messages in; throws Stopped when one of them ends this request.
-    breathe(): Promise<void>;
-}
 
 class Stopped extends Error {}
 

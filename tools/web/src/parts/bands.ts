@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: MIT
 // States and faults behind the curves.
 import type uPlot from "uplot";
-import type { Band } from "./plot_panel.tsx";
 import { token } from "./theme.ts";
+
+export interface Band {
+    from: number;
+    to: number; // the same as `from`: an instant
+    label: string;
+    kind: "state" | "fault";
+}
 
 const LABEL_PX = 12;
 const GAP_PX = 4;

@@ -2,7 +2,7 @@
 // Curves over time: zoom by dragging or the wheel, pan with the shift key, cursor with values, bands behind the curves.
 import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
-import { bandHooks, LABELS_PX } from "./bands.ts";
+import { type Band, bandHooks, LABELS_PX } from "./bands.ts";
 import { shown, withUnit } from "./format.ts";
 import { keptInBox, legendIn, type PlotBoxes, sizeOf } from "./plot_box.ts";
 import { token } from "./theme.ts";
@@ -12,13 +12,6 @@ export interface Curve {
     unit: string;
     values: ArrayLike<number | null>; // null: not known
     isBefore?: boolean; // of another run, to compare
-}
-
-export interface Band {
-    from: number;
-    to: number; // the same as `from`: an instant
-    label: string;
-    kind: "state" | "fault";
 }
 
 export interface Range {

@@ -2,8 +2,9 @@
 // Curves that roll: the newest instant is at the right edge. The owner says when to draw, as often as the screen does.
 import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
+import type { Band } from "./bands.ts";
 import { keptInBox, type PlotBoxes } from "./plot_box.ts";
-import { axesOf, type Band, commonOptions, type Curve, dataOf, seriesOf } from "./plot_panel.tsx";
+import { axesOf, commonOptions, type Curve, dataOf, seriesOf } from "./plot_panel.tsx";
 import { gapsOfTimes } from "./time_gaps.ts";
 
 export interface ScopePicture {

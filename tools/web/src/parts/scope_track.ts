@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // What rolling scopes show: the newest points, and the states and faults behind them.
 import type { PlayBlock, ScopeChoice } from "../core/protocol.ts";
+import type { Band } from "./bands.ts";
 import { Listeners } from "./listeners.ts";
-import type { Band } from "./plot_panel.tsx";
 import { Rolling } from "./rolling.ts";
 import type { ScopePicture } from "./rolling_scope.tsx";
 

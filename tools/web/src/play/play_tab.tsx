@@ -9,7 +9,7 @@ import { StateMachine } from "../parts/state_machine.tsx";
 import type { Selection } from "../run/bench_state.ts";
 import { MachineChoice } from "../run/machine_choice.tsx";
 import { keepInLink, selectionOfLink } from "../run/selection_link.ts";
-import type { TabProps } from "../tabs.ts";
+import type { TabProps } from "../tab.ts";
 import { Controls } from "./controls.tsx";
 import { MotorDrawing } from "./motor_drawing.tsx";
 import type { Player } from "./player.ts";

@@ -6,7 +6,7 @@ import type { Curves as Recorded, ReplayHead } from "../core/protocol.ts";
 import { FIRST_PANELS } from "../parts/board_panels.ts";
 import { FileDrop } from "../parts/file_drop.tsx";
 import { Curves } from "../run/curves.tsx";
-import type { TabProps } from "../tabs.ts";
+import type { TabProps } from "../tab.ts";
 
 const SAMPLE =
     `build/host/motorsim run s1_robust --record field.log --set 'scenario.fault=[{time_s=0.3, what="phase_a_open"}]'`;

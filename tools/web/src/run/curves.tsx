@@ -2,7 +2,8 @@
 // The panels of a run and the tree of signals that go into them.
 import { useEffect, useMemo, useState } from "preact/hooks";
 import type { Run } from "../core/protocol.ts";
-import { type Band, type Curve, PlotPanel, type Range } from "../parts/plot_panel.tsx";
+import type { Band } from "../parts/bands.ts";
+import { type Curve, PlotPanel, type Range } from "../parts/plot_panel.tsx";
 import { SignalTree } from "../parts/signal_tree.tsx";
 
 // What can be drawn over time, of a run or of a recording.

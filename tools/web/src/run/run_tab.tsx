@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Simulate: a scenario that is run with its imperfections and edited files, its figures beside their limits, and the curves.
 import { useEffect, useState } from "preact/hooks";
-import type { TabProps } from "../tabs.ts";
+import type { TabProps } from "../tab.ts";
 import { argumentsOf, choiceOf, type Selection } from "./bench_state.ts";
 import { Curves } from "./curves.tsx";
 import { downloadPicture, downloadResults, TraceButton } from "./downloads.tsx";

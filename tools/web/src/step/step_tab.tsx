@@ -2,7 +2,7 @@
 // Step: any tick, forwards and backwards, by the engine of `motorsim debug`.
 import { useId, useState } from "preact/hooks";
 import type { StepSource, StepView } from "../core/protocol.ts";
-import type { TabProps } from "../tabs.ts";
+import type { TabProps } from "../tab.ts";
 import { Console } from "./console.tsx";
 import { Diff, Stages } from "./tables.tsx";
 import { type Stepper, useStep } from "./use_step.ts";
