@@ -9,7 +9,7 @@
 #ifndef PLANT_MOTOR_INSIDE_H
 #define PLANT_MOTOR_INSIDE_H
 
-#include "motor.h"
+#include "motor_state.h"
 #include "pair.h"
 
 /* The state while it is worked on, in registers. */

@@ -227,6 +227,13 @@ double plant_real_growth(const plant_motor_t *motor)
     return fmax(largest / fmax(motor->inverse_d, motor->inverse_q), 1.0);
 }
 
+/* plant_motor_rate, as the motor stands. */
+static double rate_now(const plant_motor_t *motor)
+{
+    const double rate = plant_motor_linear_rate(motor);
+    return motor->iron.saturates ? rate * plant_real_growth(motor) : rate;
+}
+
 /* ---- slopes --------------------------------------------------------------------------------- */
 
 /* The part of the voltage that follows the current, held frame. */
@@ -473,7 +480,7 @@ void plant_real_step_open(plant_motor_t *motor, double step_s)
     store(motor, &core);
     const context_t c = context_of(motor, &core, NULL);
     const point_t start = start_of(motor, &core);
-    const point_t end = integrated(&c, &start, step_s, plant_motor_rate(motor) * step_s);
+    const point_t end = integrated(&c, &start, step_s, rate_now(motor) * step_s);
     finish(motor, &core, &c, &end, step_s);
 }
 
