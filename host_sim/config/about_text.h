@@ -2,7 +2,7 @@
 // The parts of about_t as a header has them, which a configuration block and the identity of a board have too.
 #pragma once
 
-#include "config.h"
+#include "configuration.h"
 
 #include <cstdint>
 #include <string>

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "acts.h"
 
-#include "layer.h"
+#include "configuration.h"
 #include "voltage_drive_units.h"
 
 #include <algorithm>
-#include <set>
-
-#include <fmt/format.h>
+#include <vector>
 
 namespace nf
 {
@@ -128,25 +126,6 @@ bool has_measured_dead_time(const Config &config)
 bool has_no_measured_knee(const Config &config)
 {
     return config.measured.dead_time_s <= 0 || config.measured.knee_a < 0;
-}
-
-void note_idle(const std::vector<const Layer *> &layers, Config &config)
-{
-    std::set<const Field *> written;
-    for (const Layer *layer : layers) {
-        for (const Setting &setting : layer->settings) {
-            written.insert(setting.field);
-        }
-    }
-    for (const Field &field : schema()) {
-        const auto origin = config.origins.find(field.name());
-        if (written.count(&field) != 0 && origin != config.origins.end() &&
-            !field.acting.holds(config)) {
-            config.scenario.notes.push_back(
-                fmt::format("{}: {} = {}: acts {}", origin->second.text(), field.name(),
-                            field.number_text(config), field.acting.when));
-        }
-    }
 }
 
 } // namespace nf

@@ -2,13 +2,10 @@
 // Where a key acts: some do only together with another one.
 #pragma once
 
-#include <vector>
-
 namespace nf
 {
 
 struct Config;
-struct Layer;
 
 // Of a complete configuration, see load_scenario().
 struct Acting {
@@ -91,8 +88,5 @@ constexpr Acting WITH_MEASURED_DEAD_TIME = {
     has_measured_dead_time};
 constexpr Acting WITHOUT_MEASURED_KNEE = {
     "only without a measured.knee_a beside measured.dead_time_s above 0", has_no_measured_knee};
-
-// Notes a line in config.scenario.notes for each key of these layers that is in force and does not act.
-void note_idle(const std::vector<const Layer *> &layers, Config &config);
 
 } // namespace nf

@@ -3,7 +3,7 @@
 // missing, at the table of the first.
 #pragma once
 
-#include "config.h"
+#include "configuration.h"
 #include "layer.h"
 
 namespace nf

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "config.h"
 
-#include "acts.h"
 #include "complete.h"
 #include "files.h"
-#include "layer.h"
+#include "idle.h"
 #include "plate.h"
 #include "ratings.h"
+#include "read_layer.h"
 #include "readable.h"
 #include "refusal.h"
 #include "sampling_units.h"

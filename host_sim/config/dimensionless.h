@@ -4,7 +4,7 @@
 // device drop are the real board's.
 #pragma once
 
-#include "config.h"
+#include "configuration.h"
 
 #include <vector>
 

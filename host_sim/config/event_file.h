@@ -2,7 +2,7 @@
 // The lists of a scenario that disturb it and ask for things: [[scenario.fault]], [[scenario.request]].
 #pragma once
 
-#include "config.h"
+#include "configuration.h"
 #include "document.h"
 
 #include <vector>

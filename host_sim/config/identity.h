@@ -2,7 +2,7 @@
 // By what an image knows the configuration blocks that it takes: config_block.h.
 #pragma once
 
-#include "config.h"
+#include "configuration.h"
 
 extern "C" {
 #include "config_block.h"

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-// One file or override as a list of checked settings: what is wrong with it is found here,
-// whether or not another layer overrides it.
+// One file or override as a list of checked settings.
 #pragma once
 
 #include "schema.h"
@@ -28,13 +27,6 @@ struct Layer {
     std::map<std::string, Node> extra;    // of a scenario: its lists, "accept"
     std::map<std::string, Origin> tables; // where each section starts
 };
-
-// A file of a kind from its text, without looking at the files that it refers to. Any bytes are
-// allowed; throws ConfigError for what is wrong.
-Layer read_layer(FileKind kind, const std::string &file, const std::string &text);
-
-// An override "section.key=value", or "motor=NAME" and the like.
-Layer read_override(const std::string &text);
 
 // Notes the layer's settings in the configuration.
 void apply_layer(const Layer &layer, Config &config);

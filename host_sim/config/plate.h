@@ -8,7 +8,7 @@
 // The file is read by load_plate() of config.h.
 #pragma once
 
-#include "config.h"
+#include "configuration.h"
 
 #include <string>
 #include <vector>

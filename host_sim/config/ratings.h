@@ -2,7 +2,7 @@
 // Whether motor, board and tuning do together what each file says.
 #pragma once
 
-#include "config.h"
+#include "configuration.h"
 
 namespace nf
 {

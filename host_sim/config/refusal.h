@@ -2,7 +2,7 @@
 // Refusals of values that are wrong only beside others: which of the lines is blamed, and what the user can write.
 #pragma once
 
-#include "config.h"
+#include "configuration.h"
 #include "setting_error.h"
 
 namespace nf

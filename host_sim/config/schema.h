@@ -4,7 +4,7 @@
 #pragma once
 
 #include "acts.h"
-#include "config.h"
+#include "configuration.h"
 #include "document.h"
 
 #include <array>

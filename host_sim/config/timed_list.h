@@ -2,7 +2,7 @@
 // The lists of a scenario that step a quantity: [[scenario.command]], [[scenario.load]].
 #pragma once
 
-#include "config.h"
+#include "configuration.h"
 #include "document.h"
 
 #include <string>

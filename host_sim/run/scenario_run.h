@@ -2,7 +2,7 @@
 // run_scenario() in slices, for whoever shows how far it is or may stop it.
 #pragma once
 
-#include "scenario.h"
+#include "run_result.h"
 #include "scripted_run.h"
 
 #include <optional>

@@ -4,7 +4,7 @@
 #include "calls.h"
 
 #include "files.h"
-#include "layer.h"
+#include "read_layer.h"
 #include "schema.h"
 #include "timed_list.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Whatever the bytes are, the reader accepts them or refuses them with one line; it never crashes.
 #include "files.h"
-#include "layer.h"
+#include "read_layer.h"
 
 #include "testing.h"
 

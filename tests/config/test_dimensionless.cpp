@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The dimensionless numbers of a drive, against motor A's worked out by hand.
+#include "config.h"
 #include "dimensionless.h"
 
 #include <cmath>

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Circles in the firmware, and who writes the state of the drive. A part of gate.floors.
+"""Circles of modules, and who writes the state of the drive. A part of gate.floors.
 
 A module is the files of one folder with one stem. It depends on each module that it includes and on each that defines a
 function that it calls, inline in a header or not. A circle of modules is a finding. So is a recursion, a circle of functions
 of one module.
+
+In the simulator the includes alone are looked at, and in the bench of the browser the imports, of types too.
 
 A call through a pointer counts as a call of each function of this type whose address is taken anywhere in the firmware: a
 pointer that is handed down may call back up, and no include shows it.
@@ -14,6 +16,7 @@ libclang parses each source and each header by itself, as for an Armv7E-M, and o
 """
 
 import functools
+import os
 import re
 import subprocess
 from graphlib import CycleError, TopologicalSorter
@@ -34,24 +37,36 @@ WRITERS = {  # the recorder writes copies that nobody steps
     DRIVE: [(LIFE_FILE, "initialise"), (RECORDER_FILE, "offer"), (RECORDER_FILE, "recorder_keep_state")],
 }
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*"([^"]+)"', re.MULTILINE)
+FIRMWARE = ("firmware/*.c", "firmware/*.h", "firmware/*.def")
+SIMULATOR = ("host_sim/*.c", "host_sim/*.cpp", "host_sim/*.h")
+BENCH = ("tools/web/src/*.ts", "tools/web/src/*.tsx")
+IMPORT = re.compile(r'^(?:import|export)\b[^;"]*"(\.[^"]+)"', re.MULTILINE)
 
 
 def module(path):
     return path.parent, path.stem
 
 
-def includes(root):
-    """(module, module that it includes) → where the first time."""
-    paths = sources.files(root, "firmware/*.c", "firmware/*.h", "firmware/*.def")
+def dependences(root, patterns, form, word, named):
+    """(module, module that it includes or imports) → where the first time. named: whether a path is the one of a name."""
+    paths = sources.files(root, *patterns)
     found = {}
     for path in paths:
         text = (root / path).read_text(encoding="utf-8")
-        for match in INCLUDE.finditer(text):
-            name = Path(match[1]).name
-            where = f"{path}:{text.count(chr(10), 0, match.start()) + 1} includes {name}"
-            for included in (p for p in paths if p.name == name and module(p) != module(path)):
-                found.setdefault((module(path), module(included)), where)
+        for match in form.finditer(text):
+            where = f"{path}:{text.count(chr(10), 0, match.start()) + 1} {word} {Path(match[1]).name}"
+            for other in (p for p in paths if named(path, match[1], p) and module(p) != module(path)):
+                found.setdefault((module(path), module(other)), where)
     return found
+
+
+def includes(root, patterns):
+    return dependences(root, patterns, INCLUDE, "includes", lambda _, name, other: other.name == Path(name).name)
+
+
+def imports(root):
+    return dependences(root, BENCH, IMPORT, "imports",
+                       lambda path, name, other: os.path.normpath(path.parent / name) == str(other))
 
 
 class Code:
@@ -190,6 +205,7 @@ def findings(root):
         else:
             between.setdefault(edge, where)
     yield from (f"{path}:{line}: {text}" for (path, line), text in code.errors.items())
-    yield from (f"{circle}: modules in a circle" for circle in circles(includes(root) | between))
+    for edges in (includes(root, FIRMWARE) | between, includes(root, SIMULATOR), imports(root)):
+        yield from (f"{circle}: modules in a circle" for circle in circles(edges))
     yield from (f"{circle}: a recursion" for circle in circles(within))
     yield from foreign_writes(root, code.writes)

@@ -55,6 +55,15 @@ CIRCLES = {
         "firmware/math/port/armv7em/fx_port.h": "int a_step(int x);\nstatic inline int fx_sat(int x) { return a_step(x); }\n",
         "firmware/math/port/generic/fx_port.h": "static inline int fx_sat(int x) { return x; }\n",
     },
+    "host_sim/run/a.cpp:1 includes b.h -> host_sim/run/b.h:1 includes a.h: modules in a circle": {
+        "host_sim/run/a.cpp": '#include "b.h"\n',
+        "host_sim/run/a.h": "",
+        "host_sim/run/b.h": '#include "a.h"\n',
+    },
+    "tools/web/src/a.ts:2 imports b.tsx -> tools/web/src/parts/b.tsx:1 imports a.ts: modules in a circle": {
+        "tools/web/src/a.ts": 'import { x } from "x";\nimport {\n    b,\n} from "./parts/b.tsx";\n',
+        "tools/web/src/parts/b.tsx": 'import type { A } from "../a.ts";\n',
+    },
 }
 DRIVE = {
     "firmware/drive/state.h": "typedef struct {\n    int state;\n    int tick;\n} drive_t;\n",
