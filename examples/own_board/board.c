@@ -12,7 +12,7 @@ void hal_sample(hal_t *hal, drive_in_t *in)
     in->adc_ia = (uint16_t)board_registers.current_a;
     in->adc_ib = (uint16_t)board_registers.current_b;
     in->adc_bus = (uint16_t)board_registers.bus;
-    in->adc_temperature = 0U; /* the board file has no temperature sensor */
+    in->adc_temperature = (uint16_t)board_registers.temperature;
     in->angle = 0U;
     in->flags = (board_registers.broken != 0U) ? DRIVE_FLAG_BREAK : 0U;
     hal->ticks++;
@@ -98,7 +98,7 @@ bool hal_store_program(hal_t *hal, uint32_t slot, uint32_t unit,
     return false;
 }
 
-/* Nothing outlives a reset: each start begins with a winding that may be warm. */
+/* Nothing outlives a reset. */
 void hal_keep(hal_t *hal, uint32_t index, uint32_t word)
 {
     (void)hal;

@@ -15,6 +15,8 @@ from pathlib import Path
 NFCONFIG = Path(sys.argv[1]).resolve()
 ROOT = Path(__file__).resolve().parents[2]
 BINDING = Path(__file__).resolve().parent / "binding"
+EXAMPLE = ROOT / "examples/own_board"
+OF_EXAMPLE = ("main.c", "board.c", "board.h", "vectors.c", "own_board.ld")
 GUIDE = (ROOT / "docs/porting.md").read_text(encoding="utf-8")
 BLOCK = re.compile(r"(?:^(?:    .*)?\n)+", re.MULTILINE)
 
@@ -100,6 +102,8 @@ class Porting(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)
         shutil.copytree(BINDING, self.folder / "my_binding")
+        for name in OF_EXAMPLE:
+            shutil.copy(EXAMPLE / name, self.folder / "my_binding")
 
     def run_command(self, *command, cwd=None, **more):
         run = subprocess.run(command, cwd=cwd or self.folder, capture_output=True, text=True, check=False, **more)
@@ -129,8 +133,8 @@ class Porting(unittest.TestCase):
         self.build("cortex-m4")
         symbols = subprocess.run(["arm-none-eabi-nm", self.folder / "cortex-m4/mine.elf"], check=True,
                                  capture_output=True, text=True).stdout
-        self.assertRegex(symbols, r"40010000 . mine_registers\n")
-        for name in ("mine_conversions_complete", "device_vectors", "main"):
+        self.assertRegex(symbols, r"40010000 . board_registers\n")
+        for name in ("board_conversions_complete", "device_vectors", "main"):
             self.assertRegex(symbols, rf" \w {name}\n")
 
     def test_the_sources_and_include_paths_of_the_guide_are_all_that_a_compiler_needs(self):
@@ -148,9 +152,9 @@ class Porting(unittest.TestCase):
 
     def test_the_guide_quotes_what_is_built(self):
         quoted = list(blocks())
-        for name in ("main.c", "CMakeLists.txt"):
-            _, _, below_licence = (BINDING / name).read_text(encoding="utf-8").partition("\n")
-            self.assertIn(below_licence, quoted, name)
+        for path in (EXAMPLE / "main.c", BINDING / "CMakeLists.txt"):
+            _, _, below_licence = path.read_text(encoding="utf-8").partition("\n")
+            self.assertIn(below_licence, quoted, path)
 
     def configure_with(self, nfconfig):
         """Only configured, by a path relative to the folder in which cmake is called."""

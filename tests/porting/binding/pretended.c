@@ -4,14 +4,14 @@
  * has measured its sensors' zeros and then enabled the gates for the run that a person has typed. It prints what the
  * console says.
  */
-#include "hal_mine.h"
+#include "board.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
 #define PERIODS (2000U) /* 0.2 s; the calibration takes 0.0256 s */
 
-volatile mine_registers_t mine_registers = {
+volatile board_registers_t board_registers = {
     .current_a = 2048U, .current_b = 2048U, .bus = 2822U, .temperature = 1024U};
 
 /* A byte a period at most, either way. */
@@ -19,27 +19,27 @@ static void use_console(void)
 {
     static const char *typed = "speed 1000\rrun\r";
 
-    if ((mine_registers.received == 0U) && (*typed != '\0')) {
-        mine_registers.received = MINE_BYTE | (uint32_t)*typed;
+    if ((board_registers.received == 0U) && (*typed != '\0')) {
+        board_registers.received = BOARD_BYTE | (uint32_t)*typed;
         typed++;
     }
-    if (mine_registers.sent != 0U) {
-        (void)putchar((int)(mine_registers.sent & 0xFFU));
-        mine_registers.sent = 0U;
+    if (board_registers.sent != 0U) {
+        (void)putchar((int)(board_registers.sent & 0xFFU));
+        board_registers.sent = 0U;
     }
 }
 
-void mine_wait(void)
+void board_wait(void)
 {
     static uint32_t periods;
     static uint32_t enabled; /* in this period */
 
-    if (mine_registers.run != 0U) {
-        mine_conversions_complete();
+    if (board_registers.run != 0U) {
+        board_conversions_complete();
     }
     use_console();
     periods++;
-    if ((mine_registers.gates != 0U) && (enabled == 0U)) {
+    if ((board_registers.gates != 0U) && (enabled == 0U)) {
         enabled = periods;
     }
     if (periods == PERIODS) {
