@@ -539,18 +539,16 @@ static void say_or_go_on(identify_t *identify, text_t *text)
 static void add_load(text_t *text, const char *before, int32_t heat_q24)
 {
     text_add(text, before);
-    text_number(text, (int32_t)(((int64_t)heat_q24 * 100) / HEAT_ONE), 0U);
+    text_number(text, (int32_t)((((int64_t)heat_q24 * 100) + (HEAT_ONE / 2)) / HEAT_ONE), 0U);
     text_add(text, " %");
 }
 
-/* The two minutes count from the end of the wait on. */
 static void wait_for_cooling(identify_t *identify, text_t *text, int32_t most_q24)
 {
-    identify->began = identify->app->drive.tick;
-    if (!identify->cools) {
-        identify->cools = true;
-        add_load(text, "the winding may have ", identify->app->drive.derating.heat_q24);
-        add_load(text, " of its continuous load; waits until that is ", most_q24);
+    if (!identify->wait_is_said) {
+        identify->wait_is_said = true;
+        add_load(text, "the winding may be at ", identify->app->drive.derating.heat_q24);
+        add_load(text, " of its continuous heat; waiting until it is at ", most_q24);
         text_end_line(text);
     }
 }

@@ -18,12 +18,12 @@ static uint64_t steady_q8(const identify_t *identify)
     return (largest * largest * 256U) / (continuous * continuous);
 }
 
-/* T/τ for LARGEST_MS, Q16: periods times the rate of one. */
+/* T/τ for LARGEST_MS, Q16: supervision periods times the rate of one. */
 static uint64_t share_q16(const identify_t *identify)
 {
     const drive_cfg_t *const cfg = identify->app->drive.cfg;
-    const uint64_t periods =
-        ((uint64_t)LARGEST_MS * fx_unsigned(identify->ms_ticks)) / cfg->slow_ticks;
+    const uint64_t periods = ((uint64_t)LARGEST_MS * fx_unsigned(identify->ms_ticks)) /
+                             ((uint64_t)cfg->slow_ticks * SUPERVISION_STEPS);
 
     return (periods * fx_unsigned(cfg->derating.heat_rate)) >> cfg->derating.heat_rate_shift;
 }

@@ -101,7 +101,7 @@ typedef struct {
     app_t *app;
     const about_t *about;
     identify_phase_t phase;
-    bool cools;            /* it has said that it waits for the winding */
+    bool wait_is_said;     /* that it waits for the winding */
     uint32_t step;         /* experiments of the phase so far */
     identify_phase_t said; /* the last phase that was said */
     const char *why;       /* it was refused; NULL: it was not */

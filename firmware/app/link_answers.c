@@ -270,7 +270,10 @@ static live_config_verdict_t do_block(link_t *link, const question_t *question)
     return verdict;
 }
 
-/* The questions about the block. A dump reads the block that is not in force: meanwhile none is written there. */
+/*
+ * The questions about the block. A dump reads the block that is not in force: meanwhile none is written there. What is measured, and
+ * whether it may be, follows from the block in force: meanwhile that stays too.
+ */
 static live_config_verdict_t judge_block(link_t *link, const question_t *question)
 {
     const bool dumps = link->console.dump_phase != CONSOLE_DUMP_NONE;
@@ -278,6 +281,8 @@ static live_config_verdict_t judge_block(link_t *link, const question_t *questio
 
     if (dumps && (question->type != (uint8_t)LINK_STORE)) {
         verdict.why = DUMP_FIRST;
+    } else if (identify_is_busy(&link->console.identify)) {
+        verdict.why = CONSOLE_MEASURING;
     } else {
         verdict = do_block(link, question);
     }

@@ -5,7 +5,6 @@
 
 #include "drive_cfg.h"
 
-#include <stdbool.h>
 #include <stdint.h>
 
 /* When the range of a row counts. */
@@ -17,12 +16,11 @@ typedef enum {
 
 typedef struct {
     const char *path; /* in drive_cfg_t */
-    int32_t
-        lowest; /* an unsigned setting has both ends in 0…2^31 − 1: a larger value reads as a negative one */
+    /* An unsigned setting has both ends in 0…2^31 − 1: a larger value reads as a negative one. */
+    int32_t lowest;
     int32_t highest;
     uint16_t offset; /* in drive_cfg_t, bytes */
     uint8_t use;     /* config_use_t */
-    bool at_rest;    /* changes only at rest, with open gates */
 } config_row_t;
 
 /*

@@ -145,7 +145,7 @@ bool attend_is_ordinary(const drive_t *drive, const drive_in_t *in)
            (word == DRIVE_REQUEST_RUN) && protection_holds(&drive->limits, &measured);
 }
 
-/* A fault that only the background can find. What is no fault is none. */
+/* A fault that only the background can find. A mode that is no fault id is ignored. */
 static void fail_as_told(drive_t *drive, const drive_command_t *command)
 {
     const uint32_t numbers = fx_unsigned(command->target);
@@ -182,7 +182,9 @@ bool attend_step(drive_t *drive, const drive_in_t *in)
     if (in->command.request == DRIVE_REQUEST_FAIL) {
         fail_as_told(drive, &in->command);
     }
-    obey(drive, in); /* with a fault that is none the request to run is gone all the same */
+    obey(
+        drive,
+        in); /* FAIL replaces the request to run: without a valid fault the run ends as by a stop */
     if (((in->command.request & DRIVE_REQUEST_ZERO) != 0U) && drive_knows_rotor(drive)) {
         run_set_zero(drive);
     }

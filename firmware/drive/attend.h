@@ -18,7 +18,7 @@
  */
 bool attend_is_ordinary(const drive_t *drive, const drive_in_t *in);
 
-/* Attends to the frame. Returns whether the current is controlled in this tick: so it was before, and so it is now. */
+/* Attends to the frame. Returns whether the current was controlled before this call and still is. */
 bool attend_step(drive_t *drive, const drive_in_t *in);
 
 #endif

@@ -3,7 +3,6 @@
 
 #include "state_guard.h"
 
-#define ADC_MID_Q15 (16384)         /* I_b is twice the converter's full scale */
 #define OFFSET_END (32768)          /* no sensor's zero is further away */
 #define OFFSET_SUM_MAX (0x10000000) /* of 2^12 counts */
 
@@ -24,8 +23,8 @@ static drive_event_t finish_calibration(drive_t *drive, fault_t *fault)
     drive->offset_a = mean_sample(cfg, drive->calibration.sum_a);
     drive->offset_b = mean_sample(cfg, drive->calibration.sum_b);
     state_guard_keep_measured(drive);
-    id = protection_check_offset(&drive->cfg->protection, drive->offset_a - ADC_MID_Q15,
-                                 drive->offset_b - ADC_MID_Q15, fault);
+    id = protection_check_offset(&drive->cfg->protection, drive->offset_a - CALIBRATION_NOMINAL_Q15,
+                                 drive->offset_b - CALIBRATION_NOMINAL_Q15, fault);
     return (id == FAULT_NONE) ? DRIVE_EVENT_CALIBRATED : DRIVE_EVENT_FAULT;
 }
 

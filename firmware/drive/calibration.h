@@ -10,6 +10,9 @@
 #include "io.h"
 #include "state.h"
 
+/* Zero of a sensor before the calibration, Q15 of I_b: mid-scale, as I_b is twice the converter's full scale. */
+#define CALIBRATION_NOMINAL_Q15 (16384)
+
 /*
  * Before the first tick of OFFSET_CAL. A safe state ends. J was learned from the speed that the observer saw before the
  * fault, so it is forgotten; R, L and φ stay: they were measured, or are bound to their files.

@@ -23,7 +23,7 @@ typedef enum {
  */
 #define DRIVE_REQUEST_ZERO (0x08U)
 #define DRIVE_REQUEST_FAIL \
-    (0x10U) /* the background has found a fault; no other request beside it */
+    (0x10U) /* the background has found a fault; no other request beside it. Without one it acts as a stop */
 
 #define DRIVE_FLAG_BREAK (0x0001U) /* the power stage opened the gates by itself */
 /* The tick before ended too late: no voltage acted in place of its demand. */

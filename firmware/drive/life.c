@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "life.h"
 
+#include "calibration.h"
 #include "config_check.h"
 #include "drive.h"
 #include "frame.h"
@@ -10,10 +11,8 @@
 
 #include <stddef.h>
 
-#define ADC_MID_Q15 (16384) /* I_b is twice the converter's full scale */
-
 /*
- * The largest speed that anything tells of, where the drive leaves for `next`. The estimate may be what has failed. Then the ramp is
+ * Upper bound on the rotor's speed when driving stops, on the way to `next`. The estimate may be what has failed. Then the ramp is
  * where the rotor was to be. Torque control has no ramp, so behind a fault the rotor may be as fast as its window allows. PROBE has a
  * vector only. A flying start ends as it began, with open gates.
  */
@@ -107,7 +106,8 @@ static void initialise(drive_t *drive, const drive_cfg_t *cfg)
 {
     model_nominal_t nominal;
 
-    *drive = (drive_t){.cfg = cfg, .offset_a = ADC_MID_Q15, .offset_b = ADC_MID_Q15};
+    *drive = (drive_t){
+        .cfg = cfg, .offset_a = CALIBRATION_NOMINAL_Q15, .offset_b = CALIBRATION_NOMINAL_Q15};
     nominal = drive_nominal(drive);
     model_reset(&drive->model, &nominal);
     speed_loop_init(&drive->speed_loop);

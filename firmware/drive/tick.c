@@ -161,7 +161,7 @@ INLINES_ALL static void control_rotor(drive_t *drive, drive_out_t *out)
 }
 
 /* The slow part of a tick has ended RUN. */
-TICK_APART static void leave_run(drive_t *drive, drive_out_t *out)
+TICK_APART static void finish_left_run(drive_t *drive, drive_out_t *out)
 {
     act(drive, true, out);
 }
@@ -174,7 +174,7 @@ TICK_WHOLE static void run_tick(drive_t *drive, const drive_in_t *in, uint32_t l
     if (drive->state == DRIVE_STATE_RUN) {
         control_rotor(drive, out);
     } else {
-        leave_run(drive, out);
+        finish_left_run(drive, out);
     }
 }
 

@@ -13,6 +13,10 @@
 #undef CFG_BOTH
 #undef CFG_VOLTAGE
 #include "../../firmware/config/config_change.c"
+#undef CFG
+#undef CFG_STARTUP
+#undef CFG_BOTH
+#undef CFG_VOLTAGE
 #include "../../firmware/config/config_check.c"
 #include "../../firmware/config/config_guard.c"
 #include "../../firmware/control/align.c"

@@ -89,7 +89,6 @@ TEST(test_every_flipped_bit_is_found_within_two_rounds)
     }
 }
 
-/* Two flips of the highest bit in words two apart cancel in both of Fletcher's sums of 32 bits. */
 TEST(test_a_place_beyond_the_configuration_is_found_and_the_round_begins_again)
 {
     guard.at = CONFIG_GUARD_STEPS * 4U;
@@ -101,6 +100,7 @@ TEST(test_a_place_beyond_the_configuration_is_found_and_the_round_begins_again)
     }
 }
 
+/* Two flips of the highest bit in words two apart cancel in both of Fletcher's sums of 32 bits. */
 TEST(test_two_flipped_highest_bits_are_found)
 {
     cfg.observer.decay ^= INT32_MIN;

@@ -2,6 +2,7 @@
 /* The identification as a whole: its lines and words with the drive behind them, its begin and its ends. */
 #include "commander.h"
 #include "example_identify.h"
+#include "identify_heat.h"
 #include "identify_rest.h"
 #include "identify_turn.h"
 #include "state_guard.h"
@@ -246,14 +247,14 @@ TEST(test_a_drive_that_leaves_probe_by_another_command_ends_it)
     TEST_ASSERT_EQUAL_INT32(TARGET, command_mailbox_take(&app.mailbox).target);
 }
 
-/* Of the example: 20 s, a largest current of 1.96 times the continuous one: 8 s are more than the limit, so 0.25. */
+/* Of the example: 20 s, and a largest current of 1.34 times the continuous one: 1.2 − 0.1 − 8/20 · 1.34² is 0.38. */
 TEST(test_it_waits_until_a_winding_that_may_be_warm_has_cooled)
 {
     app.drive.derating.heat_q24 = 0xE66666; /* 0.9 */
     state_guard_keep_heat(&app.drive);
     start();
     TEST_ASSERT_EQUAL_STRING(
-        "the winding may have 89 % of its continuous load; waits until that is 25 %\r\n",
+        "the winding may be at 90 % of its continuous heat; waiting until it is at 38 %\r\n",
         next_line());
     for (uint32_t k = 0U; k < 1000U; k++) {
         tick(1U);
@@ -278,7 +279,7 @@ TEST(test_a_stop_ends_the_wait_for_a_winding)
     assert_ended();
 }
 
-/* 8 s of ten minutes add 0.05. */
+/* 8 s of ten minutes add 0.02. */
 TEST(test_a_winding_with_a_long_time_constant_is_not_waited_for)
 {
     cfg.derating.heat_rate_shift += 5U;
@@ -289,22 +290,34 @@ TEST(test_a_winding_with_a_long_time_constant_is_not_waited_for)
     begin();
 }
 
-/* The two minutes are those of the experiments. */
-TEST(test_the_wait_for_a_winding_takes_nothing_of_the_two_minutes)
+/* Whoever follows it on a PC counts them too. */
+TEST(test_the_wait_for_a_winding_is_part_of_the_two_minutes)
 {
     app.drive.derating.heat_q24 = 0xE66666;
     state_guard_keep_heat(&app.drive);
     start();
     (void)next_line();
-    for (uint32_t second = 0U; second < 180U; second++) {
-        app.drive.tick += 1000U * (uint32_t)MS;
-        TEST_ASSERT_EQUAL_STRING("", pass());
+    app.drive.tick += 2U * 60U * 1000U * (uint32_t)MS;
+    TEST_ASSERT_EQUAL_STRING("", pass());
+    app.drive.tick++;
+    TEST_ASSERT_EQUAL_STRING(TOO_LONG, next_line());
+    assert_ended();
+}
+
+/* τ, and the largest current over the continuous one. The gain of the heat's rate has 14 bits or more. */
+TEST(test_the_heat_to_begin_at_leaves_a_tenth_after_8_s_of_the_largest_current)
+{
+    const double tolerance = 1.0 / 256.0; /* of the square, Q8, downwards; T/τ is below 1 */
+    const double ratio = (double)identify_rest_largest(&identify) / CONTINUOUS;
+
+    start();
+    for (uint32_t shift = 11U; shift <= 18U; shift++) {
+        const double tau_s = 20.0 * (double)(1U << (shift - 11U));
+        const double most = 1.2 - 0.1 - (8.0 / tau_s * ratio * ratio);
+
+        cfg.derating.heat_rate_shift = shift;
+        TEST_ASSERT_DOUBLE_WITHIN(tolerance, most, identify_heat_most_q24(&identify) / 16777216.0);
     }
-    app.drive.derating.heat_q24 = 0;
-    state_guard_keep_heat(&app.drive);
-    (void)next_line();
-    (void)next_line();
-    TEST_ASSERT_EQUAL(DRIVE_STATE_PROBE, app.drive.state);
 }
 
 TEST(test_it_can_be_started_again)

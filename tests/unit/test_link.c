@@ -494,6 +494,7 @@ TEST(test_while_the_motor_is_measured_only_a_stop_is_taken)
     }
     assert_command("the motor is being measured; stop ends that", DRIVE_REQUEST_RUN,
                    DRIVE_MODE_SPEED, 0);
+    assert_verdict("the motor is being measured; stop ends that", LINK_DEFAULTS, NULL, 0U);
     TEST_ASSERT_TRUE(identify_is_busy(&serial.console.identify));
     assert_command("", 0U, DRIVE_MODE_SPEED, 0);
     TEST_ASSERT_FALSE(identify_is_busy(&serial.console.identify));

@@ -7,8 +7,9 @@
 #include "state_guard.h"
 #include "transitions.h"
 
-#define LONG_TICKS (3000U) /* the CRC of the configuration takes 2 s, a round of the parts 32 ms */
-#define STEP (1000000)     /* of a vector that turns */
+#define LONG_TICKS \
+    (3000U) /* 0.3 s: longer than a round of the parts (32 ms), shorter than the CRC's (2 s) */
+#define STEP (1000000) /* of a vector that turns */
 
 static fault_t fault;
 
@@ -117,7 +118,7 @@ TEST(test_in_position_control_another_profile_or_a_way_that_no_rotor_goes_is_fou
 /* The rotor is faster than it was asked to be: a load drives it. */
 TEST(test_a_way_at_the_speed_that_the_rotor_had_is_none_that_no_rotor_goes)
 {
-    const int64_t ticks_of_a_look = 4 * (int64_t)cfg.slow_ticks;
+    const int64_t ticks_of_a_look = (int64_t)SUPERVISION_STEPS * (int64_t)cfg.slow_ticks;
 
     begin_in(DRIVE_STATE_RUN, DRIVE_MODE_POSITION);
     drive.observer.speed = 0x10000000; /* 1/16 turn a tick */
