@@ -2,7 +2,6 @@
 /* The identification as a whole: its lines and words with the drive behind them, its begin and its ends. */
 #include "commander.h"
 #include "example_identify.h"
-#include "identify_heat.h"
 #include "identify_rest.h"
 #include "identify_turn.h"
 #include "state_guard.h"
@@ -302,22 +301,6 @@ TEST(test_the_wait_for_a_winding_is_part_of_the_two_minutes)
     app.drive.tick++;
     TEST_ASSERT_EQUAL_STRING(TOO_LONG, next_line());
     assert_ended();
-}
-
-/* τ, and the largest current over the continuous one. The gain of the heat's rate has 14 bits or more. */
-TEST(test_the_heat_to_begin_at_leaves_a_tenth_after_8_s_of_the_largest_current)
-{
-    const double tolerance = 1.0 / 256.0; /* of the square, Q8, downwards; T/τ is below 1 */
-    const double ratio = (double)identify_rest_largest(&identify) / CONTINUOUS;
-
-    start();
-    for (uint32_t shift = 11U; shift <= 18U; shift++) {
-        const double tau_s = 20.0 * (double)(1U << (shift - 11U));
-        const double most = 1.2 - 0.1 - (8.0 / tau_s * ratio * ratio);
-
-        cfg.derating.heat_rate_shift = shift;
-        TEST_ASSERT_DOUBLE_WITHIN(tolerance, most, identify_heat_most_q24(&identify) / 16777216.0);
-    }
 }
 
 TEST(test_it_can_be_started_again)
