@@ -58,8 +58,8 @@ PROGRAMS = {
     "recording": Program("any recording, read and run again", 4300, 30),
     "console": Program("any bytes to the console", 1020, 60),
     "stepper": Program("any commands of the stepper", 2400, 5),
-    "link": Program("any bytes to the serial line, of a PC that is connected", 2000, 10),
-    "block": Program("any block of configuration words", 840, 500),
+    "link": Program("any bytes to the serial line, of a PC that is connected", 1600, 10),
+    "block": Program("any block of configuration words", 295, 500),
     "frame_code": Program("any bytes as a packed frame", 135, 5000),
 }
 AT_ONCE = 2
