@@ -434,6 +434,11 @@ TEST(a_speed_whose_emf_exceeds_the_bus_is_named_with_what_is_allowed)
                  " the motor's EMF exceeds what board.bus_nominal_v and board.duty_margin_pct "
                  "leave, even with the field weakened by current_loop.weakening_pct of "
                  "motor.max_current_a");
+    // L_q has no part in what a current along the field leaves of it
+    expect_speed({"current_loop.weakening_pct=25", "motor.inductance_q_h=0.0232"}, "2241",
+                 " the motor's EMF exceeds what board.bus_nominal_v and board.duty_margin_pct "
+                 "leave, even with the field weakened by current_loop.weakening_pct of "
+                 "motor.max_current_a");
 }
 
 // With 95 % of 10 A the voltage would bear 2899 rpm. Without a capacitor 400 V/√3 at 1.15·2·0.387 Wb: 259.5 rad/s.
