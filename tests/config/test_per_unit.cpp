@@ -650,6 +650,15 @@ TEST(a_swing_is_damped_by_no_less_than_its_reactance)
     expect_gain((26.9005 * 0.1 - 0.405) / 11.25, c);
 }
 
+// With L_d of 0.03 H the rotor is stiff up to 0.375/(2*0.07) = 2.67857 A: half of the stiffness at 2.67857/3.53778 of the
+// current leaves ω_n = √(723.637*0.378567). What lags is L_q.
+TEST(the_reactance_of_a_salient_motor_is_that_of_l_q)
+{
+    const pi_cfg_t c =
+        motor_b({"motor.inductance_d_h=0.03", "motor.inductance_q_h=0.1"}).hold_loop.pi_d;
+    expect_gain((16.5513 * 0.1 - 0.405) / 11.25, c);
+}
+
 // A heavy rotor asks for little damping. 4/3·(310 V · 5 µs · 10 kHz) of 3.53778 A, and a fifth of it.
 TEST(an_imposed_current_is_controlled_firmly_enough_for_the_dead_time)
 {
