@@ -125,6 +125,22 @@ TEST(test_the_deviation_is_that_at_the_stated_current)
     TEST_ASSERT_TRUE(found.d_over_current[1].h.std < found.d_h.std);
 }
 
+// What a low pass that may be hidden changes of L_q is a bound of it: as much at the last point of the curve, which adds what
+// it does not follow.
+TEST(test_the_bound_of_the_curve_of_a_salient_motor_is_that_of_l_q)
+{
+    constexpr double SALIENT = 2;
+    constexpr double CURVE = 2e-3;
+    Records records = bursts(3);
+    for (Record &r : records.all) {
+        r.change_a /= r.across ? SALIENT : 1;
+    }
+    const Inductances found = fit_inductances(records, legs(), CONTINUOUS_A);
+    TEST_ASSERT_TRUE(found.q_h.value > 1.5 * D_H);
+    const Value &last = found.q_over_current.back().h;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9 * Q_H, found.q_h.bound + CURVE * found.q_h.value, last.bound);
+}
+
 TEST(test_a_current_beyond_the_pulses_is_theirs)
 {
     const Inductances found = fit_inductances(bursts(3), legs(), 100);
