@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "config_check.h"
 
-#include "config_rows.h"
 #include "fx.h"
+#include "words.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -10,6 +10,27 @@
 
 /* Full scale of a phase current, Q15 of I_b. */
 #define CURRENT_MAX (16384)
+
+/* A setting is a word, whose lowest byte comes first in memory as in a block. */
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
+               "words_get() reads the memory of the host");
+
+/* When the range of a row counts. */
+typedef enum {
+    CONFIG_USE_ALWAYS = 0,
+    CONFIG_USE_STARTUP,      /* startup.current_hold is not 0 */
+    CONFIG_USE_VOLTAGE_DRIVE /* voltage_drive.enabled is not 0 */
+} config_use_t;
+
+/* A row of cfg.def. */
+typedef struct {
+    const char *path; /* in drive_cfg_t */
+    /* An unsigned setting has both ends in 0…2^31 − 1: a larger value reads as a negative one. */
+    int32_t lowest;
+    int32_t highest;
+    uint16_t offset; /* in drive_cfg_t, bytes */
+    uint8_t use;     /* config_use_t */
+} config_row_t;
 
 /* `bad` when something was wrong before, else `name` when lower is above upper, else NULL. */
 static const char *in_order(const char *bad, const char *name, int64_t lower, int64_t upper)
@@ -24,23 +45,37 @@ static const char *in_order(const char *bad, const char *name, int64_t lower, in
 
 static bool lies_outside(const config_row_t *row, const drive_cfg_t *cfg)
 {
-    const int32_t value = config_row_value(row, cfg);
+    const uint8_t *const bytes = (const uint8_t *)cfg;
+    const int32_t value = fx_signed(words_get(&bytes[row->offset]));
 
     return (value < row->lowest) || (value > row->highest);
 }
 
-/* The path of the first row of this use whose setting is out of its range; NULL: none is. */
+/*
+ * The path of the first row of this use whose setting is out of its range, in the order of cfg.def; NULL: none is. A row of
+ * CFG_BOTH is two here, the second one for the start-up.
+ */
 static const char *first_outside(const drive_cfg_t *cfg, config_use_t use)
 {
-    const config_row_t *rows = NULL;
-    const uint32_t count = config_rows(&rows);
+    // cppcheck-suppress misra-c2012-20.10 ; D4: the name of a row is its own path
+#define ROW(path, lo, hi, use) \
+    {#path, (lo), (hi), (uint16_t)offsetof(drive_cfg_t, path), (uint8_t)(use)},
+#define CFG(path, when, lo, hi, quantity, meaning) ROW(path, lo, hi, CONFIG_USE_ALWAYS)
+#define CFG_STARTUP(path, when, lo, hi, quantity, meaning) ROW(path, lo, hi, CONFIG_USE_STARTUP)
+#define CFG_BOTH(path, when, lo, lo_startup, hi, quantity, meaning) \
+    ROW(path, lo, hi, CONFIG_USE_ALWAYS) \
+    ROW(path, lo_startup, hi, CONFIG_USE_STARTUP)
+#define CFG_VOLTAGE(path, when, lo, hi, quantity, meaning) \
+    ROW(path, lo, hi, CONFIG_USE_VOLTAGE_DRIVE)
+    static const config_row_t rows[] = {
+    // cppcheck-suppress misra-c2012-20.1 ; D5: the rows of the table are those of the file
+#include "cfg.def"
+    };
     const char *bad = NULL;
 
-    for (uint32_t k = 0U; (k < count) && (bad == NULL); k++) {
-        const config_row_t *const row = &rows[k];
-
-        if ((row->use == (uint8_t)use) && lies_outside(row, cfg)) {
-            bad = row->path;
+    for (uint32_t k = 0U; (k < (uint32_t)(sizeof(rows) / sizeof(rows[0]))) && (bad == NULL); k++) {
+        if ((rows[k].use == (uint8_t)use) && lies_outside(&rows[k], cfg)) {
+            bad = rows[k].path;
         }
     }
     return bad;

@@ -7,17 +7,16 @@
 #include "../../firmware/math/trig.c"
 #include "../../firmware/math/trig_table.c"
 #undef DISTANCE_MAX /* motion_loop.c and derating.c have one each */
-#include "../../firmware/config/config_rows.c"
-#undef CFG
-#undef CFG_STARTUP
-#undef CFG_BOTH
-#undef CFG_VOLTAGE
 #include "../../firmware/config/config_change.c"
 #undef CFG
 #undef CFG_STARTUP
 #undef CFG_BOTH
 #undef CFG_VOLTAGE
 #include "../../firmware/config/config_check.c"
+#undef CFG
+#undef CFG_STARTUP
+#undef CFG_BOTH
+#undef CFG_VOLTAGE
 #include "../../firmware/config/config_guard.c"
 #include "../../firmware/control/align.c"
 #include "../../firmware/control/angle_sensor.c"
