@@ -72,10 +72,9 @@ void commander_begin_anew(app_t *app);
 bool commander_is_at_rest(const app_t *app);
 
 /*
- * The next configuration of a PC may protect less than the one in force (config_lock.h). The unlocking ends with that configuration,
- * taken or refused; as soon as the drive does not rest; and when a PC gives the line back or
- * takes it anew. Returns NULL, or why it is refused: the
- * drive does not rest.
+ * The next configuration of a PC may protect less than the one in force (config_lock.h). The unlocking ends with that
+ * configuration, taken or refused; as soon as the drive does not rest; and when a PC gives the line back or takes it anew.
+ * Returns NULL, or why it is refused: the drive does not rest.
  */
 const char *commander_unlock(app_t *app);
 

@@ -14,7 +14,6 @@
 #define MS_PS (1000000000U)
 #define WINDOW_NUMBERS (0x7FFU)
 #define CURRENT_ONE (32768)     /* I_b in Q15 */
-#define HEAT_ONE (0x1000000)    /* of the continuous current, Q24 */
 #define NOISE_SHARE (16)        /* of the continuous current, mean change from sample to sample */
 #define LONGEST_MOVE_MS (5000U) /* of the first attempt, whose longest ramp takes 3 s */
 #define BRAKING_HELP \
@@ -539,7 +538,10 @@ static void say_or_go_on(identify_t *identify, text_t *text)
 static void add_load(text_t *text, const char *before, int32_t heat_q24)
 {
     text_add(text, before);
-    text_number(text, (int32_t)((((int64_t)heat_q24 * 100) + (HEAT_ONE / 2)) / HEAT_ONE), 0U);
+    text_number(text,
+                (int32_t)((((int64_t)heat_q24 * 100) + (DERATING_HEAT_ONE_Q24 / 2)) /
+                          DERATING_HEAT_ONE_Q24),
+                0U);
     text_add(text, " %");
 }
 

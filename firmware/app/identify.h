@@ -57,7 +57,8 @@ void identify_refuse(identify_t *identify, const char *why);
 
 /*
  * One pass of the background, once a tick or less often. It says at most one line, and only in a `text` that is empty: it
- * waits until the lines before are sent, and none is lost. After 2 minutes it ends all the same, with open gates.
+ * waits until the lines before are sent, and none is lost. A warm winding is waited for first (identify_heat.h). After
+ * 2 minutes it ends all the same, with open gates.
  */
 void identify_step(identify_t *identify, text_t *text);
 

@@ -32,7 +32,7 @@ int32_t identify_heat_most_q24(const identify_t *identify)
 {
     const uint64_t rise = share_q16(identify) * steady_q8(identify);
     const int32_t bounded = (int32_t)((rise < RISE_MAX) ? rise : RISE_MAX);
-    const int32_t limit = identify->app->drive.cfg->derating.heat_max_q14 * 1024;
+    const int32_t limit = derating_limit_q24(&identify->app->drive.cfg->derating);
 
     return fx_max((limit - TENTH_Q24) - bounded, LEAST_Q24);
 }

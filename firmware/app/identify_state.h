@@ -11,7 +11,7 @@
 
 typedef enum {
     IDENTIFY_IDLE = 0,
-    IDENTIFY_BEGINS, /* it says the scales of its records, and asks the drive to PROBE */
+    IDENTIFY_BEGINS, /* once the winding is cool it says the scales of its records, and asks the drive to PROBE */
     IDENTIFY_PULSE,
     IDENTIFY_CATCH,
     IDENTIFY_STILL,

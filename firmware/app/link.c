@@ -52,12 +52,18 @@ static void count_still(link_t *link)
     link->tick = tick;
 }
 
-/* The line is a person's again. */
-static void return_line(link_t *link)
+/* What a PC has begun or unlocked is not the next one's. */
+static void end_session(link_t *link)
 {
     link_stream_end(&link->stream);
     live_config_forget(link->live);
     commander_lock(link->live->app);
+}
+
+/* The line is a person's again. */
+static void return_line(link_t *link)
+{
+    end_session(link);
     commander_renew_ticket(link->live->app, 0U);
     link->is_linked = false;
     link->is_framing = false;
@@ -120,9 +126,7 @@ static void link_receive(link_t *link)
 
 static void become_linked(link_t *link)
 {
-    link_stream_end(&link->stream);
-    live_config_forget(link->live);
-    commander_lock(link->live->app);
+    end_session(link);
     console_forget(&link->console);
     link->is_linked = true;
 }

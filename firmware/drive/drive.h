@@ -53,7 +53,7 @@ void drive_warm(drive_t *drive, int32_t heat_q24);
  * the integrals. A voltage drive goes back to current control. A measurement of a start that is under way begins again. What a slot of the slow schedule computes follows in
  * its slot, within a slow period.
  *
- * Of the configuration that it has, at another place, it takes the place only.
+ * If the checksum is equal, only the pointer changes.
  *
  * Of anything else the drive begins anew: it opens the gates, goes to INIT and calibrates; nothing that was measured is known.
  * So the caller asks config_change_refused() first, and goes on at rest only. A latched fault stays.

@@ -19,7 +19,7 @@
 #define RARE __attribute__((noinline, cold))
 
 /*
- * The ordinary tick where the compiler has eight registers for it: it is made of all that it calls, and what few ticks need stays
+ * The tick of RUN where the compiler has eight registers for it: it is made of all that it calls, and what few ticks need stays
  * apart. Left to itself, the compiler calls other parts of it as the rest of the firmware grows. That costs a RUN tick 24 instructions on a
  * Cortex-M0+. A Cortex-M4 would lose 12 by it.
  */

@@ -2,7 +2,6 @@
 #include "derating.h"
 
 #define HEAT_BITS (10U) /* of the heat's Q24 below its Q14 */
-#define HEAT_ONE (1024) /* 2^HEAT_BITS */
 #define HEAT_MAX ((uint32_t)DERATING_HEAT_MAX_Q24)
 #define HEAT_MAX_BITS (30U)
 #define STEP_MAX (0x3FFFFFFFU) /* of the heat in a period: the sum is a word */
@@ -37,11 +36,6 @@ static int32_t heat_shifted_up(uint32_t top, uint32_t rest, uint32_t up)
         /* as hot as it can be */
     }
     return (int32_t)((heat < HEAT_MAX) ? heat : HEAT_MAX);
-}
-
-static int32_t limit_of(const derating_cfg_t *cfg)
-{
-    return cfg->heat_max_q14 * HEAT_ONE;
 }
 
 /*
@@ -139,7 +133,7 @@ static bool heat_up(derating_t *derating, const derating_cfg_t *cfg, dq_t curren
     derating->heat_q24 = fx_clamp(derating->heat_q24 + scaled_by(change, up, cfg->heat_rate_shift),
                                   0, DERATING_HEAT_MAX_Q24);
     return (fx_asr(derating->heat_q24, HEAT_BITS) > cfg->heat_max_q14) &&
-           (made > fx_asr(limit_of(cfg), up));
+           (made > fx_asr(derating_limit_q24(cfg), up));
 }
 
 static uint32_t flag(uint32_t name, int32_t share)

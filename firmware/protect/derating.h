@@ -71,6 +71,7 @@ typedef struct {
 #define DERATING_BUS_LOW (0x08U)
 #define DERATING_BUS_CURRENT (0x10U)
 
+#define DERATING_HEAT_ONE_Q24 (0x1000000)  /* steady state at the continuous current */
 #define DERATING_HEAT_MAX_Q24 (0x40000000) /* as hot as a winding can be: 64 */
 
 typedef struct {
@@ -83,6 +84,12 @@ typedef struct {
     uint32_t flags_slow; /* of heat and temperature */
     uint32_t flags;      /* DERATING_…, of all */
 } derating_t;
+
+/* Returns the heat that is too much, heat_max_q14 as Q24. Pure. */
+static inline int32_t derating_limit_q24(const derating_cfg_t *cfg)
+{
+    return cfg->heat_max_q14 * 1024;
+}
 
 /* Heat 0, no derating. */
 void derating_reset(derating_t *derating, const derating_cfg_t *cfg);

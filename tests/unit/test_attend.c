@@ -3,36 +3,18 @@
  * An ordinary tick leaves attend_step() out: from any state within state.def, with any frame, that changes no word of the
  * state.
  */
+#include "any_state.h"
 #include "attend.h"
 #include "drive.h"
 #include "example_cfg.h"
 #include "seeded.h"
 #include "state_guard.h"
 #include "testing.h"
-#include "transitions.h"
 
-#include <stddef.h>
 #include <string.h>
 
 #define STATES (40000)
 #define CURRENT_MAX_COUNT (3891) /* (16384 + protection.current_max) / 8 = 3891.25 */
-#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
-
-typedef struct {
-    const char *name;
-    size_t offset;
-    size_t size;
-    int64_t lo;
-    int64_t hi;
-} word_t;
-
-#define FIELD(path, lo, hi, quantity) \
-    {#path, offsetof(drive_t, path), sizeof(((drive_t *)NULL)->path), lo, hi},
-#define FREE(path, quantity) \
-    {#path, offsetof(drive_t, path), sizeof(((drive_t *)NULL)->path), INT64_MIN, INT64_MAX},
-static const word_t WORDS[] = {
-#include "state.def"
-};
 
 static drive_cfg_t cfg;
 static seeded_t seed;
@@ -40,48 +22,6 @@ static seeded_t seed;
 void setUp(void)
 {
     seed = (seeded_t){0xA77E9U};
-}
-
-static uint64_t any_word(void)
-{
-    const uint64_t high = seeded_u32(&seed);
-
-    return (high << 32U) | seeded_u32(&seed);
-}
-
-/* An end of the range as often as a quarter of the time. */
-static int64_t within(int64_t lo, int64_t hi)
-{
-    const uint64_t span = ((uint64_t)hi - (uint64_t)lo) + 1U;
-    const uint64_t inside = (span == 0U) ? any_word() : (any_word() % span);
-    const int32_t choice = seeded_in(&seed, 0, 7);
-    int64_t value = (int64_t)((uint64_t)lo + inside);
-
-    if (choice == 0) {
-        value = lo;
-    } else if (choice == 1) {
-        value = hi;
-    } else {
-        /* inside */
-    }
-    return value;
-}
-
-static drive_t any_state(void)
-{
-    drive_t drive;
-
-    memset(&drive, 0, sizeof drive);
-    for (size_t i = 0; i < COUNT(WORDS); i++) {
-        const int64_t value = within(WORDS[i].lo, WORDS[i].hi);
-
-        memcpy((char *)&drive + WORDS[i].offset, &value,
-               WORDS[i].size); /* the low bytes come first */
-    }
-    drive.cfg = &cfg;
-    drive.state = transitions_state(seeded_u32(&seed) % DRIVE_STATES);
-    drive.guard.at = 0U;
-    return drive;
 }
 
 static drive_in_t any_frame(void)
@@ -144,7 +84,7 @@ TEST(test_a_tick_of_any_frame_is_ordinary_only_where_nothing_is_to_be_attended_t
     for (int32_t with = 0; with < 2; with++) {
         cfg = (with == 0) ? example_drive_cfg() : example_drive_cfg_with_startup();
         for (int32_t k = 0; k < STATES; k++) {
-            const drive_t from = any_state();
+            const drive_t from = any_state(&seed, &cfg);
             const drive_in_t in = any_frame();
 
             (void)leaves_nothing_out(&from, &in);
@@ -167,7 +107,7 @@ TEST(test_what_an_ordinary_tick_leaves_out_would_change_nothing)
         if ((k & 12) == 12) {
             cfg.sampling.sensor_pole_pairs = 2U;
         }
-        from = any_state();
+        from = any_state(&seed, &cfg);
         in = any_frame();
         make_ordinary(&from, &in);
         convert(&from, &in);
@@ -184,7 +124,7 @@ TEST(test_no_tick_in_which_something_is_to_be_attended_to_is_ordinary)
 
     cfg = example_drive_cfg();
     for (uint32_t bit = 0U; bit < 8U; bit++) {
-        from = any_state();
+        from = any_state(&seed, &cfg);
         in = any_frame();
         make_ordinary(&from, &in);
         in.adc_ia = 2048U;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Another configuration while the drive runs: what it keeps, what it computes anew, and when it begins anew. */
+#include "any_state.h"
 #include "config_change.h"
 #include "config_check.h"
 #include "drive_words.h"
@@ -8,7 +9,6 @@
 #include "seeded.h"
 #include "state_guard.h"
 #include "testing.h"
-#include "transitions.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -22,22 +22,6 @@
 #define SETTLED_TICKS (20000U)
 #define GUARD_TICKS (2U * CONFIG_GUARD_STEPS * 40U) /* one word in each fourth slow period */
 #define STATES (20000)
-
-typedef struct {
-    const char *name;
-    size_t offset;
-    size_t size;
-    int64_t lo;
-    int64_t hi;
-} word_t;
-
-#define FIELD(path, lo, hi, quantity) \
-    {#path, offsetof(drive_t, path), sizeof(((drive_t *)NULL)->path), lo, hi},
-#define FREE(path, quantity) \
-    {#path, offsetof(drive_t, path), sizeof(((drive_t *)NULL)->path), INT64_MIN, INT64_MAX},
-static const word_t WORDS[] = {
-#include "state.def"
-};
 
 typedef struct {
     const char *path;
@@ -503,37 +487,12 @@ TEST(test_a_latched_fault_stays)
 
 /* ---- any state, any configuration ---- */
 
-static int64_t within(int64_t lo, int64_t hi)
-{
-    const uint64_t high = seeded_u32(&seed);
-    const uint64_t any = (high << 32U) | seeded_u32(&seed);
-    const uint64_t span = ((uint64_t)hi - (uint64_t)lo) + 1U;
-    const int32_t choice = seeded_in(&seed, 0, 7);
-    const int64_t inside = (int64_t)((uint64_t)lo + ((span == 0U) ? any : (any % span)));
-
-    return (choice == 0) ? lo : ((choice == 1) ? hi : inside);
-}
-
-static void choose_state(void)
-{
-    memset(&drive, 0, sizeof drive);
-    for (size_t i = 0; i < COUNT(WORDS); i++) {
-        const int64_t value = within(WORDS[i].lo, WORDS[i].hi);
-
-        memcpy((char *)&drive + WORDS[i].offset, &value,
-               WORDS[i].size); /* the low bytes come first */
-    }
-    drive.cfg = &cfg;
-    drive.state = transitions_state(seeded_u32(&seed) % DRIVE_STATES);
-    drive.guard.at = 0U;
-}
-
 /* Half of the rows that may change, anywhere in their ranges, as far as the rules between two settings allow it. */
 static void choose_change(void)
 {
     other = cfg;
     for (size_t i = 0; i < COUNT(RUN_ROWS); i++) {
-        const int32_t value = (int32_t)within(RUN_ROWS[i].lo, RUN_ROWS[i].hi);
+        const int32_t value = (int32_t)any_within(&seed, RUN_ROWS[i].lo, RUN_ROWS[i].hi);
         int32_t before;
 
         if (seeded_in(&seed, 0, 1) == 0) {
@@ -548,7 +507,7 @@ static void choose_change(void)
 }
 
 /* The low bytes come first. Narrow words have a sign unless their range is above that of int32_t or is a byte. */
-static int64_t word_of(const word_t *word)
+static int64_t word_of(const state_word_t *word)
 {
     int64_t value = 0;
 
@@ -561,10 +520,11 @@ static int64_t word_of(const word_t *word)
 
 static void assert_within_its_ranges(void)
 {
-    for (size_t i = 0; i < COUNT(WORDS); i++) {
-        const int64_t value = word_of(&WORDS[i]);
+    for (size_t i = 0; i < STATE_WORDS_COUNT; i++) {
+        const int64_t value = word_of(&STATE_WORDS[i]);
 
-        TEST_ASSERT_TRUE_MESSAGE((value >= WORDS[i].lo) && (value <= WORDS[i].hi), WORDS[i].name);
+        TEST_ASSERT_TRUE_MESSAGE((value >= STATE_WORDS[i].lo) && (value <= STATE_WORDS[i].hi),
+                                 STATE_WORDS[i].name);
     }
 }
 
@@ -574,7 +534,7 @@ TEST(test_from_any_state_any_change_ends_within_the_ranges_of_the_state)
     for (int32_t k = 0; k < STATES; k++) {
         drive_state_t before;
 
-        choose_state();
+        drive = any_state(&seed, &cfg);
         choose_change();
         before = drive.state;
         drive_change(&drive, &other);
