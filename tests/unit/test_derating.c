@@ -205,24 +205,37 @@ TEST(test_heat_follows_the_square_of_a_current_that_is_far_above_the_continuous_
     }
 }
 
-/* Also where a fast winding's step is larger than the heat's scale. */
+/*
+ * Also where a fast winding's step is larger than the heat's scale, and where the square has no room in that scale: from
+ * 4.2 times the continuous current on.
+ */
 TEST(test_heat_falls_to_that_of_a_current_that_is_far_above_the_continuous_one)
 {
+    static const struct {
+        int32_t tenths; /* of a quarter of the continuous current */
+        double begin;
+    } falls[] = {{6, 16.0}, {11, 60.0}};
     const double rate = 209.0 / 1048576.0; /* of a period: 209 / 2^16 / 2^4 */
-    const double begin = 16.0;
-    const double ratio = 4.0 * CONTINUOUS * 0.6 / CONTINUOUS;
-    const double end = ratio * ratio;
-    /* The gain has 13 bits: 1.1·10^-4. A step rounds down 4 units of 2^24, which the low-pass contracts to 4/rate. */
-    const double tolerance = (end * 1.1e-4) + (4.0 / rate / 16777216.0);
 
     cfg.heat_shift += 4U; /* the same heat at a quarter of the current */
     cfg.heat_rate = 209;
     cfg.heat_rate_shift = 4U;
-    derating.heat_q24 = (int32_t)(begin * 16777216.0);
-    for (int32_t k = 1; k <= 5000; k++) {
-        (void)step_with((CONTINUOUS * 6) / 10, COLD);
-        TEST_ASSERT_DOUBLE_WITHIN(tolerance, end + ((begin - end) * pow(1.0 - rate, k)),
-                                  derating.heat_q24 / 16777216.0);
+    for (uint32_t n = 0U; n < (sizeof falls / sizeof falls[0]); n++) {
+        const double ratio = 4.0 * falls[n].tenths / 10.0;
+        const double end = ratio * ratio;
+        /*
+         * The gain has 13 bits: 1.1·10^-4. A step rounds down 4 units of 2^24, which the low-pass contracts to 4/rate.
+         * The coarser scale has 64 units.
+         */
+        const double tolerance = (end * 1.1e-4) + (((4.0 / rate) + 64.0) / 16777216.0);
+
+        derating.heat_q24 = (int32_t)(falls[n].begin * 16777216.0);
+        for (int32_t k = 1; k <= 5000; k++) {
+            (void)step_with((CONTINUOUS * falls[n].tenths) / 10, COLD);
+            TEST_ASSERT_DOUBLE_WITHIN(tolerance,
+                                      end + ((falls[n].begin - end) * pow(1.0 - rate, k)),
+                                      derating.heat_q24 / 16777216.0);
+        }
     }
 }
 

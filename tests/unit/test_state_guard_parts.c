@@ -4,6 +4,7 @@
  * test_state_guard flips each bit of a running drive.
  */
 #include "driven_motor.h"
+#include "open_loop.h"
 #include "state_guard.h"
 #include "transitions.h"
 
@@ -86,6 +87,60 @@ TEST(test_a_phase_or_a_count_that_cannot_be_is_found)
     assert_finds(STATE_GUARD_START);
 }
 
+/* J as a ratio to that of the file, Q17 against limits of Q13. */
+TEST(test_an_inertia_that_was_never_learned_is_found)
+{
+    begin_in(DRIVE_STATE_READY, DRIVE_MODE_SPEED);
+    drive.speed_loop.inertia_q17 = (cfg.speed_loop.inertia_least_q13 << 4U) - 1;
+    assert_finds(STATE_GUARD_CHOICES);
+    begin_in(DRIVE_STATE_READY, DRIVE_MODE_SPEED);
+    drive.speed_loop.inertia_q17 = (cfg.speed_loop.inertia_most_q13 + 1) << 4U;
+    assert_finds(STATE_GUARD_CHOICES);
+}
+
+TEST(test_a_voltage_drive_is_found_where_the_configuration_has_none)
+{
+    begin_in(DRIVE_STATE_RUN, DRIVE_MODE_SPEED);
+    drive.voltage_drive.active = true;
+    assert_finds(STATE_GUARD_CHOICES);
+    cfg.voltage_drive = example_voltage_drive_cfg();
+    begin_in(DRIVE_STATE_RUN, DRIVE_MODE_SPEED);
+    drive.voltage_drive.active = true;
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, look_at_all());
+}
+
+/* Until the slot that looks at it has come, at the end of a supervision period at the latest. */
+static void run_until_heat_is_looked_at(void)
+{
+    drive.supervision.step = 0U;
+    ticks(cfg.slow_ticks + 1U);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
+    TEST_ASSERT_EQUAL_INT(FAULT_MEMORY, drive.fault.id);
+    TEST_ASSERT_EQUAL_INT32(STATE_GUARD_HEAT, drive.fault.value);
+}
+
+/* Of the heat and its copy one is true, and nobody knows which. */
+TEST(test_a_winding_whose_heat_has_flipped_counts_as_the_hotter_one)
+{
+    const int32_t heat = 0x800000;
+
+    for (uint32_t bit = 0U; bit < 32U; bit++) {
+        const int32_t flipped = (int32_t)((uint32_t)heat ^ (1UL << bit));
+        const int32_t hotter = fx_clamp(flipped, heat, DERATING_HEAT_MAX_Q24);
+
+        power_on();
+        drive_warm(&drive, heat);
+        drive.derating.heat_q24 = flipped;
+        run_until_heat_is_looked_at();
+        TEST_ASSERT_EQUAL_INT32(hotter, drive.derating.heat_q24);
+        power_on();
+        drive_warm(&drive, flipped);
+        drive.derating.heat_q24 = heat;
+        run_until_heat_is_looked_at();
+        TEST_ASSERT_EQUAL_INT32(hotter, drive.derating.heat_q24);
+    }
+}
+
 TEST(test_in_run_a_jump_of_what_moves_slowly_is_found)
 {
     begin_in(DRIVE_STATE_RUN, DRIVE_MODE_SPEED);
@@ -157,6 +212,16 @@ TEST(test_a_vector_moves_by_the_step_that_it_was_given)
     assert_moves(FAULT_NONE);
     drive.vector.step ^= 1;
     assert_moves(FAULT_MEMORY);
+}
+
+/* In the tick that moves it. */
+TEST(test_a_drive_with_a_vector_of_another_step_stops)
+{
+    begin_in(DRIVE_STATE_IF_RAMP, DRIVE_MODE_SPEED);
+    drive.vector.step ^= 1;
+    TEST_ASSERT_EQUAL_INT(DRIVE_EVENT_FAULT, open_loop_drag(&drive, &fault));
+    TEST_ASSERT_EQUAL_INT(FAULT_MEMORY, fault.id);
+    TEST_ASSERT_EQUAL_INT32(STATE_GUARD_VECTOR, fault.value);
 }
 
 TEST(test_a_vector_does_not_move_with_another_zero_of_a_sensor)
