@@ -7,6 +7,7 @@ pace that live is told: it stops its motor where nobody is heard for a second, a
 """
 
 import math
+import re
 import subprocess
 import sys
 import tempfile
@@ -54,9 +55,9 @@ def converse(lines, options=(), flashed=()):
 
 
 def in_force(said):
-    """The answer to the last `get`. What the board's state is comes when it comes."""
+    """The answer to the last `get`. The board says its state at any time, with "board: " or a time in front."""
     lines = said.rpartition("> get\n")[2].splitlines()
-    return "\n".join(line for line in lines if not line.startswith("board: "))
+    return "\n".join(line for line in lines if not re.match(r"board: |[0-9.]+ s: ", line))
 
 
 class FirstHour(unittest.TestCase):
