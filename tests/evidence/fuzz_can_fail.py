@@ -36,7 +36,8 @@ FAULTS = {
         "recording", "host_sim/replay/recording.cpp", "state_problem(state, cfg); !bad.empty()",
         "state_problem(state, cfg); bad.size() > 1000", A_WILD_WORD),
     "a refusal of two lines": (
-        "stepper", "host_sim/debug/set.cpp", "NAME = VALUE; found", "NAME = VALUE;\\nfound", "a refusal is one line"),
+        "stepper", "host_sim/debug/commands.cpp", '"{}: {}\\n", readable(name)', '"{}:\\n{}\\n", readable(name)',
+        "a refusal is one line"),
     "a line longer than its buffer": (
         "console", "firmware/app/console.c", "console->length < CONSOLE_LINE_MAX", "console->length < TEXT_MAX",
         "index 32 out of bounds"),
