@@ -35,9 +35,9 @@ FAULTS = {
     "a recording whose state is not looked at": (
         "recording", "host_sim/replay/recording.cpp", "state_problem(state, cfg); !bad.empty()",
         "state_problem(state, cfg); bad.size() > 1000", A_WILD_WORD),
-    "a refusal of two lines": (
-        "stepper", "host_sim/debug/commands.cpp", '"{}: {}\\n", readable(name)', '"{}:\\n{}\\n", readable(name)',
-        "a refusal is one line"),
+    "a refusal that nobody catches": (
+        "stepper", "host_sim/debug/set.cpp", 'throw std::runtime_error(fmt::format("NAME = VALUE',
+        'throw std::logic_error(fmt::format("NAME = VALUE', "deadly signal"),
     "a line longer than its buffer": (
         "console", "firmware/app/console.c", "console->length < CONSOLE_LINE_MAX", "console->length < TEXT_MAX",
         "index 32 out of bounds"),
