@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The simulator's command line: run scenarios, step through them and through recordings, list what there is, measure
-// speed.
-// Exit status: 0 all limits hold or a recording is what it was, 1 not so, 2 wrong usage, wrong file or a file not written.
+// The simulator's command line: run scenarios, step through them and through recordings, list what
+// there is, measure speed. Exit status: 0 all limits hold or a recording is what it was, 1 not so,
+// 2 wrong usage, wrong file or a file not written.
 #include "bench_command.h"
 #include "certify_command.h"
 #include "debug_command.h"

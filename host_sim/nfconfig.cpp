@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// nfconfig: shows and checks configurations, and writes them as the header that targets compile and as the block that they store.
+// nfconfig: shows and checks configurations, and writes them as the header that targets compile and
+// as the block that they store.
 //
 // Exit code 0, or 2 with one line on stderr that says what is wrong.
 #include "alike.h"

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * On the PC the plant is the board: power stage, motor and sensors; and a person types at the console, whose answers are
- * printed. The program ends with 0 if the shaft turns at the speed asked for when the time is up, else with 1.
+ * On the PC the plant is the board: power stage, motor and sensors; and a person types at the
+ * console, whose answers are printed. The program ends with 0 if the shaft turns at the speed asked
+ * for when the time is up, else with 1.
  */
 #include "board.h"
 #include "plant.h"
@@ -14,8 +15,8 @@
 #define TARGET_RPM (2000)
 #define TYPED "speed 2000\rrun\r"
 #define RPM_PER_RAD_S (9.549296585513721)
-#define TOLERANCE_RPM \
-    (0.01 * TARGET_RPM) /* a start that failed is at 0, one that goes on is below */
+/* a start that failed is at 0, one that goes on is below */
+#define TOLERANCE_RPM (0.01 * TARGET_RPM)
 
 volatile board_registers_t board_registers;
 

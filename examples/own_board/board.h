@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The binding of hal.h to the board: one block of registers, which timer and converters serve. On the chip the linker script
- * says where it is; on the PC a program plays the board, for example bench.c.
+ * The binding of hal.h to the board: one block of registers, which timer and converters serve. On
+ * the chip the linker script says where it is; on the PC a program plays the board, for example
+ * bench.c.
  */
 #ifndef BOARD_H
 #define BOARD_H

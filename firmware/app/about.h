@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a person is told with: the facts of motor and board that the drive's integers do not contain.
+ * What a person is told with: the facts of motor and board that the drive's integers do not
+ * contain.
  *
  * nfconfig writes them into drive_config.h, as the initialisers DRIVE_ABOUT:
  *
@@ -17,15 +18,18 @@
 
 typedef struct {
     const char *name; /* of motor, board and tuning */
-    /* Build-id of the image, RECORDER_BUILD_WORDS words. NULL: it has none. Not part of DRIVE_ABOUT. */
+    /*
+     * Build-id of the image, RECORDER_BUILD_WORDS words. NULL: it has none. Not part of
+     * DRIVE_ABOUT.
+     */
     const uint32_t *build;
     config_identity_t identity; /* of the configuration blocks that this image takes */
     units_rotation_t rotation;
     int32_t speed_max_rpm; /* of the shaft, either way */
     uint32_t is_example;   /* as in config_about_t */
     uint32_t baud;         /* bits a second of the serial line, 10 a byte */
-    uint16_t
-        current_zero_count; /* of adc_ia and adc_ib without current: half of the converter's range */
+    /* of adc_ia and adc_ib without current: half of the converter's range */
+    uint16_t current_zero_count;
     uint32_t current_full_scale_ua; /* ±, that many counts away from it */
     uint32_t bus_full_scale_uv;
     temperature_line_t temperature; /* of adc_temperature */

@@ -28,7 +28,10 @@ typedef struct {
     drive_in_t in; /* the frames of the last tick, for traces and recordings */
     drive_out_t out;
     recorder_t *recorder; /* NULL: none */
-    /* a configuration that the background has posted and the interrupt has not taken yet; NULL: none */
+    /*
+     * a configuration that the background has posted and the interrupt has not taken yet; NULL:
+     * none
+     */
     const drive_cfg_t *volatile change;
     drive_command_t
         failure;         /* while it is told: the drive takes it in place of the user's command */
@@ -51,10 +54,11 @@ const char *app_init(app_t *app, hal_t *hal, const drive_cfg_t *cfg);
 void app_record(app_t *app, recorder_t *recorder);
 
 /*
- * Post another configuration. The control interrupt takes it with the command, within a slow period, as a whole and at one
- * tick boundary: drive_change() says what that means. One that is posted before it was taken is forgotten. `cfg`
- * must outlive its use; what was in force before it is needed until app_changes() is false, and by the recorder as long as
- * recorder_change() says. Context: background.
+ * Post another configuration. The control interrupt takes it with the command, within a slow
+ * period, as a whole and at one tick boundary: drive_change() says what that means. One that is
+ * posted before it was taken is forgotten. `cfg` must outlive its use; what was in force before it
+ * is needed until app_changes() is false, and by the recorder as long as recorder_change() says.
+ * Context: background.
  */
 void app_change(app_t *app, const drive_cfg_t *cfg);
 
@@ -62,9 +66,9 @@ void app_change(app_t *app, const drive_cfg_t *cfg);
 bool app_changes(const app_t *app);
 
 /*
- * Tell the drive of a fault that the background has found. The drive latches it within a slow period,
- * in any state but FAULT, and opens the gates in that tick. Value and limit are clamped to 0…65535.
- * A recording has it as a command. Context: background.
+ * Tell the drive of a fault that the background has found. The drive latches it within a slow
+ * period, in any state but FAULT, and opens the gates in that tick. Value and limit are clamped to
+ * 0…65535. A recording has it as a command. Context: background.
  */
 void app_fail(app_t *app, const fault_t *fault);
 

@@ -2,17 +2,17 @@
 /*
  * The user's command on its way from the background to the control interrupt.
  *
- * A command has several words, and the interrupt may come between any two stores of the background. So the background
- * writes into the slot that is not in force, and one aligned store then puts that slot in force. The interrupt sees
- * either the old command or the whole new one, never a mixture.
+ * A command has several words, and the interrupt may come between any two stores of the background.
+ * So the background writes into the slot that is not in force, and one aligned store then puts that
+ * slot in force. The interrupt sees either the old command or the whole new one, never a mixture.
  *
- * Between two posts both slots hold the same command, each with a check word. So a bit that flips by itself in this memory
- * changes no command: the other slot counts, and the next command_mailbox_mend() repairs the one that is damaged. Where both are,
- * nothing is asked for.
+ * Between two posts both slots hold the same command, each with a check word. So a bit that flips
+ * by itself in this memory changes no command: the other slot counts, and the next
+ * command_mailbox_mend() repairs the one that is damaged. Where both are, nothing is asked for.
  *
- * One background posts and one interrupt on the same core takes. The background must not interrupt the interrupt.
- * No function waits or fails. The interrupt takes once a slow period. Of two commands posted between two takes, the later
- * one counts.
+ * One background posts and one interrupt on the same core takes. The background must not interrupt
+ * the interrupt. No function waits or fails. The interrupt takes once a slow period. Of two
+ * commands posted between two takes, the later one counts.
  */
 #ifndef COMMAND_MAILBOX_H
 #define COMMAND_MAILBOX_H
@@ -36,7 +36,10 @@ typedef struct {
 /* Puts speed 0 without a request in force. Call before the control interrupt is enabled. */
 void command_mailbox_init(command_mailbox_t *box);
 
-/* Copies `command` and puts it in force as a whole. Context: background; the interrupt may come at any instruction. */
+/*
+ * Copies `command` and puts it in force as a whole. Context: background; the interrupt may come at
+ * any instruction.
+ */
 void command_mailbox_post(command_mailbox_t *box, const drive_command_t *command);
 
 /* Returns the command in force. Context: the interrupt, and the background that posts. */

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The console: one command a line, one line as answer; and the status when the drive changes its state.
+ * The console: one command a line, one line as answer; and the status when the drive changes its
+ * state.
  *
  *     run  stop  clear  speed RPM  torque NM  zero  unlock  status  dump  record  identify
  *
- * It is given the bytes that were typed, and leaves what it says in `out`; the line is link.h's. It runs in the background,
- * commands the drive by way of commander.h and reads it; the control tick may interrupt it at any instruction.
+ * It is given the bytes that were typed, and leaves what it says in `out`; the line is link.h's. It
+ * runs in the background, commands the drive by way of commander.h and reads it; the control tick
+ * may interrupt it at any instruction.
  */
 #ifndef CONSOLE_H
 #define CONSOLE_H
@@ -42,8 +44,8 @@ typedef struct {
 } console_t;
 
 /*
- * Call once. `app` may be initialised later, and never if that fails: it is zero before. So the console can say why. All
- * three outlive it.
+ * Call once. `app` may be initialised later, and never if that fails: it is zero before. So the
+ * console can say why. All three outlive it.
  */
 void console_init(console_t *console, app_t *app, hal_t *hal, const about_t *about);
 
@@ -51,9 +53,9 @@ void console_init(console_t *console, app_t *app, hal_t *hal, const about_t *abo
 void console_say(console_t *console, const char *line);
 
 /*
- * Takes a byte that was typed. A line ends with CR, LF or both and is done at once; an empty one is none. True when it ended
- * a line that commands the drive, and was not refused. counts: false for a line that comes late, see commander.h; then a
- * command other than stop is refused.
+ * Takes a byte that was typed. A line ends with CR, LF or both and is done at once; an empty one is
+ * none. True when it ended a line that commands the drive, and was not refused. counts: false for a
+ * line that comes late, see commander.h; then a command other than stop is refused.
  */
 bool console_take(console_t *console, uint8_t byte, bool counts);
 
@@ -61,8 +63,9 @@ bool console_take(console_t *console, uint8_t byte, bool counts);
 void console_forget(console_t *console);
 
 /*
- * One pass of the background: an announcement, a line of a dump, a measurement of the motor. Call as often as possible, once
- * a tick or more. A line of a dump takes about 20000 instructions, and waits until `out` is empty.
+ * One pass of the background: an announcement, a line of a dump, a measurement of the motor. Call
+ * as often as possible, once a tick or more. A line of a dump takes about 20000 instructions, and
+ * waits until `out` is empty.
  */
 void console_step(console_t *console);
 

@@ -90,7 +90,9 @@ void app_forget_failure(app_t *app)
     }
 }
 
-/* Both have to say it: a bit that flips by itself in one of them tells nothing, and starts nothing. */
+/*
+ * Both have to say it: a bit that flips by itself in one of them tells nothing, and starts nothing.
+ */
 static bool is_told(const app_t *app)
 {
     return app->fails && (app->failure.request == DRIVE_REQUEST_FAIL);

@@ -73,7 +73,10 @@ static void check_sum(app_t *app, const measured_t *measured)
     check->state = measured->state;
 }
 
-/* What a control interrupt changes meanwhile is of two ticks, and counts for nothing. The barriers have the tick read twice. */
+/*
+ * What a control interrupt changes meanwhile is of two ticks, and counts for nothing. The barriers
+ * have the tick read twice.
+ */
 static void check_tick(app_t *app, uint32_t tick)
 {
     measured_t measured;

@@ -8,15 +8,15 @@
 #define STEPS_IN_A_TURN (4294967296LL)
 #define NEAR_SHARE (12) /* two frequencies are the same within 1/12 */
 #define SIX (6)         /* the legs commute six times in an electrical turn */
-#define LAG_EIGHTHS \
-    (6U) /* a swing by the lag of the loop: its period is 6/8 of the computed one at least … */
+/* a swing by the lag of the loop: its period is 6/8 of the computed one at least … */
+#define LAG_EIGHTHS (6U)
 #define LAG_EIGHTHS_MOST (12U) /* … and 12/8 at most */
 #define EIGHT (8U)
 #define HALVES_SEEN (4U) /* half-waves that are a swing, though not yet a fault */
 #define NOISE_SHARE (6)  /* noise above 1/6 of a limit is not small beside it */
 #define WHOLE_SHARE (16) /* a swing within 1/16 of the current's limit is held by it */
-#define FOLLOW_SHARE \
-    (2) /* a rotor that turns with less than 1/2 of the vector's speed does not follow it */
+/* a rotor that turns with less than 1/2 of the vector's speed does not follow it */
+#define FOLLOW_SHARE (2)
 
 static uint32_t sign_if(fault_sign_t sign, bool is_there)
 {
@@ -55,7 +55,10 @@ static bool is_times(int64_t frequency, int64_t turn, int64_t times)
     return (expected > 0) && ((NEAR_SHARE * off) <= expected);
 }
 
-/* Period of the swing and the one at which the loop lags by half a turn, in sixteenths of a slow period. */
+/*
+ * Period of the swing and the one at which the loop lags by half a turn, in sixteenths of a slow
+ * period.
+ */
 typedef struct {
     uint64_t swing_q4;
     uint64_t lag_q4;
@@ -89,7 +92,10 @@ static bool swings_at_limit(const drive_t *drive)
     return drive->fault.value > (whole - (whole / WHOLE_SHARE));
 }
 
-/* The cause of a swing that the loop answers to, by its frequency. With few pole pairs two causes have the same frequency. */
+/*
+ * The cause of a swing that the loop answers to, by its frequency. With few pole pairs two causes
+ * have the same frequency.
+ */
 static uint32_t forced_signs(int64_t frequency, int64_t shaft, int64_t electric)
 {
     /* half: as a four-stroke engine or a belt */

@@ -321,7 +321,10 @@ static void have_asked(identify_t *identify)
     wait_for(identify, identify->aim.leads ? IDENTIFY_MEASURING : IDENTIFY_MOVING);
 }
 
-/* Ramps of each further attempt take twice as long. The longest leads from a quarter of the speed down to half of an eighth of it. */
+/*
+ * Ramps of each further attempt take twice as long. The longest leads from a quarter of the speed
+ * down to half of an eighth of it.
+ */
 static uint32_t longest_move(const identify_t *identify)
 {
     const uint32_t ticks = LONGEST_MOVE_MS * fx_unsigned(identify->ms_ticks);
@@ -329,7 +332,10 @@ static uint32_t longest_move(const identify_t *identify)
     return ticks << identify->turn.slower;
 }
 
-/* The vector waits for a rotor that is lost, or for a bus that its braking has raised and that does not come down. */
+/*
+ * The vector waits for a rotor that is lost, or for a bus that its braking has raised and that does
+ * not come down.
+ */
 static void give_up_moving(identify_t *identify)
 {
     if ((identify->phase == IDENTIFY_RAMP) && !probing_may_brake(&identify->app->drive)) {
@@ -415,8 +421,8 @@ const char *identify_start(identify_t *identify)
     if (identify_is_busy(identify)) {
         why = "it is under way";
     } else if (app_changes(identify->app)) {
-        why =
-            "the configuration changes in this moment; ask again"; /* its currents are planned by it */
+        why = "the configuration changes in this moment; ask again"; /* its currents are planned by
+                                                                        it */
     } else if (identify->about->is_example != 0U) {
         why = "the configuration has an example motor: name the one that is connected, by "
               "`identify PLATE.toml NEW.toml` of motorsim live";
@@ -428,7 +434,10 @@ const char *identify_start(identify_t *identify)
     return why;
 }
 
-/* The user's command instead of a word of the probe, without its request; what else is requested meanwhile stays. */
+/*
+ * The user's command instead of a word of the probe, without its request; what else is requested
+ * meanwhile stays.
+ */
 static void give_back(identify_t *identify)
 {
     const drive_command_t now = command_mailbox_take(&identify->app->mailbox);
@@ -586,7 +595,10 @@ static bool lasts_too_long(const identify_t *identify)
     return (identify->app->drive.tick - identify->began) > longest;
 }
 
-/* A rotor that is braked, that swings in the field or is caught by it gives power back. At rest the bus is too high by itself. */
+/*
+ * A rotor that is braked, that swings in the field or is caught by it gives power back. At rest the
+ * bus is too high by itself.
+ */
 static void refuse_fault(identify_t *identify, fault_id_t fault)
 {
     const bool braking = (identify->phase == IDENTIFY_CATCH) ||

@@ -6,7 +6,8 @@
 #define QUICK_SHARE (10U)     /* or about as quick */
 #define SOFT_SHARE (256U)     /* and across a current at rest another 256 times */
 #define SOFT_GAIN_SHARE (16U) /* K_p across a current at rest: R and this damp the rotor */
-#define COUNTS_LEAST (24) /* of the current's converter: a quarter of it is still above its noise */
+/* of the current's converter: a quarter of it is still above its noise */
+#define COUNTS_LEAST (24)
 #define FULL_SCALE (16384)  /* of a current sensor, Q15 of I_b */
 #define INTEGRAL_BITS (11U) /* by which the integral is finer, pi.h */
 
@@ -24,7 +25,10 @@ void identify_aim_window(identify_t *identify, const char *kind, int32_t settle,
     identify->aim.ticks = ticks;
 }
 
-/* A gain in Q32 as a word of PROBE_GAIN_D. One that the word has no shift for is the largest that it has. */
+/*
+ * A gain in Q32 as a word of PROBE_GAIN_D. One that the word has no shift for is the largest that
+ * it has.
+ */
 static int32_t gain_word(uint64_t gain_q32)
 {
     uint64_t mantissa = gain_q32;

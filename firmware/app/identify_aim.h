@@ -1,14 +1,23 @@
 /* SPDX-License-Identifier: MIT */
-/* What a plan of the identification asks for: current, window and gains of the next experiment, or the end of its phase. */
+/*
+ * What a plan of the identification asks for: current, window and gains of the next experiment, or
+ * the end of its phase.
+ */
 #ifndef IDENTIFY_AIM_H
 #define IDENTIFY_AIM_H
 
 #include "identify_state.h"
 
-/* A rectified mains of 100 Hz has so many of its periods in it: its ripple does not count in a mean. */
+/*
+ * A rectified mains of 100 Hz has so many of its periods in it: its ripple does not count in a
+ * mean.
+ */
 #define IDENTIFY_AIM_WINDOW_MS (40)
 
-/* Continuous current of the name plate, from the pulses on within what the saliency allows, Q15 of I_b. */
+/*
+ * Continuous current of the name plate, from the pulses on within what the saliency allows, Q15 of
+ * I_b.
+ */
 static inline int32_t identify_aim_continuous(const identify_t *identify)
 {
     const int32_t continuous = identify->app->drive.cfg->derating.current_continuous;
@@ -51,8 +60,10 @@ void identify_aim_window(identify_t *identify, const char *kind, int32_t settle,
 
 typedef enum {
     IDENTIFY_GAINS_FIRM = 0,
-    IDENTIFY_GAINS_SOFT, /* weak across the current: the winding's resistance damps a rotor that swings */
-    IDENTIFY_GAINS_QUICK /* with a quick integral: the frame turns to a rotor that lags, and its EMF with it */
+    /* weak across the current: the winding's resistance damps a rotor that swings */
+    IDENTIFY_GAINS_SOFT,
+    /* with a quick integral: the frame turns to a rotor that lags, and its EMF with it */
+    IDENTIFY_GAINS_QUICK
 } identify_gains_t;
 
 /* Gains of the current control for the measured L. */
@@ -61,8 +72,8 @@ void identify_aim_gains(identify_t *identify, identify_gains_t gains);
 void identify_aim_phase(identify_t *identify, identify_phase_t phase);
 
 /*
- * Whether the sensors show enough of the continuous current. If not, the end: the reason as text that outlives it, behind which the
- * current is said that it takes.
+ * Whether the sensors show enough of the continuous current. If not, the end: the reason as text
+ * that outlives it, behind which the current is said that it takes.
  */
 bool identify_aim_is_enough(identify_t *identify, const char *why);
 

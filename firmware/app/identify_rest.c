@@ -16,11 +16,18 @@
 
 #define PULSE_PATTERNS (16)
 #define PULSE_TICKS_MOST (64)
-/* An open phase leaves its own axis no current and the two others 3/4; saliency leaves one 0.4 of another at least. */
+/*
+ * An open phase leaves its own axis no current and the two others 3/4; saliency leaves one 0.4 of
+ * another at least.
+ */
 #define OPEN_SHARE (8)
-/* A pulse of twice the time with 5/8 of the voltage has 5/4 of the current. 13/8 is more than iron that saturates makes of it. */
+/*
+ * A pulse of twice the time with 5/8 of the voltage has 5/4 of the current. 13/8 is more than iron
+ * that saturates makes of it.
+ */
 #define LAG_EIGHTHS (13)
-#define LAG_LEAST_SHARE (64) /* of the continuous current: an answer above the converter's noise */
+/* of the continuous current: an answer above the converter's noise */
+#define LAG_LEAST_SHARE (64)
 #define TWO_PI_Q16 (411775)
 #define TOO_SALIENT \
     "L_q is so much larger than L_d that only a current holds the rotor that is too small for this board's sensors, it takes at least "
@@ -88,8 +95,9 @@ static void find_inductance(identify_rest_t *rest)
 }
 
 /*
- * How far the currents of pulses on the three axes, m + b·cos(2·(angle − rotor)), are apart: returns b. m + b is the answer along
- * the flux, by 1/L_d, and m − b across. What the legs lose is the same on each axis: a common share of m and b.
+ * How far the currents of pulses on the three axes, m + b·cos(2·(angle − rotor)), are apart:
+ * returns b. m + b is the answer along the flux, by 1/L_d, and m − b across. What the legs lose is
+ * the same on each axis: a common share of m and b.
  */
 static int32_t unlike_peaks(const identify_rest_t *rest)
 {
@@ -104,9 +112,10 @@ static int32_t unlike_peaks(const identify_rest_t *rest)
 }
 
 /*
- * Half of φ/(L_q − L_d): from the whole on a rotor has no stiffness on a current. L is that of the axis with the largest answer p,
- * so L_d = L·p/(m + b), L_q = L·p/(m − b). φ is that of the configuration: of a name plate, what is usual for its speed and the bus.
- * emf_q13 is Ω_b·φ/U_b and Ω_b is 2^(15 + shift) steps a tick, of 2^32 a turn: φ in volt-ticks is emf·2^(4 − shift)/2π.
+ * Half of φ/(L_q − L_d): from the whole on a rotor has no stiffness on a current. L is that of the
+ * axis with the largest answer p, so L_d = L·p/(m + b), L_q = L·p/(m − b). φ is that of the
+ * configuration: of a name plate, what is usual for its speed and the bus. emf_q13 is Ω_b·φ/U_b and
+ * Ω_b is 2^(15 + shift) steps a tick, of 2^32 a turn: φ in volt-ticks is emf·2^(4 − shift)/2π.
  */
 static int32_t find_stiff_current(const identify_t *identify)
 {
@@ -147,7 +156,10 @@ static void note_lag(identify_t *identify)
     }
 }
 
-/* In small steps once a current shows; twice as much before, first of the voltage, then of the time. */
+/*
+ * In small steps once a current shows; twice as much before, first of the voltage, then of the
+ * time.
+ */
 static void enlarge_pulse(identify_t *identify)
 {
     identify_rest_t *const rest = &identify->rest;
@@ -169,8 +181,8 @@ static void enlarge_pulse(identify_t *identify)
 }
 
 /*
- * Why the answers of the three axes are not those of a motor; NULL: they may be. One turned axis is no reason here: a phase that
- * stands out is judged by its resistance.
+ * Why the answers of the three axes are not those of a motor; NULL: they may be. One turned axis is
+ * no reason here: a phase that stands out is judged by its resistance.
  */
 static const char *find_wrong_phase(const identify_rest_t *rest)
 {
@@ -269,8 +281,8 @@ bool identify_rest_plan_pulse(identify_t *identify)
 #define TRIES_MOST (4U)
 #define TRY_UNLIKE_SHARE (8)
 #define STEADY_LOOKS (5U)
-#define NOISE_PEAK \
-    (5) /* largest of some thousand samples, over the mean change from one to the next */
+/* largest of some thousand samples, over the mean change from one to the next */
+#define NOISE_PEAK (5)
 
 static step_t turn_rate(const identify_t *identify, int32_t half_turn_ms)
 {
@@ -278,8 +290,8 @@ static step_t turn_rate(const identify_t *identify, int32_t half_turn_ms)
 }
 
 /*
- * |i_q| of a rotor that swings or slips, beyond what noise has for its largest sample. Windings that differ have a mean of
- * i_q, which stays for STEADY_LOOKS.
+ * |i_q| of a rotor that swings or slips, beyond what noise has for its largest sample. Windings
+ * that differ have a mean of i_q, which stays for STEADY_LOOKS.
  */
 static bool swings_no_more(identify_t *identify)
 {
@@ -306,8 +318,9 @@ static void refuse_restless(identify_t *identify)
 }
 
 /*
- * A small current rises opposite to where the rotor is to be, the vector turns there in two quarters, and the rest of the
- * current follows. A rotor that falls into the field falls into a small one: its EMF drives no over-current.
+ * A small current rises opposite to where the rotor is to be, the vector turns there in two
+ * quarters, and the rest of the current follows. A rotor that falls into the field falls into a
+ * small one: its EMF drives no over-current.
  */
 static void aim_catch(identify_t *identify)
 {
@@ -341,8 +354,9 @@ static void aim_catch(identify_t *identify)
 }
 
 /*
- * φ of a name plate may be wrong by a factor. So a salient rotor is tried with half as much again: where it has no stiffness it
- * turns off the vector. Not where thrice the current of the experiments would hold it, nor where L_q/L_d is below 9/7.
+ * φ of a name plate may be wrong by a factor. So a salient rotor is tried with half as much again:
+ * where it has no stiffness it turns off the vector. Not where thrice the current of the
+ * experiments would hold it, nor where L_q/L_d is below 9/7.
  */
 static bool is_to_be_tried(const identify_t *identify)
 {
@@ -369,7 +383,10 @@ static void aim_try(identify_t *identify)
                         TRY_PATTERNS * QUARTERS * quarter);
 }
 
-/* A pulse along the vector changes i_q by b·sin 2δ and i_d by m + b·cos 2δ: it is off by more than 15 degrees. */
+/*
+ * A pulse along the vector changes i_q by b·sin 2δ and i_d by m + b·cos 2δ: it is off by more than
+ * 15 degrees.
+ */
 static bool lies_beside(identify_t *identify)
 {
     const identify_rest_t *const rest = &identify->rest;
@@ -380,8 +397,9 @@ static bool lies_beside(identify_t *identify)
 }
 
 /*
- * It is caught again with 3/4 of the current, or the experiments begin. What lies beside any current has another cause, such as
- * unlike windings: the experiments find it, with the current that the pulses have told.
+ * It is caught again with 3/4 of the current, or the experiments begin. What lies beside any
+ * current has another cause, such as unlike windings: the experiments find it, with the current
+ * that the pulses have told.
  */
 static bool judge_try(identify_t *identify)
 {
@@ -442,10 +460,13 @@ bool identify_rest_plan_catch(identify_t *identify)
 
 #define LEVELS (14U)
 #define LEVEL_FOR_R (5U) /* with the first one it gives R: half of its current */
-#define UNSTEADY_SHARE \
-    (8) /* 1/8 of R·i is more than a winding warms up by, and a share of what tells phases apart */
+/* 1/8 of R·i is more than a winding warms up by, and a share of what tells phases apart */
+#define UNSTEADY_SHARE (8)
 #define UNSTEADY_ONE (256)
-/* A voltage that is off by a share makes R of an axis off by 1.7 of it, by two levels 0.59 of the current apart; R of a phase by twice that. */
+/*
+ * A voltage that is off by a share makes R of an axis off by 1.7 of it, by two levels 0.59 of the
+ * current apart; R of a phase by twice that.
+ */
 #define UNSTEADY_TIMES (4)
 #define TOO_HEAVY \
     "the rotor swings too slowly for this current: take inertia off, or allow more continuous current"
@@ -454,8 +475,8 @@ bool identify_rest_plan_catch(identify_t *identify)
 #define BURSTS (10U)
 #define BURST_ROUNDS (2U)
 #define BURST_TICKS (256)
-#define UNLIKE_SHARE \
-    (4) /* R of a phase may be 1/4 off that in the middle: mismatch of sensors, unlike wires */
+/* R of a phase may be 1/4 off that in the middle: mismatch of sensors, unlike wires */
+#define UNLIKE_SHARE (4)
 
 int32_t identify_rest_largest(const identify_t *identify)
 {
@@ -467,7 +488,10 @@ int32_t identify_rest_largest(const identify_t *identify)
     return fx_min(held, 2 * identify_aim_continuous(identify));
 }
 
-/* Along the axis of an open phase no current flows; along another axis it flows in the other two phases. NULL: each phase has some. */
+/*
+ * Along the axis of an open phase no current flows; along another axis it flows in the other two
+ * phases. NULL: each phase has some.
+ */
 static const char *find_open_phase(const identify_t *identify)
 {
     const drive_signals_t *const s = &identify->app->drive.signals;
@@ -514,8 +538,8 @@ typedef struct {
 } burst_t;
 
 /*
- * A slow burst has the current of the one before: iron is as saturated in both. So sensors that follow late show along the
- * current, and the way that the rotor goes meanwhile shows across it.
+ * A slow burst has the current of the one before: iron is as saturated in both. So sensors that
+ * follow late show along the current, and the way that the rotor goes meanwhile shows across it.
  */
 static const burst_t *burst_of(uint32_t step)
 {
@@ -528,8 +552,9 @@ static const burst_t *burst_of(uint32_t step)
 }
 
 /*
- * Volt-ticks for pulses of so much current. Across, what the legs lose changes its sign with the current and is a large part
- * of a small pulse: the pulses before say what a current takes, and L what more of it takes.
+ * Volt-ticks for pulses of so much current. Across, what the legs lose changes its sign with the
+ * current and is a large part of a small pulse: the pulses before say what a current takes, and L
+ * what more of it takes.
  */
 static int64_t volts_for(const identify_rest_t *rest, bool along, int64_t current)
 {
@@ -561,8 +586,9 @@ static void aim_slow_burst(identify_t *identify)
 }
 
 /*
- * Pulses of so much current, as short as the voltage allows: 3/8 of the bus. The sum of both is at most 7/8 of the largest
- * current: while the current control holds its voltage along the pulses, a ripple of the bus changes the mean current.
+ * Pulses of so much current, as short as the voltage allows: 3/8 of the bus. The sum of both is at
+ * most 7/8 of the largest current: while the current control holds its voltage along the pulses, a
+ * ripple of the bus changes the mean current.
  */
 static void aim_fast_burst(identify_t *identify)
 {
@@ -595,7 +621,10 @@ static void aim_burst(identify_t *identify)
     }
 }
 
-/* L across, of two pulses of unlike current. The smaller one may hardly overcome what the legs lose. */
+/*
+ * L across, of two pulses of unlike current. The smaller one may hardly overcome what the legs
+ * lose.
+ */
 static void note_across(identify_rest_t *rest, int32_t volts, int32_t current)
 {
     const int32_t more = current - rest->across_current;
@@ -609,7 +638,10 @@ static void note_across(identify_rest_t *rest, int32_t volts, int32_t current)
     rest->across_current = current;
 }
 
-/* L of the pulses that have ended: it falls with the current. What is planned next is not slow, and takes no L of those. */
+/*
+ * L of the pulses that have ended: it falls with the current. What is planned next is not slow, and
+ * takes no L of those.
+ */
 static void note_burst(identify_t *identify)
 {
     const probe_sums_t *const sums = identify_aim_sums(identify);
@@ -652,7 +684,10 @@ static void note_level(identify_t *identify)
     }
 }
 
-/* A rotor that swings more slowly than the looks see induces another voltage when a level comes again. */
+/*
+ * A rotor that swings more slowly than the looks see induces another voltage when a level comes
+ * again.
+ */
 static void note_twice(identify_t *identify)
 {
     static const uint8_t pairs[IDENTIFY_TWICE][2] = {{2, 14}, {5, 13}, {8, 12}};
@@ -688,8 +723,8 @@ static void note_still(identify_t *identify)
 }
 
 /*
- * R of a phase, Q13. Along the axis of a phase flows its whole current, and half of it back through each other one:
- * R_axis = 2/3·R_phase + 1/6·(both others) = (R_phase + mean of the three axes)/2.
+ * R of a phase, Q13. Along the axis of a phase flows its whole current, and half of it back through
+ * each other one: R_axis = 2/3·R_phase + 1/6·(both others) = (R_phase + mean of the three axes)/2.
  */
 static int32_t phase_resistance(const identify_rest_t *rest, uint32_t phase)
 {
@@ -698,7 +733,10 @@ static int32_t phase_resistance(const identify_rest_t *rest, uint32_t phase)
     return (2 * rest->resistance_q13[phase]) - (sum / 3);
 }
 
-/* Whether a rotor that moves under the levels explains that a phase is off by so much. A shorted phase moves it too, but by less. */
+/*
+ * Whether a rotor that moves under the levels explains that a phase is off by so much. A shorted
+ * phase moves it too, but by less.
+ */
 static bool is_by_motion(const identify_rest_t *rest, int32_t middle, int32_t off)
 {
     const int32_t explained = (UNSTEADY_TIMES * rest->unsteady * middle) / UNSTEADY_ONE;

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The state of an identification (identify.h): the experiment under way, and what those before it have found. */
+/*
+ * The state of an identification (identify.h): the experiment under way, and what those before it
+ * have found.
+ */
 #ifndef IDENTIFY_STATE_H
 #define IDENTIFY_STATE_H
 
@@ -11,7 +14,8 @@
 
 typedef enum {
     IDENTIFY_IDLE = 0,
-    IDENTIFY_BEGINS, /* once the winding is cool it says the scales of its records, and asks the drive to PROBE */
+    /* once the winding is cool it says the scales of its records, and asks the drive to PROBE */
+    IDENTIFY_BEGINS,
     IDENTIFY_PULSE,
     IDENTIFY_CATCH,
     IDENTIFY_STILL,
@@ -54,7 +58,10 @@ typedef struct {
     int32_t before;  /* largest current of those before */
     bool lag;        /* pulses of twice the time show that the current sensors follow late */
     dq_t peaks[IDENTIFY_AXES]; /* current of the last pulses, in the frame of each axis */
-    /* a larger one that is imposed may not hold a salient rotor, Q15 of I_b; 0: the pulses have not ended */
+    /*
+     * a larger one that is imposed may not hold a salient rotor, Q15 of I_b; 0: the pulses have not
+     * ended
+     */
     int32_t stiff_current;
     int32_t unlike; /* b of the pulses' answers m + b·cos(2·(angle − rotor)), */
     int32_t mean;   /* and m, Q15 of I_b */
@@ -81,8 +88,8 @@ typedef struct {
 typedef struct {
     step_t top; /* highest speed */
     step_t low; /* the ramps' other speed */
-    uint32_t
-        slower; /* times that the rotor was lost, and the ramps begun anew with half of their slope */
+    /* times that the rotor was lost, and the ramps begun anew with half of their slope */
+    uint32_t slower;
     int32_t ramp_ticks;
     int32_t ramp_least;  /* a shorter one has not come down in its window; 0: each has */
     bool waited;         /* the last ramp down has not */

@@ -24,8 +24,8 @@
 #define EDGE_MS_MOST (450)
 #define EDGE_TICKS_MOST (PROBE_WINDOW_MAX / 4)
 #define EDGE_SWINGS (8) /* 1/ω_n: a swing that the ramp has begun is damped by then */
-#define DAMPING_MOST \
-    (41000000) /* K = 0.03 a tick: a quarter of the bandwidth of the current control */
+/* K = 0.03 a tick: a quarter of the bandwidth of the current control */
+#define DAMPING_MOST (41000000)
 #define TORQUE_MOST (65536)
 #define TORQUE_ENOUGH (4915) /* 0.3 of what the current can pull: the rotor lags by 17 degrees */
 
@@ -82,7 +82,10 @@ static int64_t one_of_q15(const identify_t *identify)
     return (int64_t)one;
 }
 
-/* |e|/ω of the window that has ended as far as it lies across the current, with ωL·i in it, Q14 of U_b/Ω_b, at least 1. */
+/*
+ * |e|/ω of the window that has ended as far as it lies across the current, with ωL·i in it, Q14 of
+ * U_b/Ω_b, at least 1.
+ */
 static int32_t flux_q14(const identify_t *identify)
 {
     const probe_sums_t *const sums = identify_aim_sums(identify);
@@ -94,8 +97,8 @@ static int32_t flux_q14(const identify_t *identify)
 }
 
 /*
- * Mean torque of a window over that which the current can pull, Q14, as much larger as the window is longer than the ramp.
- * ±4 at most: more comes of no motor, and does not fit what follows of it.
+ * Mean torque of a window over that which the current can pull, Q14, as much larger as the window
+ * is longer than the ramp. ±4 at most: more comes of no motor, and does not fit what follows of it.
  */
 static int32_t mean_torque(const identify_t *identify)
 {
@@ -108,8 +111,9 @@ static int32_t mean_torque(const identify_t *identify)
 }
 
 /*
- * The EMF of a ramp drives a current across that the current control answers in proportion: the sum of it is the same in
- * every ramp. It is to stay below 1/8 of the current. And a ramp is to be over in its window.
+ * The EMF of a ramp drives a current across that the current control answers in proportion: the sum
+ * of it is the same in every ramp. It is to stay below 1/8 of the current. And a ramp is to be over
+ * in its window.
  */
 static int32_t shortest_ramp(const identify_t *identify)
 {
@@ -119,7 +123,10 @@ static int32_t shortest_ramp(const identify_t *identify)
     return fx_max(fx_abs(identify_aim_sums(identify)->current.q) / each, least);
 }
 
-/* The next ramps, from the speed `low` to the highest. One that would take longer than `longest` goes less far down. */
+/*
+ * The next ramps, from the speed `low` to the highest. One that would take longer than `longest`
+ * goes less far down.
+ */
 static void take_ramp(identify_t *identify, step_t low, int32_t ramp, int32_t longest)
 {
     identify_turn_t *const turn = &identify->turn;
@@ -141,8 +148,8 @@ static int32_t root_of(int64_t square)
 }
 
 /*
- * The next ramps are as steep as lets the rotor lag by TORQUE_ENOUGH. The frame damps the rotor's swing, of ω_n² = α/sin δ,
- * with K = ω_n: more would hold the speed of the frame back by the lag.
+ * The next ramps are as steep as lets the rotor lag by TORQUE_ENOUGH. The frame damps the rotor's
+ * swing, of ω_n² = α/sin δ, with K = ω_n: more would hold the speed of the frame back by the lag.
  */
 static void steepen(identify_t *identify, int32_t torque)
 {
@@ -174,10 +181,10 @@ static void steepen(identify_t *identify, int32_t torque)
 #define VOLTAGE_SHARE (12) /* of 16: so much of the voltage is used at the highest speed */
 #define VOLTAGE_LEFT (32)  /* and so much of it is left where all is used */
 #define SPEED_SHARE_LEAST (16)
-#define LAG_OF_LOAD \
-    (1093) /* 1/cos of 20 degrees, Q10: half of the current would let it lag by 43 */
-#define FLUX_SHARE_LEAST \
-    (20) /* the EMF at the highest speed takes 1/20 of the voltage at least, or the rotor stands */
+/* 1/cos of 20 degrees, Q10: half of the current would let it lag by 43 */
+#define LAG_OF_LOAD (1093)
+/* the EMF at the highest speed takes 1/20 of the voltage at least, or the rotor stands */
+#define FLUX_SHARE_LEAST (20)
 
 /* Ω_b·L, Q13 of U_b/I_b: L in volt-ticks times 2π/2^32 of a radian times 2^speed_shift. */
 static int32_t reactance_q13(const identify_t *identify)
@@ -227,8 +234,9 @@ static int32_t largest_voltage(const identify_t *identify)
 }
 
 /*
- * Whether a rotor turns with the vector: a standing one has no EMF, only ωL·i. One of unlike L_d and L_q has up to twice the L
- * that the pulses have shown: it is found at half of the current (has_stood()).
+ * Whether a rotor turns with the vector: a standing one has no EMF, only ωL·i. One of unlike L_d
+ * and L_q has up to twice the L that the pulses have shown: it is found at half of the current
+ * (has_stood()).
  */
 static bool turns_along(const identify_t *identify)
 {
@@ -243,7 +251,10 @@ static bool turns_along(const identify_t *identify)
     return (flux_q14(identify) - inductive_q14) >= fx_max(least_q14, inductive_q14 / 4);
 }
 
-/* |e| of the window that has ended over its voltage across, Q10, at least 1.0: a rotor that lags has an EMF along the current too. */
+/*
+ * |e| of the window that has ended over its voltage across, Q10, at least 1.0: a rotor that lags
+ * has an EMF along the current too.
+ */
 static int32_t lag_q10(const identify_t *identify)
 {
     const identify_rest_t *const rest = &identify->rest;
@@ -259,7 +270,10 @@ static int32_t lag_q10(const identify_t *identify)
     return identify_aim_bounded(share, 0, INT16_MAX);
 }
 
-/* The EMF of a rotor is there without current; what half of the current halves is not. One that lags has an EMF. */
+/*
+ * The EMF of a rotor is there without current; what half of the current halves is not. One that
+ * lags has an EMF.
+ */
 static bool has_stood(const identify_t *identify)
 {
     const int64_t whole = identify->turn.flux_q14;
@@ -364,8 +378,9 @@ static int32_t spin_settle(const identify_t *identify)
 }
 
 /*
- * L·i takes another part of the voltage with another current: half of it, or the whole continuous one where friction lets the
- * rotor lag so much that half would lose it. The ramps have that too, then.
+ * L·i takes another part of the voltage with another current: half of it, or the whole continuous
+ * one where friction lets the rotor lag so much that half would lose it. The ramps have that too,
+ * then.
  */
 static void aim_other_current(identify_t *identify)
 {
@@ -377,8 +392,8 @@ static void aim_other_current(identify_t *identify)
 }
 
 /*
- * The way from half of the speed to the whole is a first ramp: its torque, with that of friction, says how steep the next
- * ones may be.
+ * The way from half of the speed to the whole is a first ramp: its torque, with that of friction,
+ * says how steep the next ones may be.
  */
 static void aim_spin(identify_t *identify)
 {
@@ -455,7 +470,10 @@ static bool is_steep(const identify_t *identify, int32_t torque)
     return (torque >= ((TORQUE_ENOUGH * 2) / 3)) || shortest;
 }
 
-/* A ramp down waits for a bus that bears no more braking (probe.h): the next ones take twice as long. */
+/*
+ * A ramp down waits for a bus that bears no more braking (probe.h): the next ones take twice as
+ * long.
+ */
 static void note_wait(identify_t *identify)
 {
     identify_turn_t *const turn = &identify->turn;
@@ -527,8 +545,8 @@ bool identify_turn_plan_ramp(identify_t *identify)
 #define COAST_SETTLE_TICKS (60) /* the current falls in 8 of them */
 #define COAST_MS_FIRST (5)
 #define COAST_MS_MOST (60)
-#define COAST_TRACKING \
-    (300000) /* 2·k: K²/4 is the double pole of the frame that follows the rotor */
+/* 2·k: K²/4 is the double pole of the frame that follows the rotor */
+#define COAST_TRACKING (300000)
 
 /* Speed in 2^-20 turns a tick. */
 static int32_t mean_speed(const identify_t *identify)
@@ -540,8 +558,8 @@ static int32_t mean_speed(const identify_t *identify)
 }
 
 /*
- * The windows grow while the speed hardly falls: the third one is the first that has a speed before it. The first one is an
- * electrical turn, and 5 ms at least.
+ * The windows grow while the speed hardly falls: the third one is the first that has a speed before
+ * it. The first one is an electrical turn, and 5 ms at least.
  */
 static void size_coast(identify_t *identify)
 {

@@ -2,8 +2,9 @@
 /*
  * Experiments on a rotor that turns: SPIN, RAMP, COAST.
  *
- * A plan looks at the sums of the experiment that has ended, and aims the next one. It returns whether it did: if not, it has
- * changed the phase, and the plan of that phase is next. Context: background.
+ * A plan looks at the sums of the experiment that has ended, and aims the next one. It returns
+ * whether it did: if not, it has changed the phase, and the plan of that phase is next. Context:
+ * background.
  */
 #ifndef IDENTIFY_TURN_H
 #define IDENTIFY_TURN_H
@@ -12,21 +13,30 @@
 
 #include <stdbool.h>
 
-/* Current of SPIN and its highest speed, Q15 of I_b and steps per tick. Under load the current is the continuous one. */
+/*
+ * Current of SPIN and its highest speed, Q15 of I_b and steps per tick. Under load the current is
+ * the continuous one.
+ */
 int32_t identify_turn_current(const identify_t *identify);
 step_t identify_turn_speed(const identify_t *identify);
 
 /* Whether it is on the way to the first speed, or measures there. */
 bool identify_turn_seeks_speed(const identify_t *identify);
 
-/* Whether the way to the first speed takes all of the voltage: then current and rotor are about to be lost. */
+/*
+ * Whether the way to the first speed takes all of the voltage: then current and rotor are about to
+ * be lost.
+ */
 bool identify_turn_lacks_voltage(const identify_t *identify);
 
 /* Ends it for that, and for a rotor that falls out of step again and again. */
 void identify_turn_refuse_voltage(identify_t *identify);
 void identify_turn_refuse_lost(identify_t *identify);
 
-/* The rotor has fallen out of step: it is caught again, and goes more slowly. At the third time it is refused. */
+/*
+ * The rotor has fallen out of step: it is caught again, and goes more slowly. At the third time it
+ * is refused.
+ */
 void identify_turn_catch_again(identify_t *identify);
 
 bool identify_turn_plan_spin(identify_t *identify);

@@ -68,8 +68,8 @@ void kept_heat_restore(app_t *app)
 }
 
 /*
- * A change that is posted may come in between, with another scale: then it is kept in the next pass. Nobody else posts one, so the
- * configuration stays what it is from the look at it on.
+ * A change that is posted may come in between, with another scale: then it is kept in the next
+ * pass. Nobody else posts one, so the configuration stays what it is from the look at it on.
  */
 void kept_heat_step(app_t *app)
 {

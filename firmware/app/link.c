@@ -12,8 +12,9 @@
 #define ALONE_US (100000U) /* a frame that goes no further for so long was none */
 
 /*
- * The same times where the ticks stand still, as on a board that cannot start: nothing but the passes themselves can be
- * counted there. A pass without work takes some µs. Between two ticks that run there never are so many.
+ * The same times where the ticks stand still, as on a board that cannot start: nothing but the
+ * passes themselves can be counted there. A pass without work takes some µs. Between two ticks that
+ * run there never are so many.
  */
 #define ALONE_PASSES (100000U)
 #define PAUSE_PASSES (LINK_PAUSE_MS * 1000U)
@@ -101,7 +102,10 @@ static void take_byte(link_t *link, uint8_t byte)
     }
 }
 
-/* A 0x00 that no frame follows, as a cable makes it that is plugged in, does not keep a person away. */
+/*
+ * A 0x00 that no frame follows, as a cable makes it that is plugged in, does not keep a person
+ * away.
+ */
 static void give_up_frame(link_t *link)
 {
     const uint32_t alone = units_ticks(&link->live->about.rotation, ALONE_US);

@@ -32,7 +32,10 @@ static uint32_t smaller(uint32_t a, uint32_t b)
     return (a < b) ? a : b;
 }
 
-/* The length that the body of this question has to have; of LINK_WRITE it says so itself, and a line has any. */
+/*
+ * The length that the body of this question has to have; of LINK_WRITE it says so itself, and a
+ * line has any.
+ */
 static uint32_t length_of(const question_t *question)
 {
     uint32_t length = 0U; /* BYE, PING, STORE, DEFAULTS */
@@ -129,7 +132,10 @@ static void put_health(link_t *link)
     link_out_word(out, commander_ticket(link->live->app));
 }
 
-/* A stop ends a measurement of the motor; while it is measured nothing else is taken: the command's target is a word of the probe. */
+/*
+ * A stop ends a measurement of the motor; while it is measured nothing else is taken: the command's
+ * target is a word of the probe.
+ */
 static const char *do_command(link_t *link, const uint8_t *body)
 {
     const drive_command_t command = {
@@ -204,7 +210,10 @@ static live_config_verdict_t write_block(link_t *link, const uint8_t *body)
     return verdict;
 }
 
-/* Of the state before a segment; none when it is not there. It is kept while the PC asks for its words. */
+/*
+ * Of the state before a segment; none when it is not there. It is kept while the PC asks for its
+ * words.
+ */
 static void put_state(link_t *link, const uint8_t *body)
 {
     recorder_t *const recorder = link->live->app->recorder;
@@ -271,8 +280,9 @@ static live_config_verdict_t do_block(link_t *link, const question_t *question)
 }
 
 /*
- * The questions about the block. A dump reads the block that is not in force: meanwhile none is written there. What is measured, and
- * whether it may be, follows from the block in force: meanwhile that stays too.
+ * The questions about the block. A dump reads the block that is not in force: meanwhile none is
+ * written there. What is measured, and whether it may be, follows from the block in force:
+ * meanwhile that stays too.
  */
 static live_config_verdict_t judge_block(link_t *link, const question_t *question)
 {
@@ -347,8 +357,8 @@ static void answer_hello(link_t *link, const question_t *question)
 }
 
 /*
- * The same question comes again where its answer was lost: what it asks for is done once. The whole message tells: a tag alone would
- * take a stop for the run before it. A stop is obeyed each time.
+ * The same question comes again where its answer was lost: what it asks for is done once. The whole
+ * message tells: a tag alone would take a stop for the run before it. A stop is obeyed each time.
  */
 static void answer_verdict(link_t *link, const question_t *question)
 {

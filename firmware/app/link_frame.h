@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Frames of the link: COBS and CRC-32 around a message (link_messages.h), one frame in and one frame out.
+ * Frames of the link: COBS and CRC-32 around a message (link_messages.h), one frame in and one
+ * frame out.
  *
  * Context: background.
  */
@@ -31,8 +32,9 @@ typedef struct {
 void link_in_start(link_in_t *in);
 
 /*
- * Takes the next byte of the line. True when it ends a frame whose CRC is right: then message is in->bytes, type and tag at
- * least, and *length its bytes. It stays there until the next byte. What is between two frames and is none is dropped.
+ * Takes the next byte of the line. True when it ends a frame whose CRC is right: then message is
+ * in->bytes, type and tag at least, and *length its bytes. It stays there until the next byte. What
+ * is between two frames and is none is dropped.
  */
 bool link_in_take(link_in_t *in, uint8_t byte, uint32_t *length);
 
@@ -62,7 +64,10 @@ void link_out_half(link_out_t *out, uint32_t value);
 void link_out_word(link_out_t *out, uint32_t value);
 void link_out_text(link_out_t *out, const char *text);
 
-/* Where the body goes on, and how many bytes fit there; link_out_add() says that `count` of them were written. */
+/*
+ * Where the body goes on, and how many bytes fit there; link_out_add() says that `count` of them
+ * were written.
+ */
 uint8_t *link_out_room(link_out_t *out, uint32_t *room);
 void link_out_add(link_out_t *out, uint32_t count);
 

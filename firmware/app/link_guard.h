@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Watches that the PC is heard: for the line, which goes back to the console after a pause, and for the motor, which is
- * brought to rest when cfg->link.timeout_ticks says so.
+ * Watches that the PC is heard: for the line, which goes back to the console after a pause, and for
+ * the motor, which is brought to rest when cfg->link.timeout_ticks says so.
  *
- * The motor is watched from a command of the PC on to the end of the link, also when the line has gone back to the console
- * after a pause. A PC that only reads is not waited for. When no frame came for timeout_ticks and a run is asked for, the speed
- * becomes 0, and the request ends when the motor is at rest. A measurement of the motor ends at once. Then nothing is watched
- * until the next command.
+ * The motor is watched from a command of the PC on to the end of the link, also when the line has
+ * gone back to the console after a pause. A PC that only reads is not waited for. When no frame
+ * came for timeout_ticks and a run is asked for, the speed becomes 0, and the request ends when the
+ * motor is at rest. A measurement of the motor ends at once. Then nothing is watched until the next
+ * command.
  *
- * Time is that of the control ticks: without ticks nothing runs out, and nothing moves either. Context: background.
+ * Time is that of the control ticks: without ticks nothing runs out, and nothing moves either.
+ * Context: background.
  */
 #ifndef LINK_GUARD_H
 #define LINK_GUARD_H
@@ -31,13 +33,19 @@ void link_guard_heard(link_guard_t *guard, uint32_t tick);
 /* The PC takes its leave: nothing is watched. */
 void link_guard_leave(link_guard_t *guard);
 
-/* The PC commands the drive: it is watched, and a stop that is under way is given up. link_guard_heard() of its frame follows. */
+/*
+ * The PC commands the drive: it is watched, and a stop that is under way is given up.
+ * link_guard_heard() of its frame follows.
+ */
 void link_guard_commanded(link_guard_t *guard);
 
 /* Whether the last frame came more than so many ticks ago. */
 bool link_guard_is_silent(const link_guard_t *guard, uint32_t tick, uint32_t ticks);
 
-/* One pass. True when the drive begins to stop because no frame came for `timeout_ticks`; 0: it never does. */
+/*
+ * One pass. True when the drive begins to stop because no frame came for `timeout_ticks`; 0: it
+ * never does.
+ */
 bool link_guard_step(link_guard_t *guard, app_t *app, identify_t *identify, uint32_t tick,
                      uint32_t timeout_ticks);
 

@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The messages of the link between a board and a PC, for both sides. docs/link.md says how a conversation goes.
+ * The messages of the link between a board and a PC, for both sides. docs/link.md says how a
+ * conversation goes.
  *
- * A message is type, tag and a body. All numbers are unsigned and have their lowest byte first, unless noted. It travels as
+ * A message is type, tag and a body. All numbers are unsigned and have their lowest byte first,
+ * unless noted. It travels as
  *
  *     00  COBS(type, tag, body, CRC-32 of type to body)  00
  *
- * The PC asks and the board answers with the type + LINK_ANSWER and the tag of the question: one question at a time. What the
- * board says unasked has the tag 0. A body that is too short for its type, or too long, makes the board answer
- * LINK_REFUSED; a frame whose CRC is wrong is as if it had not come.
+ * The PC asks and the board answers with the type + LINK_ANSWER and the tag of the question: one
+ * question at a time. What the board says unasked has the tag 0. A body that is too short for its
+ * type, or too long, makes the board answer LINK_REFUSED; a frame whose CRC is wrong is as if it
+ * had not come.
  */
 #ifndef LINK_MESSAGES_H
 #define LINK_MESSAGES_H
@@ -25,30 +28,51 @@
 
 /* Questions. */
 typedef enum {
-    /* version u8, salt u32: another number for each session of a PC. Switches the line from the console to the link. Answer: identity,
-     * below */
+    /*
+     * version u8, salt u32: another number for each session of a PC. Switches the line from the
+     * console to the link. Answer: identity, below
+     */
     LINK_HELLO = 1,
     LINK_BYE,  /* switches back to the console. Answer: nothing behind type and tag */
     LINK_PING, /* keeps link and command alive. Answer: health, below */
-    LINK_COMMAND, /* request u8, mode u8, target s32: as drive_command_t; ticket u32. Answer: verdict */
-    /* ticket u32, a line for the console, without its end. Answer: verdict; what the console says comes as LINK_TEXT */
+    /* request u8, mode u8, target s32: as drive_command_t; ticket u32. Answer: verdict */
+    LINK_COMMAND,
+    /*
+     * ticket u32, a line for the console, without its end. Answer: verdict; what the console says
+     * comes as LINK_TEXT
+     */
     LINK_LINE,
-    LINK_READ, /* first word u16, words u8: of the block in force. Answer: first u16, words u8, words u32 each */
-    LINK_WRITE, /* first word u16, words u8, words u32 each: into the block that is prepared. Answer: verdict */
-    LINK_APPLY, /* crc u32 of the configuration in the block that is prepared: it becomes the one in force. Answer: verdict */
-    LINK_STORE, /* the block in force is stored in flash. Answer: verdict */
+    /*
+     * first word u16, words u8: of the block in force. Answer: first u16, words u8, words u32 each
+     */
+    LINK_READ,
+    /* first word u16, words u8, words u32 each: into the block that is prepared. Answer: verdict */
+    LINK_WRITE,
+    /*
+     * crc u32 of the configuration in the block that is prepared: it becomes the one in force.
+     * Answer: verdict
+     */
+    LINK_APPLY,
+    LINK_STORE,    /* the block in force is stored in flash. Answer: verdict */
     LINK_DEFAULTS, /* the block of the image becomes the one in force. Answer: verdict */
-    /* on u8: 0 ends the stream, else it starts with the newest segment. 1: a message takes what fits into it; more: at most so
-     * many entries, for a line that spoils long messages. Answer: verdict */
+    /*
+     * on u8: 0 ends the stream, else it starts with the newest segment. 1: a message takes what
+     * fits into it; more: at most so many entries, for a line that spoils long messages. Answer:
+     * verdict
+     */
     LINK_STREAM,
-    /* segment u32, first word u16, words u8: of its state. Answer: segment u32, first u16, words u8, words u32 each */
+    /*
+     * segment u32, first word u16, words u8: of its state. Answer: segment u32, first u16, words
+     * u8, words u32 each
+     */
     LINK_STATE,
-    LINK_AGAIN /* segment u32, first entry u16, entries u8: answer: as LINK_FRAMES, those or fewer */
+    /* segment u32, first entry u16, entries u8: answer: as LINK_FRAMES, those or fewer */
+    LINK_AGAIN
 } link_question_t;
 
 /*
- * A verdict is ticket u32 and a text: empty when it is done, else why not, as a person reads it. The ticket is the one that the next
- * command has to carry (commander.h).
+ * A verdict is ticket u32 and a text: empty when it is done, else why not, as a person reads it.
+ * The ticket is the one that the next command has to carry (commander.h).
  */
 
 /* What the board says unasked. */
@@ -57,15 +81,16 @@ typedef enum {
     LINK_SEGMENT = 0xC1, /* a segment of the ring begins, below */
     LINK_FRAMES =
         0xC2, /* segment u32, first entry u16, entries u8, then their code (frame_code.h) */
-    LINK_REFUSED =
-        0xFF /* answer to a message that the board does not know, or of a wrong length: its type u8 */
+    /* answer to a message that the board does not know, or of a wrong length: its type u8 */
+    LINK_REFUSED = 0xFF
 } link_notice_t;
 
 /*
  * Identity, the answer to LINK_HELLO:
- *     version u8, capabilities u8 (LINK_CAN_…), state words u16, block words u16, entries of a segment u16,
- *     schema u32, board u32 (config_identity_t), tick u32 in ps, baud rate u32, current full scale u32 in µA,
- *     bus full scale u32 in µV, build-id 20 bytes, ticket u32
+ *     version u8, capabilities u8 (LINK_CAN_…), state words u16, block words u16,
+ *     entries of a segment u16, schema u32, board u32 (config_identity_t), tick u32 in ps,
+ *     baud rate u32, current full scale u32 in µA, bus full scale u32 in µV,
+ *     build-id 20 bytes, ticket u32
  */
 #define LINK_CAN_STREAM (0x01U) /* it has a recorder */
 #define LINK_CAN_STORE (0x02U)
@@ -73,14 +98,15 @@ typedef enum {
 
 /*
  * Health, the answer to LINK_PING: hal_health_t and the room of the link
- *     load u8 in %, tick lost u8, adc_ic u16, late ticks u32, frames lost by the line's reader u32, ticket u32
+ *     load u8 in %, tick lost u8, adc_ic u16, late ticks u32,
+ *     frames lost by the line's reader u32, ticket u32
  */
 #define LINK_HEALTH_BYTES (16U)
 
 /*
- * A segment (LINK_SEGMENT): number u32, tick of its first frame u32, hash of the state before it u32 (drive_words_hash),
- * CRC of the configuration then u32, entries of the segment before it u16, follows u8: 1 when nothing is missing between
- * the segment before it and this one.
+ * A segment (LINK_SEGMENT): number u32, tick of its first frame u32, hash of the state before it
+ * u32 (drive_words_hash), CRC of the configuration then u32, entries of the segment before it u16,
+ * follows u8: 1 when nothing is missing between the segment before it and this one.
  */
 #define LINK_SEGMENT_BYTES (19U)
 

@@ -12,7 +12,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* The last question, by the CRC of the whole message, and the verdict on the last one that got a verdict. */
+/*
+ * The last question, by the CRC of the whole message, and the verdict on the last one that got a
+ * verdict.
+ */
 typedef struct {
     uint32_t crc;
     live_config_verdict_t verdict;

@@ -106,7 +106,9 @@ uint32_t link_stream_put_entries(const recorder_t *recorder, link_out_t *out, ui
     return put_from(&view, out, first, fewer(fewer(there, count), FRAME_CODE_ENTRIES_MAX));
 }
 
-/* The segment is not there any more, or there will be none of that number: on with the newest one. */
+/*
+ * The segment is not there any more, or there will be none of that number: on with the newest one.
+ */
 static void skip_to_newest(link_stream_t *stream)
 {
     const uint32_t newest = recorder_newest(stream->recorder);
@@ -180,8 +182,8 @@ static void go_on_sending(link_stream_t *stream, const recorder_view_t *view, li
 }
 
 /*
- * A segment that begins is not found before the ring has it. One that is behind the newest one will not come: the ring was
- * begun anew, or has overwritten it.
+ * A segment that begins is not found before the ring has it. One that is behind the newest one will
+ * not come: the ring was begun anew, or has overwritten it.
  */
 static bool will_come(const link_stream_t *stream)
 {

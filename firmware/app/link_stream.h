@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The stream of the link: follows the ring of the flight recorder and writes LINK_SEGMENT and LINK_FRAMES.
+ * The stream of the link: follows the ring of the flight recorder and writes LINK_SEGMENT and
+ * LINK_FRAMES.
  *
- * A segment is announced with the hash of the state before it, which takes some passes. Then its entries are sent, as many
- * at a time as fit into a message, or those that there are after 8 ms or at the end of the segment. When the line is too
- * slow the ring goes on without it: the segment is overwritten while it is read, and the stream goes on with the newest one
- * and counts the ticks in between. Nothing waits for the line.
+ * A segment is announced with the hash of the state before it, which takes some passes. Then its
+ * entries are sent, as many at a time as fit into a message, or those that there are after 8 ms or
+ * at the end of the segment. When the line is too slow the ring goes on without it: the segment is
+ * overwritten while it is read, and the stream goes on with the newest one and counts the ticks in
+ * between. Nothing waits for the line.
  *
  * Context: background, between two calls of recorder_service().
  */
@@ -42,20 +44,24 @@ void link_stream_init(link_stream_t *stream, const units_rotation_t *rotation);
 
 /* Begins with the newest segment of `recorder`, or ends. */
 void link_stream_begin(link_stream_t *stream, recorder_t *recorder);
-/* At most so many entries in a message, 1…FRAME_CODE_ENTRIES_MAX, until it begins again. What is beyond is limited. */
+/*
+ * At most so many entries in a message, 1…FRAME_CODE_ENTRIES_MAX, until it begins again. What is
+ * beyond is limited.
+ */
 void link_stream_limit(link_stream_t *stream, uint32_t most);
 
 void link_stream_end(link_stream_t *stream);
 
 /*
- * One pass while `out` is free: at most one message. `tick`: now. Up to 64 entries are coded in a pass, some 20000
- * instructions.
+ * One pass while `out` is free: at most one message. `tick`: now. Up to 64 entries are coded in a
+ * pass, some 20000 instructions.
  */
 void link_stream_step(link_stream_t *stream, link_out_t *out, uint32_t tick);
 
 /*
- * Appends the body of LINK_FRAMES: segment, first entry, how many follow, and their code. At most `count` entries from
- * `first` on, fewer where fewer are there or fit, and none when the segment is not in the ring any more. Returns how many.
+ * Appends the body of LINK_FRAMES: segment, first entry, how many follow, and their code. At most
+ * `count` entries from `first` on, fewer where fewer are there or fit, and none when the segment is
+ * not in the ring any more. Returns how many.
  */
 uint32_t link_stream_put_entries(const recorder_t *recorder, link_out_t *out, uint32_t segment,
                                  uint32_t first, uint32_t count);

@@ -111,7 +111,9 @@ static live_config_verdict_t lock_verdict(const live_config_t *live)
     return verdict;
 }
 
-/* Checks the prepared block, and hands it to the control interrupt. unlocked: it may protect less. */
+/*
+ * Checks the prepared block, and hands it to the control interrupt. unlocked: it may protect less.
+ */
 static live_config_verdict_t change_to_prepared(live_config_t *live, bool unlocked)
 {
     live_config_verdict_t verdict = block_verdict(live);
@@ -164,7 +166,10 @@ live_config_verdict_t live_config_apply(live_config_t *live, uint32_t crc)
     return verdict;
 }
 
-/* The CRC of a configuration is behind it in the block, and so that of the block does not depend on it: both have to agree. */
+/*
+ * The CRC of a configuration is behind it in the block, and so that of the block does not depend on
+ * it: both have to agree.
+ */
 static bool is_same(const config_block_t *one, const config_block_t *other)
 {
     return (one->crc == other->crc) && (one->cfg.crc == other->cfg.crc);
@@ -208,7 +213,10 @@ live_config_verdict_t live_config_store(live_config_t *live)
     return verdict;
 }
 
-/* A target is in steps of the motor that it was asked for. When the drive has begun anew, it may be another motor. */
+/*
+ * A target is in steps of the motor that it was asked for. When the drive has begun anew, it may be
+ * another motor.
+ */
 static void adapt_command(const live_config_t *live, const drive_cfg_t *before)
 {
     if (config_change_refused(before, &live->in_force->cfg) == NULL) {

@@ -27,7 +27,10 @@ typedef struct {
     uint32_t sequence;
 } slot_content_t;
 
-/* The bytes of a slot, one behind the other. It is bad from the first unit on that could not be read. */
+/*
+ * The bytes of a slot, one behind the other. It is bad from the first unit on that could not be
+ * read.
+ */
 typedef struct {
     hal_t *hal;
     uint32_t slot;
@@ -53,7 +56,10 @@ static uint32_t crc_of_word_too(uint32_t crc, uint32_t word)
     return crc32_step(crc, bytes);
 }
 
-/* Whether the CRC of the block in a slot is right; `crc` is it. The length is the block's own: it may be of another firmware. */
+/*
+ * Whether the CRC of the block in a slot is right; `crc` is it. The length is the block's own: it
+ * may be of another firmware.
+ */
 static bool has_block(hal_t *hal, uint32_t slot, uint32_t *crc)
 {
     reader_t reader = {.hal = hal, .slot = slot, .bad = false};
@@ -191,7 +197,10 @@ static uint32_t number_of_one_more(const store_t *store)
     return number;
 }
 
-/* Step 1. The number counts even if units are left for one stamp only: the new block's number has to be higher than that stamp's. */
+/*
+ * Step 1. The number counts even if units are left for one stamp only: the new block's number has
+ * to be higher than that stamp's.
+ */
 static void keep(store_t *store)
 {
     uint32_t block_crc = 0U;

@@ -5,7 +5,10 @@
 
 #define MC_PER_C (1000)
 
-/* Of counts that rise with the temperature, or fall: from end to end, for two neighbours may round to one count. */
+/*
+ * Of counts that rise with the temperature, or fall: from end to end, for two neighbours may round
+ * to one count.
+ */
 static bool is_beyond(const temperature_line_t *line, const temperature_point_t *point,
                       int32_t count)
 {

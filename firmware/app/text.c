@@ -9,8 +9,8 @@
 #define INPUT_DIGITS (9U)
 #define WHOLE_DIGITS (3U) /* with six more a number of 32 bits */
 #define MILLIONTHS_DIGITS (6U)
-#define LINE_END \
-    (2U) /* characters, for which there is always room behind what text_add() has added */
+/* characters, for which there is always room behind what text_add() has added */
+#define LINE_END (2U)
 
 static void add_character(text_t *text, char c)
 {

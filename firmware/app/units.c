@@ -2,8 +2,9 @@
 #include "units.h"
 
 /*
- * rpm = step / 2^32 turns / (pole_pairs · tick), and a minute is 6·10^13 ps. Both 2^32 and 6·10^13 contain the factor 2^14.
- * It is divided out here, so that all products fit 64 bits: |step| · 3662109375 < 2^63, pole_pairs · tick_ps · 2^18 < 2^53.
+ * rpm = step / 2^32 turns / (pole_pairs · tick), and a minute is 6·10^13 ps. Both 2^32 and 6·10^13
+ * contain the factor 2^14. It is divided out here, so that all products fit 64 bits: |step| ·
+ * 3662109375 < 2^63, pole_pairs · tick_ps · 2^18 < 2^53.
  */
 #define MINUTE (3662109375LL)
 #define TURN (262144LL)
@@ -62,7 +63,10 @@ int32_t units_hundredth_turns(const units_rotation_t *rotation, int32_t position
     return (int32_t)divided((int64_t)position * 100, (int64_t)rotation->pole_pairs * 65536);
 }
 
-/* 10^12 ps a second, two half-waves a period, ten tenths: halves · 5·10^12 stays below 2^53, ticks · tick_ps below 2^61. */
+/*
+ * 10^12 ps a second, two half-waves a period, ten tenths: halves · 5·10^12 stays below 2^53, ticks
+ * · tick_ps below 2^61.
+ */
 int32_t units_decihertz(const units_rotation_t *rotation, uint32_t halves, uint32_t ticks)
 {
     const int64_t time_ps = (int64_t)ticks * (int64_t)rotation->tick_ps;
@@ -80,8 +84,9 @@ int32_t units_thousandths(int32_t value, int32_t one, uint32_t base_millionths)
 }
 
 /*
- * Ω_b = 2π·2^(15 + shift)/2^32/tick and I_b is twice the full scale, so T_b = 3/(2π)·P·U·I·tick·2^(17 − shift). The power of U·I in mW is
- * below 2^32, the tick times the pole pairs in ns below 2^25. 3/(2π)·2^17 of their product, 10^-12 J, is 0.062582 µN·m.
+ * Ω_b = 2π·2^(15 + shift)/2^32/tick and I_b is twice the full scale, so T_b =
+ * 3/(2π)·P·U·I·tick·2^(17 − shift). The power of U·I in mW is below 2^32, the tick times the pole
+ * pairs in ns below 2^25. 3/(2π)·2^17 of their product, 10^-12 J, is 0.062582 µN·m.
  */
 int64_t units_torque_base(const units_rotation_t *rotation, uint32_t current_full_scale_ua,
                           uint32_t bus_full_scale_uv, uint32_t speed_shift)

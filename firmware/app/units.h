@@ -2,9 +2,10 @@
 /*
  * Converts between the firmware's numbers and rpm, A or V, for a console or a display.
  *
- * The scales are facts of motor and board: pole pairs, the tick in ps, full scales in millionths (µA, µV). They fit 32
- * bits over the whole range of the keys of motor and board file: 1…50 pole pairs, a tick of 10^7…5·10^8 ps (100…2 kHz),
- * up to 2000 A and V. Products are 64 bits wide and exact.
+ * The scales are facts of motor and board: pole pairs, the tick in ps, full scales in millionths
+ * (µA, µV). They fit 32 bits over the whole range of the keys of motor and board file: 1…50 pole
+ * pairs, a tick of 10^7…5·10^8 ps (100…2 kHz), up to 2000 A and V. Products are 64 bits wide and
+ * exact.
  *
  * Pure functions. Context: background; a 64-bit division takes some hundred instructions.
  */
@@ -24,16 +25,21 @@ typedef struct {
 /* Electrical speed to mechanical rpm, rounded to nearest. Range: any step. */
 int32_t units_rpm(const units_rotation_t *rotation, step_t step);
 
-/* Mechanical rpm to electrical speed, rounded to nearest. Range: any rpm; saturates at the last whole rpm that a step_t
- * can hold. */
+/*
+ * Mechanical rpm to electrical speed, rounded to nearest. Range: any rpm; saturates at the last
+ * whole rpm that a step_t can hold.
+ */
 step_t units_step(const units_rotation_t *rotation, int32_t rpm);
 
-/* Position in Q16 electrical turns to hundredths of a turn of the shaft, rounded to nearest. Range: any position. */
+/*
+ * Position in Q16 electrical turns to hundredths of a turn of the shaft, rounded to nearest. Range:
+ * any position.
+ */
 int32_t units_hundredth_turns(const units_rotation_t *rotation, int32_t position);
 
 /*
- * Frequency of `halves` half-waves in so many ticks, in tenths of Hz, rounded to nearest, saturated at INT32_MAX; 0 for
- * 0 ticks. halves: 0…1000.
+ * Frequency of `halves` half-waves in so many ticks, in tenths of Hz, rounded to nearest, saturated
+ * at INT32_MAX; 0 for 0 ticks. halves: 0…1000.
  */
 int32_t units_decihertz(const units_rotation_t *rotation, uint32_t halves, uint32_t ticks);
 
@@ -41,21 +47,24 @@ int32_t units_decihertz(const units_rotation_t *rotation, uint32_t halves, uint3
 uint32_t units_ticks(const units_rotation_t *rotation, uint32_t us);
 
 /*
- * T_b = 1.5·P·U_b·I_b/Ω_b in µN·m, saturated at 2^46, within 0.1 % where U_b·I_b is 1 W or more. Full scales: of about_t. speed_shift: that of the
- * configuration, 1…16.
+ * T_b = 1.5·P·U_b·I_b/Ω_b in µN·m, saturated at 2^46, within 0.1 % where U_b·I_b is 1 W or more.
+ * Full scales: of about_t. speed_shift: that of the configuration, 1…16.
  */
 int64_t units_torque_base(const units_rotation_t *rotation, uint32_t current_full_scale_ua,
                           uint32_t bus_full_scale_uv, uint32_t speed_shift);
 
-/* Torque in Q28 of T_b to µN·m, rounded towards zero, saturated at ±INT32_MAX. base: 0…2^46; torque_q28: any. */
+/*
+ * Torque in Q28 of T_b to µN·m, rounded towards zero, saturated at ±INT32_MAX. base: 0…2^46;
+ * torque_q28: any.
+ */
 int32_t units_torque(int64_t base, int32_t torque_q28);
 
 /* The other way, saturated at ±INT32_MAX; 0 where T_b is 0. torque: µN·m, any. */
 int32_t units_torque_q28(int64_t base, int32_t torque);
 
 /*
- * A per-unit value to thousandths of its unit, rounded towards zero, saturated at ±INT32_MAX. one: the value that stands
- * for the base, 1…2^15. base_millionths: the base in millionths of its unit.
+ * A per-unit value to thousandths of its unit, rounded towards zero, saturated at ±INT32_MAX. one:
+ * the value that stands for the base, 1…2^15. base_millionths: the base in millionths of its unit.
  */
 int32_t units_thousandths(int32_t value, int32_t one, uint32_t base_millionths);
 

@@ -1,21 +1,25 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A configuration block: a drive's configuration as a file, as the flash stores it and as a line carries it.
+ * A configuration block: a drive's configuration as a file, as the flash stores it and as a line
+ * carries it.
  *
  * Its bytes are 32-bit words, the lowest byte first, in the order of config_block_t:
  *
  *     magic, version, length   what it is
  *     schema, board            which images take it
- *     about                    what the integers do not say of the motor: pole pairs, highest speed, the names
+ *     about                    what the integers do not say of the motor: pole pairs, highest
+ *                              speed, the names
  *     configuration            drive_cfg_t, with the CRC by which config_guard.h guards it
  *     CRC-32                   of all words before it (crc32.h)
  *
- * schema: a hash of paths, offsets, types and quantities of the rows of cfg.def. board: a hash of the facts of the board
- * that are compiled into an image. nfconfig computes both, for a block and for the header of an image alike, so that the
- * two agree when both were made of the same cfg.def and the same board.
+ * schema: a hash of paths, offsets, types and quantities of the rows of cfg.def. board: a hash of
+ * the facts of the board that are compiled into an image. nfconfig computes both, for a block and
+ * for the header of an image alike, so that the two agree when both were made of the same cfg.def
+ * and the same board.
  *
- * On all machines that share a configuration a config_block_t in memory has the bytes of the block (config_guard.h says
- * why): a word of it is read and written through the functions below, and no other code knows the layout.
+ * On all machines that share a configuration a config_block_t in memory has the bytes of the block
+ * (config_guard.h says why): a word of it is read and written through the functions below, and no
+ * other code knows the layout.
  *
  * Pure functions, for the background and for the PC. None fails for any bytes.
  */
@@ -41,10 +45,10 @@ typedef struct {
 typedef struct {
     uint32_t pole_pairs;   /* 1…50 */
     int32_t speed_max_rpm; /* of the shaft, either way, 1…200000 */
-    uint32_t
-        is_example; /* 1: a motor that comes with the project, so nobody has said which one is connected; else 0 */
-    char name
-        [CONFIG_BLOCK_NAME_BYTES]; /* of motor, board and tuning: text, then zeros, the last one always */
+    /* 1: a motor that comes with the project, so nobody has said which one is connected; else 0 */
+    uint32_t is_example;
+    /* of motor, board and tuning: text, then zeros, the last one always */
+    char name[CONFIG_BLOCK_NAME_BYTES];
 } config_about_t;
 
 typedef struct {
@@ -69,10 +73,16 @@ typedef enum {
     CONFIG_BLOCK_OTHER_SCHEMA,
     CONFIG_BLOCK_OTHER_BOARD,
     CONFIG_BLOCK_BAD_SETTING, /* out of its range, or against a rule of config_check.h */
-    CONFIG_BLOCK_ABOVE_CEILING /* it protects less than the image, see config_ceiling.h; config_block_check() does not ask that */
+    /*
+     * it protects less than the image, see config_ceiling.h; config_block_check() does not ask that
+     */
+    CONFIG_BLOCK_ABOVE_CEILING
 } config_block_fault_t;
 
-/* What is wrong with a block. found and expected: of a bad setting both are 0, and `setting` is its path, else NULL. */
+/*
+ * What is wrong with a block. found and expected: of a bad setting both are 0, and `setting` is its
+ * path, else NULL.
+ */
 typedef struct {
     config_block_fault_t fault;
     uint32_t found;
@@ -81,8 +91,8 @@ typedef struct {
 } config_block_verdict_t;
 
 /*
- * Makes the block of a configuration, whose crc is good, for images of `identity`. about->name is copied up to its end; what
- * does not fit is cut off.
+ * Makes the block of a configuration, whose crc is good, for images of `identity`. about->name is
+ * copied up to its end; what does not fit is cut off.
  */
 void config_block_make(config_block_t *block, const config_identity_t *identity,
                        const config_about_t *about, const drive_cfg_t *cfg);
@@ -96,13 +106,17 @@ uint32_t config_block_word(const config_block_t *block, uint32_t at);
 /* Sets word `at` of the block; nothing is done when `at` is not below CONFIG_BLOCK_WORDS. */
 void config_block_set_word(config_block_t *block, uint32_t at, uint32_t word);
 
-/* Writes the block as CONFIG_BLOCK_BYTES bytes, and reads it. Whether it is whole is not asked here. */
+/*
+ * Writes the block as CONFIG_BLOCK_BYTES bytes, and reads it. Whether it is whole is not asked
+ * here.
+ */
 void config_block_encode(const config_block_t *block, uint8_t *bytes);
 void config_block_decode(config_block_t *block, const uint8_t *bytes);
 
 /*
- * Whether an image of `expected` may run with a block: magic, version, length, CRC, schema, board, then the settings: those
- * of `about`, those of cfg.def, the CRC of the configuration itself. The first that is wrong counts.
+ * Whether an image of `expected` may run with a block: magic, version, length, CRC, schema, board,
+ * then the settings: those of `about`, those of cfg.def, the CRC of the configuration itself. The
+ * first that is wrong counts.
  */
 config_block_verdict_t config_block_check(const config_block_t *block,
                                           const config_identity_t *expected);

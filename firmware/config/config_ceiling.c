@@ -4,10 +4,12 @@
 #include "config_rule.h"
 
 #define RATE_SHIFT_MAX (30U)
-#define ROUNDING \
-    (1024U) /* a mantissa has 14 bits at least: a rate may be rounded down by less than one of so many */
+/* a mantissa has 14 bits at least: a rate may be rounded down by less than one of so many */
+#define ROUNDING (1024U)
 
-/* Whether nothing is left at a later point, or on the other side. A gain of 0 never takes anything. */
+/*
+ * Whether nothing is left at a later point, or on the other side. A gain of 0 never takes anything.
+ */
 static bool ends_later(const fade_t *image, const fade_t *fade)
 {
     bool later = false;

@@ -52,8 +52,8 @@ static bool lies_outside(const config_row_t *row, const drive_cfg_t *cfg)
 }
 
 /*
- * The path of the first row of this use whose setting is out of its range, in the order of cfg.def; NULL: none is. A row of
- * CFG_BOTH is two here, the second one for the start-up.
+ * The path of the first row of this use whose setting is out of its range, in the order of cfg.def;
+ * NULL: none is. A row of CFG_BOTH is two here, the second one for the start-up.
  */
 static const char *first_outside(const drive_cfg_t *cfg, config_use_t use)
 {
@@ -138,7 +138,10 @@ static const char *check_startup(const char *before, const startup_cfg_t *cfg, s
     return in_order(bad, "startup.residual_lost", cfg->residual_max, cfg->residual_lost);
 }
 
-/* With a sensor there is no start-up, and the observer has the speed of the sensor, so it must not be trained. */
+/*
+ * With a sensor there is no start-up, and the observer has the speed of the sensor, so it must not
+ * be trained.
+ */
 static const char *check_sensor(const char *before, const drive_cfg_t *cfg)
 {
     const char *bad = before;

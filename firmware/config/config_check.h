@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* Whether a configuration is one that the arithmetic can take: the ranges of cfg.def, then what two settings have to have in common. */
+/*
+ * Whether a configuration is one that the arithmetic can take: the ranges of cfg.def, then what two
+ * settings have to have in common.
+ */
 #ifndef CONFIG_CHECK_H
 #define CONFIG_CHECK_H
 
 #include "drive_cfg.h"
 
 /*
- * Check every setting but crc. Returns NULL when all are right, else the path in drive_cfg_t of the first that is not, as a
- * constant string ("startup.align.sweep_speed"). Pure, any context.
+ * Check every setting but crc. Returns NULL when all are right, else the path in drive_cfg_t of the
+ * first that is not, as a constant string ("startup.align.sweep_speed"). Pure, any context.
  */
 const char *config_check(const drive_cfg_t *cfg);
 

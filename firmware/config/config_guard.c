@@ -4,7 +4,8 @@
 #include "crc32.h"
 #include "inlining.h"
 
-#define GUARDED_BYTES (sizeof(drive_cfg_t) - sizeof(uint32_t)) /* all before the last field, crc */
+/* all before the last field, crc */
+#define GUARDED_BYTES (sizeof(drive_cfg_t) - sizeof(uint32_t))
 #define BYTES_AT_ONCE (4U)
 
 uint32_t config_guard_crc(const drive_cfg_t *cfg)

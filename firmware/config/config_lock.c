@@ -11,7 +11,9 @@ static bool is_lifted(uint32_t from, uint32_t to)
     return (from != 0U) && ((to == 0U) || (to > from));
 }
 
-/* In slow periods, which are as long as the tuning makes them; a time is rounded up to whole ones. */
+/*
+ * In slow periods, which are as long as the tuning makes them; a time is rounded up to whole ones.
+ */
 static bool is_longer(const drive_cfg_t *from, uint32_t from_periods, const drive_cfg_t *to,
                       uint32_t to_periods)
 {
@@ -67,7 +69,10 @@ static const char *choice_refused(const drive_cfg_t *from, const drive_cfg_t *to
     return config_rule_broken(rules, CONFIG_RULES(rules));
 }
 
-/* In the order of the paths below. Times are in ticks: 100 ticks · 10^6 periods = 10^8 fit into a word. */
+/*
+ * In the order of the paths below. Times are in ticks: 100 ticks · 10^6 periods = 10^8 fit into a
+ * word.
+ */
 void config_lock_keep(config_lock_t *lock, const drive_cfg_t *cfg)
 {
     const supervision_cfg_t *const now = &cfg->supervision;

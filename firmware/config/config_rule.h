@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* A list of rules about a configuration, of which the first broken one is told. Within firmware/config. */
+/*
+ * A list of rules about a configuration, of which the first broken one is told. Within
+ * firmware/config.
+ */
 #ifndef CONFIG_RULE_H
 #define CONFIG_RULE_H
 

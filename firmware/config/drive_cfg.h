@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The whole configuration of a drive in per-unit integers. cfg.def has a row for each setting: its range, what one of it
- * is, what it means. config_check.h checks them.
+ * The whole configuration of a drive in per-unit integers. cfg.def has a row for each setting: its
+ * range, what one of it is, what it means. config_check.h checks them.
  *
- * host_sim/config writes it from motor, board and tuning files in SI units and documents how it computes each
- * number. docs/design.md lists bases and formats. Constant while the drive runs.
+ * host_sim/config writes it from motor, board and tuning files in SI units and documents how it
+ * computes each number. docs/design.md lists bases and formats. Constant while the drive runs.
  */
 #ifndef DRIVE_CFG_H
 #define DRIVE_CFG_H
@@ -39,8 +39,8 @@ typedef struct {
 /* RUN, with or without a start-up. */
 typedef struct {
     /*
-     * share of a change of the speed reference, in torque control of the one that the torque makes, that ω̂ takes on at once,
-     * 0…16384; 0: the published law
+     * share of a change of the speed reference, in torque control of the one that the torque makes,
+     * that ω̂ takes on at once, 0…16384; 0: the published law
      */
     int32_t acceleration_q14;
 } run_cfg_t;

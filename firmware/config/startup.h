@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Configuration of start-up and low speed, where the back-EMF is too small to find the rotor angle (open_loop.h). */
+/*
+ * Configuration of start-up and low speed, where the back-EMF is too small to find the rotor angle
+ * (open_loop.h).
+ */
 #ifndef STARTUP_H
 #define STARTUP_H
 
@@ -11,33 +14,55 @@
 typedef struct {
     flying_start_cfg_t flying_start;
     align_cfg_t align;
-    /* imposed at standstill, Q15 of I_b, 1…16384. 0: no start-up; RUN begins with a rotor that is taken to be at rest at
-     * angle 0 */
+    /*
+     * imposed at standstill, Q15 of I_b, 1…16384. 0: no start-up; RUN begins with a rotor that is
+     * taken to be at rest at angle 0
+     */
     int32_t current_hold;
     int32_t current_move;  /* imposed while the reference moves, Q15 of I_b, current_hold…16384 */
     int32_t current_slope; /* change of the imposed current per tick, Q15 of I_b, 1…16384 */
-    /* beyond these an imposed current is controlled firmly, along its vector and across, Q15 of I_b, 1…16384 */
+    /*
+     * beyond these an imposed current is controlled firmly, along its vector and across, Q15 of
+     * I_b, 1…16384
+     */
     int32_t along_max;
     int32_t across_max;
     step_t ramp; /* speed mode: largest change of the vector's speed per slow period, 1…2^29 */
-    /* from this speed of the vector on the observer runs free; below, it follows the vector, 1…handover_speed */
+    /*
+     * from this speed of the vector on the observer runs free; below, it follows the vector,
+     * 1…handover_speed
+     */
     step_t track_speed;
-    /* the observer takes over from this speed on; at once, when a rotor turns as fast at a start, 1…2^29 … */
+    /*
+     * the observer takes over from this speed on; at once, when a rotor turns as fast at a start,
+     * 1…2^29 …
+     */
     step_t handover_speed;
-    /* below this one RUN fades the imposed current in; it hands back at 3/4, in position mode at 1/2 of it, 1…handover_speed − 1 */
+    /*
+     * below this one RUN fades the imposed current in; it hands back at 3/4, in position mode at
+     * 1/2 of it, 1…handover_speed − 1
+     */
     step_t hold_speed;
-    /* in place of it in speed mode, while a load against the motion takes load_current or more of i_q, 1…hold_speed */
+    /*
+     * in place of it in speed mode, while a load against the motion takes load_current or more of
+     * i_q, 1…hold_speed
+     */
     step_t loaded_speed;
     int32_t load_current; /* Q15 of I_b, 1…16384 */
-    /* the observer takes over only with a residual (drive_t.residual, here |e'_q|) below this, Q15 of I_b, 1…16384 */
+    /*
+     * the observer takes over only with a residual (drive_t.residual, here |e'_q|) below this, Q15
+     * of I_b, 1…16384
+     */
     int32_t residual_max;
-    /* a residual above this means that the rotor does not follow the vector, residual_max…16384 … */
+    /*
+     * a residual above this means that the rotor does not follow the vector, residual_max…16384 …
+     */
     int32_t residual_lost;
     /* … in so many slow periods more than without: the start is repeated, 1…60000 */
     uint32_t lost_periods;
     uint32_t settle_periods; /* slow periods that HANDOVER takes at least, 0…handover_periods − 1 */
-    uint32_t
-        handover_periods; /* slow periods that HANDOVER may take, else the start is repeated, 1…60000 */
+    /* slow periods that HANDOVER may take, else the start is repeated, 1…60000 */
+    uint32_t handover_periods;
     uint32_t attempts; /* failed starts until FAULT_STARTUP, 1…100 */
 } startup_cfg_t;
 

@@ -6,9 +6,15 @@
 #define MEAN_BITS (6U)
 #define SUM_MAX (0x7FFF0000) /* of 2^16 samples */
 #define MEAN_MAX (64 * FX_Q15_MAX)
-/* A swing with a damping of 0.008 or more has at most so much left after two measurements: 15/16 = exp(-8*0.008). */
+/*
+ * A swing with a damping of 0.008 or more has at most so much left after two measurements: 15/16 =
+ * exp(-8*0.008).
+ */
 #define CALM_SIXTEENTHS (15)
-/* For the extrapolation to zero: means in 1/8 LSB, and the distance from there in Q10 of that of both points. */
+/*
+ * For the extrapolation to zero: means in 1/8 LSB, and the distance from there in Q10 of that of
+ * both points.
+ */
 #define LOST_BITS (3U)
 #define DISTANCE_ONE_Q10 (1024)
 #define DISTANCE_MAX_Q10 (4095)

@@ -1,28 +1,34 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Alignment: pull a standing rotor to a known angle with an imposed current, and measure R and L at the same time.
+ * Alignment: pull a standing rotor to a known angle with an imposed current, and measure R and L at
+ * the same time.
  *
- *   PULL          the current rises fast to its level while its vector makes half a turn; then the vector rests. The
- *                 turning vector catches a rotor at any angle, and the rotor comes to rest on it
+ *   PULL          the current rises fast to its level while its vector makes half a turn; then the
+ *                 vector rests. The turning vector catches a rotor at any angle, and the rotor
+ *                 comes to rest on it
  *   MEASURE_HIGH  mean of voltage and current
- *   INDUCTANCE    a pulse of the voltage across the current gives L_q, a step along it L_d, see inductance.h
+ *   INDUCTANCE    a pulse of the voltage across the current gives L_q, a step along it L_d, see
+ *                 inductance.h
  *   SETTLE        wait at the lower current
- *   MEASURE_LOW   mean of voltage and current. The difference to the first mean gives R; the offset of dead time and
- *                 device drop cancels. What is left of the voltage at zero current is that offset
+ *   MEASURE_LOW   mean of voltage and current. The difference to the first mean gives R; the offset
+ *                 of dead time and device drop cancels. What is left of the voltage at zero current
+ *                 is that offset
  *   EVALUATE      R, L_d, L_q and that offset, of what was measured
  *
- * Why the vector turns: a rotor opposite to a fixed vector would not start, and a rotor just before that angle would
- * swing back by half a turn, and more under load. A vector that turns in the wanted direction reaches every rotor angle.
+ * Why the vector turns: a rotor opposite to a fixed vector would not start, and a rotor just before
+ * that angle would swing back by half a turn, and more under load. A vector that turns in the
+ * wanted direction reaches every rotor angle.
  *
- * Whether the rotor rests. A rotor that swings or slips in the field of the vector induces a current across it. Measured
- * values are worth nothing then. While the vector rests, that current is 1.4·(angle of the swing) of the imposed one, by
- * the damping of the current control. Where R·I is many times the EMF it is less. Single samples are looked at, so noise
- * counts too. Up to swing_max across the rotor rests. Above, up to a fifth of current_high, it may only swing: it is measured
- * again as long as the largest |i_q| is 1/16 smaller than in the two measurements before. The swing of a rotor that slips
- * does not shrink.
+ * Whether the rotor rests. A rotor that swings or slips in the field of the vector induces a
+ * current across it. Measured values are worth nothing then. While the vector rests, that current
+ * is 1.4·(angle of the swing) of the imposed one, by the damping of the current control. Where R·I
+ * is many times the EMF it is less. Single samples are looked at, so noise counts too. Up to
+ * swing_max across the rotor rests. Above, up to a fifth of current_high, it may only swing: it is
+ * measured again as long as the largest |i_q| is 1/16 smaller than in the two measurements before.
+ * The swing of a rotor that slips does not shrink.
  *
- * The current vector lies on the d axis of a frame, which the caller turns by frame_speed. Pure, total. One step per
- * control tick.
+ * The current vector lies on the d axis of a frame, which the caller turns by frame_speed. Pure,
+ * total. One step per control tick.
  */
 #ifndef ALIGN_H
 #define ALIGN_H
@@ -33,7 +39,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* With more than 1/5 of current_high across a rotor slips. Its load makes it faster, so nobody waits for it. */
+/*
+ * With more than 1/5 of current_high across a rotor slips. Its load makes it faster, so nobody
+ * waits for it.
+ */
 #define ALIGN_SLIP_SHARE (5)
 
 typedef struct {
@@ -71,9 +80,10 @@ typedef struct {
     int32_t resistance_q13;         /* R in U_b/I_b, 0…32767 */
     inductance_result_t inductance; /* unknown without R */
     /*
-     * The voltage that R·i does not explain, extrapolated to zero current: what dead time and device drop take beyond
-     * their compensation. Q15 of U_b, ±16384, rounded down; 0 when there is no valid measurement. Both currents must be
-     * more than a quarter of the larger one apart: the distance to zero counts as at most four times theirs.
+     * The voltage that R·i does not explain, extrapolated to zero current: what dead time and
+     * device drop take beyond their compensation. Q15 of U_b, ±16384, rounded down; 0 when there is
+     * no valid measurement. Both currents must be more than a quarter of the larger one apart: the
+     * distance to zero counts as at most four times theirs.
      */
     int32_t lost_voltage;
 } align_found_t;
@@ -99,14 +109,14 @@ typedef struct {
 void align_reset(align_t *align, bool backwards);
 
 /*
- * Begin with the rest of PULL after the half turn: a vector of current_ref holds the rotor already. A rotor that still
- * swings has that time to come to rest.
+ * Begin with the rest of PULL after the half turn: a vector of current_ref holds the rotor already.
+ * A rotor that still swings has that time to come to rest.
  */
 void align_reset_held(align_t *align, const align_cfg_t *cfg, int32_t current_ref);
 
 /*
- * One tick. current: measured i_d, i_q, Q15 of I_b, ±34400. voltage: v_d demanded in the last tick, Q15 of U_b, ±32767.
- * Sets current_ref and frame_speed for this tick.
+ * One tick. current: measured i_d, i_q, Q15 of I_b, ±34400. voltage: v_d demanded in the last tick,
+ * Q15 of U_b, ±32767. Sets current_ref and frame_speed for this tick.
  */
 void align_step(align_t *align, const align_cfg_t *cfg, dq_t current, int32_t voltage);
 
@@ -116,7 +126,10 @@ bool align_has_measured(const align_t *align);
 /* Then: the rotor has rested while it was measured, |i_q| ≤ swing_max. */
 bool align_is_at_rest(const align_t *align, const align_cfg_t *cfg);
 
-/* Whether the current control pauses in this tick: from the one that ends MEASURE_HIGH on, while the voltage is given. */
+/*
+ * Whether the current control pauses in this tick: from the one that ends MEASURE_HIGH on, while
+ * the voltage is given.
+ */
 bool align_holds_voltage(const align_t *align, const align_cfg_t *cfg);
 
 /* Then, the change of the demanded voltage in this tick, see inductance.h. */

@@ -2,11 +2,12 @@
 /*
  * The rotor angle from a sensor on the shaft.
  *
- * A second-order loop follows the sensor. It filters the steps and the noise of the sensor out of speed and angle.
- * With e = sensor − θ̂, per tick
+ * A second-order loop follows the sensor. It filters the steps and the noise of the sensor out of
+ * speed and angle. With e = sensor − θ̂, per tick
  *     ω̂ += e/2^8,  θ̂ += ω̂ + e/2^3
- * It is critically damped at 1/16 per tick (625 rad/s at 10 kHz). With half of that a speed loop of 20 Hz would swing. At
- * a constant acceleration the angle lags by 256 times the change of speed per tick.
+ * It is critically damped at 1/16 per tick (625 rad/s at 10 kHz). With half of that a speed loop of
+ * 20 Hz would swing. At a constant acceleration the angle lags by 256 times the change of speed per
+ * tick.
  *
  * Pure, total; call from the control interrupt.
  */
@@ -20,7 +21,10 @@ typedef struct {
     step_t speed;              /* ω̂, from this instant to the next; within the limit */
 } angle_sensor_t;
 
-/* One tick of the loop. measured: electrical angle, any value. |ω̂| saturates at speed_limit, 1…2^29. */
+/*
+ * One tick of the loop. measured: electrical angle, any value. |ω̂| saturates at speed_limit,
+ * 1…2^29.
+ */
 void angle_sensor_step(angle_sensor_t *sensor, angle_t measured, step_t speed_limit);
 
 #endif

@@ -73,10 +73,11 @@ static bool lies_in_circle(dq_t v, int32_t limit)
 /*
  * The demand lies outside of the circle. Each axis by itself may lie within the limit.
  *
- * v_d is −ω·L_q·i_q: below zero while the motor drives, above while it brakes. The axis that comes second loses voltage.
- * Driving, v_q comes second: i_q falls, and v_d with it. Braking, that would let the EMF drive more of i_q, which asks for
- * more v_d, until v_d has the whole circle and nothing holds i_q. So v_d comes second there: i_d falls, and with it the
- * v_q that the EMF asks for. What the drive asks for decides, not v_d: with a broken wire that changes its sign.
+ * v_d is −ω·L_q·i_q: below zero while the motor drives, above while it brakes. The axis that comes
+ * second loses voltage. Driving, v_q comes second: i_q falls, and v_d with it. Braking, that would
+ * let the EMF drive more of i_q, which asks for more v_d, until v_d has the whole circle and
+ * nothing holds i_q. So v_d comes second there: i_d falls, and with it the v_q that the EMF asks
+ * for. What the drive asks for decides, not v_d: with a broken wire that changes its sign.
  */
 static dq_t limit_to_circle(current_loop_t *loop, dq_t integral_q26, dq_t u, int32_t limit,
                             bool brakes)

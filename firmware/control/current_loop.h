@@ -5,13 +5,15 @@
  *     v_d = PI_d(i_d* − i_d) + R·i_d* − ω·L_q·i_q
  *     v_q = PI_q(i_q* − i_q) + R·i_q* + ω·(L_d·i_d + φ)    motor equations (1), (2) of paper A
  *     √(v_d² + v_q²) ≤ v_limit
- * The d axis has priority, because it holds the flux: v_q gets what v_d leaves of the circle. While the motor brakes,
- * ω·i_q* < 0, it is the other way round: with v_q short of the EMF, the EMF would drive a current that nothing holds.
+ * The d axis has priority, because it holds the flux: v_q gets what v_d leaves of the circle. While
+ * the motor brakes, ω·i_q* < 0, it is the other way round: with v_q short of the EMF, the EMF would
+ * drive a current that nothing holds.
  *
- * Speed, reference and model change once a slow period. So current_loop_plan() computes their products then, and a tick
- * multiplies them by the measured current only.
+ * Speed, reference and model change once a slow period. So current_loop_plan() computes their
+ * products then, and a tick multiplies them by the measured current only.
  *
- * Currents Q15 of I_b, voltages Q15 of U_b, speed_q15: Q15 of the speed base Ω_b. Pure, total within the ranges.
+ * Currents Q15 of I_b, voltages Q15 of U_b, speed_q15: Q15 of the speed base Ω_b. Pure, total
+ * within the ranges.
  */
 #ifndef CURRENT_LOOP_H
 #define CURRENT_LOOP_H
@@ -44,32 +46,35 @@ typedef struct {
 void current_loop_reset(current_loop_t *loop);
 
 /*
- * Change to a frame that is turned by `angle` against the present one. The integrals are turned back by that angle, so
- * that the voltage vector stays. They are rounded and saturate at ±1.
+ * Change to a frame that is turned by `angle` against the present one. The integrals are turned
+ * back by that angle, so that the voltage vector stays. They are rounded and saturate at ±1.
  */
 void current_loop_turn(current_loop_t *loop, sincos_t angle);
 
 /*
- * The parts of the model that hold for a slow period. Call it when the reference, the gains or the speed have changed.
- * |reference| ≤ 23171, |speed_q15| ≤ 32768. Each product is rounded down.
+ * The parts of the model that hold for a slow period. Call it when the reference, the gains or the
+ * speed have changed. |reference| ≤ 23171, |speed_q15| ≤ 32768. Each product is rounded down.
  */
 void current_loop_plan(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,
                        int32_t speed_q15);
 
 /*
- * The voltage that the model needs for this current: R·i* of the plan, decoupling and EMF at the plan's speed, Q15 of U_b,
- * ±2^19. The current saturates at ±1. The products are rounded down.
+ * The voltage that the model needs for this current: R·i* of the plan, decoupling and EMF at the
+ * plan's speed, Q15 of U_b, ±2^19. The current saturates at ±1. The products are rounded down.
  */
 dq_t current_loop_model(const current_loop_t *loop, dq_t current);
 
-/* The integrals take over `voltage`, which the plan no longer gives. They saturate at ±1; of it ±32767 counts. */
+/*
+ * The integrals take over `voltage`, which the plan no longer gives. They saturate at ±1; of it
+ * ±32767 counts.
+ */
 void current_loop_take_over(current_loop_t *loop, dq_t voltage);
 
 /*
- * One tick. Returns the voltage to apply, |v| ≤ limit. |reference| ≤ 23171, |measured| ≤ 42364. limit 0…32766: a demand
- * that saturates at 16 bits has to lie outside of the circle. Within the circle both integrals move freely. Outside, each
- * axis is limited first, as by pi_limit(). Then a square root cuts the second axis to the circle, and its integral loses
- * what was cut off.
+ * One tick. Returns the voltage to apply, |v| ≤ limit. |reference| ≤ 23171, |measured| ≤ 42364.
+ * limit 0…32766: a demand that saturates at 16 bits has to lie outside of the circle. Within the
+ * circle both integrals move freely. Outside, each axis is limited first, as by pi_limit(). Then a
+ * square root cuts the second axis to the circle, and its integral loses what was cut off.
  */
 dq_t current_loop_step(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,
                        dq_t measured, int32_t limit);

@@ -17,12 +17,14 @@
 #define RISE_SHIFT (3U)
 
 /*
- * i_d* that keeps the current vector large enough; below 0 where the torque alone does. It comes before the torque current is
- * gone, which falls faster: less half of i_q* the vector is never shorter than 0.89 of the least current, and less all of it
- * 0.71. A load below floor_speed is alone there: i_q* has the dead time across the EMF, where it turns the angle by some
- * degrees; i_d* beside it would add its own.
+ * i_d* that keeps the current vector large enough; below 0 where the torque alone does. It comes
+ * before the torque current is gone, which falls faster: less half of i_q* the vector is never
+ * shorter than 0.89 of the least current, and less all of it 0.71. A load below floor_speed is
+ * alone there: i_q* has the dead time across the EMF, where it turns the angle by some degrees;
+ * i_d* beside it would add its own.
  *
- * Where the torque current alone is enough, the result falls below 0 in proportion to it. So MTPA takes over without a jump.
+ * Where the torque current alone is enough, the result falls below 0 in proportion to it. So MTPA
+ * takes over without a jump.
  */
 static int32_t least_current_d(const current_reference_cfg_t *cfg, const current_reference_in_t *in)
 {
@@ -36,7 +38,10 @@ static int32_t least_current_d(const current_reference_cfg_t *cfg, const current
     return least;
 }
 
-/* i_d of the largest torque that |i| can have. saliency_q13: X_q − X_d > 0. squares: OF_TORQUE if `current` is i_q, OF_VECTOR if it is |i|. */
+/*
+ * i_d of the largest torque that |i| can have. saliency_q13: X_q − X_d > 0. squares: OF_TORQUE if
+ * `current` is i_q, OF_VECTOR if it is |i|.
+ */
 static int32_t most_torque_d(const current_loop_cfg_t *model, int32_t saliency_q13, int32_t current,
                              int32_t squares)
 {
@@ -87,8 +92,9 @@ int32_t current_reference_d(const current_reference_cfg_t *cfg, const current_lo
 }
 
 /*
- * The limit of i_d* depends on i_q*, whose range depends on i_d*: at the largest torque a step of one is up to three times that of the
- * other. So i_d* falls by a quarter of what it should, and rises by an eighth of what it may.
+ * The limit of i_d* depends on i_q*, whose range depends on i_d*: at the largest torque a step of
+ * one is up to three times that of the other. So i_d* falls by a quarter of what it should, and
+ * rises by an eighth of what it may.
  */
 static int32_t weakened_d(int32_t present, int32_t limit)
 {

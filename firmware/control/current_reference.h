@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Current reference: which i_d*, i_q* make a torque at this speed and on this bus. The only place that decides it.
+ * Current reference: which i_d*, i_q* make a torque at this speed and on this bus. The only place
+ * that decides it.
  *
  *     Te = 1.5·P·ψ·i_q,  ψ = φ + (L_d − L_q)·i_d           the flux that i_q turns into torque
  *
@@ -12,19 +13,23 @@
  *     current_reference_q         i_q* of a torque; current_reference_torque is the way back
  *
  * i_d* follows from what asks for it:
- *     imposed     the current that an imposed vector will have, where RUN hands back. It is alone then.
- *     least       keeps the vector so large that not all legs switch near the zero crossing of their current, where their dead
- *                 time is not known
+ *     imposed     the current that an imposed vector will have, where RUN hands back. It is alone
+ *                 then.
+ *     least       keeps the vector so large that not all legs switch near the zero crossing of
+ *                 their current, where their dead time is not known
  *     MTPA        the largest torque of a current, where L_q > L_d:
  *                 i_d = −i_q² / (c + √(c² + i_q²)),  c = φ / (2·(L_q − L_d))
  *     weakening   what the voltage allows (weakening.h)
- * The larger one of least current and MTPA, and not more than weakening allows. The first three follow a slope. Weakening is
- * faster: where the voltage is short, the current control has nothing to follow a slope with.
+ * The larger one of least current and MTPA, and not more than weakening allows. The first three
+ * follow a slope. Weakening is faster: where the voltage is short, the current control has nothing
+ * to follow a slope with.
  *
- * Without current regulators (voltage_drive.h) both references are 0. There the phase compensator holds i_d at 0.
+ * Without current regulators (voltage_drive.h) both references are 0. There the phase compensator
+ * holds i_d at 0.
  *
- * Units: currents Q15 of I_b; voltages Q15 of U_b; flux Q13 of U_b/Ω_b; torque Q28 of T_b = 1.5·P·U_b·I_b/Ω_b; speeds step_t.
- * Pure, total within the ranges. Control interrupt, once per slow period.
+ * Units: currents Q15 of I_b; voltages Q15 of U_b; flux Q13 of U_b/Ω_b; torque Q28 of T_b =
+ * 1.5·P·U_b·I_b/Ω_b; speeds step_t. Pure, total within the ranges. Control interrupt, once per slow
+ * period.
  */
 #ifndef CURRENT_REFERENCE_H
 #define CURRENT_REFERENCE_H
@@ -70,22 +75,25 @@ typedef struct {
 } current_reference_t;
 
 /*
- * Returns the next i_d* with all voltage there is. It rises by `slope` a tick at most. It falls by `slope_down` below `floor`, and by
- * the larger one of both above. A slow fall: the next torque may be gone as soon as the last. A fast one: the flux that a positive i_d
- * takes from a salient machine is back before its torque needs it. model: in force. Two divisions and a root at most.
+ * Returns the next i_d* with all voltage there is. It rises by `slope` a tick at most. It falls by
+ * `slope_down` below `floor`, and by the larger one of both above. A slow fall: the next torque may
+ * be gone as soon as the last. A fast one: the flux that a positive i_d takes from a salient
+ * machine is back before its torque needs it. model: in force. Two divisions and a root at most.
  */
 int32_t current_reference_d(const current_reference_cfg_t *cfg, const current_loop_cfg_t *model,
                             const current_reference_in_t *in);
 
 /*
- * The same where the voltage may decide, and what is left to i_q*. next_d: from current_reference_d().
+ * The same where the voltage may decide, and what is left to i_q*. next_d: from
+ * current_reference_d().
  */
 current_reference_t current_reference_weakened(weakening_t *weakening, const weakening_in_t *in,
                                                int32_t next_d);
 
 /*
- * Returns the part of `range` that is left for i_q*: `reach`, and on the circle of radius current_max (0…16384) what is left beside
- * an i_d* below 0 or above `floor`. The least current is small enough to be left out. Rounded towards less current.
+ * Returns the part of `range` that is left for i_q*: `reach`, and on the circle of radius
+ * current_max (0…16384) what is left beside an i_d* below 0 or above `floor`. The least current is
+ * small enough to be left out. Rounded towards less current.
  */
 torque_range_t current_reference_range(const current_reference_cfg_t *cfg, torque_range_t range,
                                        const current_reference_t *reference, int32_t current_max);
@@ -100,13 +108,16 @@ static inline int32_t current_reference_torque(int32_t current_q, int32_t flux_q
 }
 
 /*
- * Returns the largest torque of a current of this amplitude (1…16384), Q28: with MTPA where it is on. Rounded down; the voltage is not
- * looked at. From any context.
+ * Returns the largest torque of a current of this amplitude (1…16384), Q28: with MTPA where it is
+ * on. Rounded down; the voltage is not looked at. From any context.
  */
 int32_t current_reference_torque_max(const current_reference_cfg_t *cfg,
                                      const current_loop_cfg_t *model, int32_t current_max);
 
-/* Returns i_q* of a torque (Q28, any) at ψ (Q13, 1…32767): rounded towards zero, saturated at ±16384. One division. */
+/*
+ * Returns i_q* of a torque (Q28, any) at ψ (Q13, 1…32767): rounded towards zero, saturated at
+ * ±16384. One division.
+ */
 int32_t current_reference_q(int32_t torque_q28, int32_t flux_q13);
 
 #endif

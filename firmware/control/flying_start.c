@@ -9,10 +9,13 @@
 #define ONE_Q14 (16384)
 #define WAIT_MAX (0x100000U)   /* of wait_ticks */
 #define SPEED_MAX (0x40000000) /* of a measured speed: a quarter of a turn in a tick */
-#define TELLING_TURN \
-    (0x15555555U) /* 1/12 of a turn, in which two directions off by 4° give the speed within 20 % */
+/* 1/12 of a turn, in which two directions off by 4° give the speed within 20 % */
+#define TELLING_TURN (0x15555555U)
 
-/* During a long pulse the rotor turns far enough to measure the angle. The pause must not be longer than needed. */
+/*
+ * During a long pulse the rotor turns far enough to measure the angle. The pause must not be longer
+ * than needed.
+ */
 static uint32_t pause_ticks(const flying_start_t *start, const flying_start_cfg_t *cfg)
 {
     const uint32_t ticks = start->length * cfg->gap_factor;
@@ -46,7 +49,10 @@ static int32_t magnitude(ab_t v)
     return (int32_t)trig_sqrt((uint32_t)alpha_square + (uint32_t)beta_square);
 }
 
-/* What the nominal motor makes of the measured speed in a pulse. The resistance takes a share of it in each tick. */
+/*
+ * What the nominal motor makes of the measured speed in a pulse. The resistance takes a share of it
+ * in each tick.
+ */
 static int32_t pulse_current(const flying_start_t *start, const flying_start_cfg_t *cfg)
 {
     const int32_t per_tick =
@@ -62,7 +68,10 @@ static int32_t pulse_current(const flying_start_t *start, const flying_start_cfg
     return current;
 }
 
-/* L_q / nominal. The error of the speed is as large in it, so a short way between the pulses tells less than a file. */
+/*
+ * L_q / nominal. The error of the speed is as large in it, so a short way between the pulses tells
+ * less than a file.
+ */
 static int32_t inductance_told(angle_t way, int32_t expected, int32_t current)
 {
     const bool tells = (way + TELLING_TURN) >= (2U * TELLING_TURN);
@@ -74,7 +83,10 @@ static int32_t inductance_told(angle_t way, int32_t expected, int32_t current)
     return ratio_q14;
 }
 
-/* The speed must explain the current within a factor of two. Wrong L and φ are within that factor, noise is not. */
+/*
+ * The speed must explain the current within a factor of two. Wrong L and φ are within that factor,
+ * noise is not.
+ */
 static bool plausible(int32_t expected, int32_t current)
 {
     return ((2 * current) > expected) && (current < (2 * expected));
@@ -121,8 +133,8 @@ static flying_start_result_t judge_then_charge(flying_start_t *start, const flyi
 }
 
 /*
- * The speed of a current that does not decay, as the mean since the first tick. A rotor whose EMF is above the bus turns it through
- * the diodes. That of a channel which is stuck stands still.
+ * The speed of a current that does not decay, as the mean since the first tick. A rotor whose EMF
+ * is above the bus turns it through the diodes. That of a channel which is stuck stands still.
  */
 static void follow_current(flying_start_t *start, ab_t current)
 {
@@ -139,8 +151,9 @@ static void follow_current(flying_start_t *start, ab_t current)
 }
 
 /*
- * Wait until the old current has decayed, and for two ticks at least: the compare values of now act a tick later. With the
- * values of before the legs would switch in the pulse, and the dead time would take its part of it.
+ * Wait until the old current has decayed, and for two ticks at least: the compare values of now act
+ * a tick later. With the values of before the legs would switch in the pulse, and the dead time
+ * would take its part of it.
  */
 static flying_start_result_t preload(flying_start_t *start, const flying_start_cfg_t *cfg,
                                      ab_t current)

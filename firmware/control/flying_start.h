@@ -2,23 +2,28 @@
 /*
  * Flying start: does the rotor turn already, how fast, and at which angle?
  *
- * All low sides are switched on and no high side. The back-EMF then drives a current through the shorted windings: after
- * a time t the current is −e·t/L with e = jωφ·e^{jθ}. A pulse ends when the current is large enough to measure. Two
- * pulses give two directions of e. The angle between them divided by the time between them is the speed with its sign;
- * the second direction less a quarter turn is the angle of the rotor. No leg switches during a pulse, so dead time has
- * no effect. When the speed does not fit the magnitude of the current, the measurement is noise: the rotor stands, or it
- * is slow enough to be pulled in.
+ * All low sides are switched on and no high side. The back-EMF then drives a current through the
+ * shorted windings: after a time t the current is −e·t/L with e = jωφ·e^{jθ}. A pulse ends when the
+ * current is large enough to measure. Two pulses give two directions of e. The angle between them
+ * divided by the time between them is the speed with its sign; the second direction less a quarter
+ * turn is the angle of the rotor. No leg switches during a pulse, so dead time has no effect. When
+ * the speed does not fit the magnitude of the current, the measurement is noise: the rotor stands,
+ * or it is slow enough to be pulled in.
  *
- * Speed and current together give φ/L: the current of a pulse is φ/L_q times the angle by which the rotor turns in it, less
- * what R takes. φ of a file is better known than L, so what does not fit is taken for an error of L. A rotor that turns by
- * less than 30° from pulse to pulse does not tell: noise in both directions is as much as L may be off.
+ * Speed and current together give φ/L: the current of a pulse is φ/L_q times the angle by which the
+ * rotor turns in it, less what R takes. φ of a file is better known than L, so what does not fit is
+ * taken for an error of L. A rotor that turns by less than 30° from pulse to pulse does not tell:
+ * noise in both directions is as much as L may be off.
  *
- * Before the first pulse, current that still flows has to decay through the diodes of the open bridge.
+ * Before the first pulse, current that still flows has to decay through the diodes of the open
+ * bridge.
  *
- * A bootstrap supply has to be charged before its first high side is driven. That needs a low side that is on for longer
- * than two pulses, which would brake a rotor that turns. So the low sides stay on only when the rotor is found to stand.
+ * A bootstrap supply has to be charged before its first high side is driven. That needs a low side
+ * that is on for longer than two pulses, which would brake a rotor that turns. So the low sides
+ * stay on only when the rotor is found to stand.
  *
- * Pure, total. Call flying_start_step once per control tick in place of current control, with all compare values 0.
+ * Pure, total. Call flying_start_step once per control tick in place of current control, with all
+ * compare values 0.
  */
 #ifndef FLYING_START_H
 #define FLYING_START_H
@@ -28,7 +33,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* A current below 2^-FLYING_START_QUIET_LOG2 of the current at which a pulse ends counts as zero. */
+/*
+ * A current below 2^-FLYING_START_QUIET_LOG2 of the current at which a pulse ends counts as zero.
+ */
 #define FLYING_START_QUIET_LOG2 (2U)
 
 typedef struct {
@@ -81,11 +88,13 @@ void flying_start_reset(flying_start_t *start);
 /*
  * One tick. current: measured at this instant, Q15 of I_b, |α|, |β| ≤ 65535. Sets `gates`.
  *
- * Returns BUSY until the result is known. The last tick of the second pulse returns TURNING or STANDING; it computes two
- * arctangents, two square roots and two divisions. When the rotor stands and charge_ticks is not 0, the last tick of the charge
- * returns STANDING instead. `gates` is still set in the tick that returns one of these. The caller opens the gates in that
- * tick, unless current control takes over a rotor that turns. LIVE is returned in the first phase only, before the gates
- * are enabled. Each tick of that phase in which a current flows computes a square root, two arctangents and a division.
+ * Returns BUSY until the result is known. The last tick of the second pulse returns TURNING or
+ * STANDING; it computes two arctangents, two square roots and two divisions. When the rotor stands
+ * and charge_ticks is not 0, the last tick of the charge returns STANDING instead. `gates` is still
+ * set in the tick that returns one of these. The caller opens the gates in that tick, unless
+ * current control takes over a rotor that turns. LIVE is returned in the first phase only, before
+ * the gates are enabled. Each tick of that phase in which a current flows computes a square root,
+ * two arctangents and a division.
  */
 flying_start_result_t flying_start_step(flying_start_t *start, const flying_start_cfg_t *cfg,
                                         ab_t current);

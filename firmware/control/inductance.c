@@ -5,7 +5,10 @@
 #include "trig.h"
 
 #define QUARTERS (4U)
-/* A voltage that is demanded in tick k acts from k + 1 on. So the effect of n ticks is measured in tick n + 2. */
+/*
+ * A voltage that is demanded in tick k acts from k + 1 on. So the effect of n ticks is measured in
+ * tick n + 2.
+ */
 #define DELAY_TICKS (2U)
 #define RESPONSE_MAX (0x1000000)
 #define CHANGE_MAX (0x3FFFF)
@@ -54,8 +57,9 @@ static int32_t plus(int32_t sum, int32_t change)
 }
 
 /*
- * A sample between two ticks of the voltage, with the signs of both. It ends a change and begins one; of the mean current
- * of each tick it is the half. along: of the current, in the direction of the voltage.
+ * A sample between two ticks of the voltage, with the signs of both. It ends a change and begins
+ * one; of the mean current of each tick it is the half. along: of the current, in the direction of
+ * the voltage.
  */
 static void note(inductance_response_t *response, dq_t current, int32_t along, int32_t before,
                  int32_t after)
@@ -65,7 +69,10 @@ static void note(inductance_response_t *response, dq_t current, int32_t along, i
     response->carried = plus(response->carried, (before + after) * along);
 }
 
-/* k: the tick of the voltage that acts from this sample on. Before the first it wraps to where no voltage acts. */
+/*
+ * k: the tick of the voltage that acts from this sample on. Before the first it wraps to where no
+ * voltage acts.
+ */
 static void note_pulse(inductance_t *test, const inductance_cfg_t *cfg, uint32_t k, dq_t current)
 {
     note(&test->pulse, current, current.q, pulse_sign(cfg, k - 1U), pulse_sign(cfg, k));
@@ -102,7 +109,10 @@ static int32_t expected(int32_t nominal, int32_t voltage, int32_t carried, int32
     return (nominal * fx_clamp(left, 0, FX_Q15_MAX)) / voltage;
 }
 
-/* change / nominal, Q13, saturated to 16 bits: an element of B times the nominal L_d. 0 where nothing is expected. */
+/*
+ * change / nominal, Q13, saturated to 16 bits: an element of B times the nominal L_d. 0 where
+ * nothing is expected.
+ */
 static int32_t element_q13(int32_t change, int32_t nominal)
 {
     const int32_t bounded = fx_clamp(change, -CHANGE_MAX, CHANGE_MAX);

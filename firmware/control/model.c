@@ -39,7 +39,10 @@ static int32_t share_q15(int32_t part, int32_t whole)
     return fx_min(((part * 32768) + (whole / 2)) / fx_max(whole, 1), FX_Q15_MAX);
 }
 
-/* What only model_reset(), model_set() and model_change() write. A bit that flips in one of the words flips in the result. */
+/*
+ * What only model_reset(), model_set() and model_change() write. A bit that flips in one of the
+ * words flips in the result.
+ */
 static uint32_t observer_word(const model_t *model)
 {
     const nn_observer_cfg_t *const o = &model->observer;
@@ -111,9 +114,9 @@ static void apply_flux(model_t *model, const model_nominal_t *nominal)
 }
 
 /*
- * D = T·R/L + f and its corner: R and L scale the winding's share, the feedback's stays. Its mantissa is rounded to
- * nearest, and so is its share of the new D, so that ratios of 1 change no bit. fx_max tells the proof that a share is not
- * more than the whole.
+ * D = T·R/L + f and its corner: R and L scale the winding's share, the feedback's stays. Its
+ * mantissa is rounded to nearest, and so is its share of the new D, so that ratios of 1 change no
+ * bit. fx_max tells the proof that a share is not more than the whole.
  */
 static void apply_decay(model_t *model, const nn_observer_cfg_t *from)
 {
@@ -134,8 +137,8 @@ static void apply_decay(model_t *model, const nn_observer_cfg_t *from)
 }
 
 /*
- * W1 and W3 of paper A for the corrected R and L: T·R/L, T/L. The ratios are applied one after the other, because their
- * product may be above 2.
+ * W1 and W3 of paper A for the corrected R and L: T·R/L, T/L. The ratios are applied one after the
+ * other, because their product may be above 2.
  */
 static void apply_weights(model_t *model, const model_nominal_t *nominal)
 {
@@ -157,7 +160,10 @@ static void scale_gains(pi_cfg_t *to, const pi_cfg_t *from, int32_t ratio_q14, i
     to->ki = times(times(from->ki, ratio_q14), pace_q14);
 }
 
-/* For the corrected L, so that κ = η·(φ/L)² stays. κ is the square of a rate, so it goes with the square of the pace. */
+/*
+ * For the corrected L, so that κ = η·(φ/L)² stays. κ is the square of a rate, so it goes with the
+ * square of the pace.
+ */
 static void apply_eta(model_t *model, const nn_observer_cfg_t *from)
 {
     const int32_t l = model->inductance_q14;
@@ -167,7 +173,10 @@ static void apply_eta(model_t *model, const nn_observer_cfg_t *from)
     model->observer.eta = times(times(times(eta, pace), pace), model->kappa_q14);
 }
 
-/* Likewise κ_p, and K_p = ω_c·L with the integral's corner where it is: rates, in proportion to the pace. */
+/*
+ * Likewise κ_p, and K_p = ω_c·L with the integral's corner where it is: rates, in proportion to the
+ * pace.
+ */
 static void apply_gains(model_t *model, const model_nominal_t *nominal)
 {
     const nn_observer_cfg_t *const from = nominal->observer;
@@ -319,7 +328,9 @@ void model_pace(model_t *model, const model_cfg_t *cfg, const model_nominal_t *n
         apply_gains(model, nominal);
         model->check_gains = gains_word(model);
     } else if (kappa_q14 != model->kappa_q14) {
-        /* Its change goes into the check word: what has flipped in the other words stays visible. */
+        /*
+         * Its change goes into the check word: what has flipped in the other words stays visible.
+         */
         const int32_t before = model->kappa_q14 ^ model->observer.eta;
 
         model->kappa_q14 = kappa_q14;

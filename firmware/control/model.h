@@ -1,21 +1,25 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The motor model in force: the configured values of resistance, inductance L_d, saliency L_q/L_d and magnet flux, each
- * corrected by the drive's measurements.
+ * The motor model in force: the configured values of resistance, inductance L_d, saliency L_q/L_d
+ * and magnet flux, each corrected by the drive's measurements.
  *
- * A correction is a ratio to the configured value, limited to 1 ± limit_q14, that of the saliency to a factor of
- * 1 + limit_q14 either way. A limit of 0 switches it off. All act on the weights of the observer, but not on its feedback f,
- * and on the feed-forward of both current loops; L_d and L_q also on the gains in RUN, whose bandwidth stays. Corrected
- * numbers are rounded down and saturate at the ends of their formats.
+ * A correction is a ratio to the configured value, limited to 1 ± limit_q14, that of the saliency
+ * to a factor of 1 + limit_q14 either way. A limit of 0 switches it off. All act on the weights of
+ * the observer, but not on its feedback f, and on the feed-forward of both current loops; L_d and
+ * L_q also on the gains in RUN, whose bandwidth stays. Corrected numbers are rounded down and
+ * saturate at the ends of their formats.
  *
- * A saliency within 1/32 of the configured one counts as that: the gains of two current sensors differ by up to 2 %, and
- * the rest is the measurement's noise. So a motor without saliency stays one, and the observer needs no product for it.
+ * A saliency within 1/32 of the configured one counts as that: the gains of two current sensors
+ * differ by up to 2 %, and the rest is the measurement's noise. So a motor without saliency stays
+ * one, and the observer needs no product for it.
  *
- * Pace: at low speed the unknown part of the voltage is larger against the EMF, and its ripple is slower. So below
- * pace.full_speed the gains in force are the configured ones times speed / full_speed. κ has a share of its own, up to
- * kappa.full_speed: at high speed the ripple is faster than the estimate, and a larger κ shortens the lag.
+ * Pace: at low speed the unknown part of the voltage is larger against the EMF, and its ripple is
+ * slower. So below pace.full_speed the gains in force are the configured ones times speed /
+ * full_speed. κ has a share of its own, up to kappa.full_speed: at high speed the ripple is faster
+ * than the estimate, and a larger κ shortens the lag.
  *
- * Flux: at speed the static error e' of the observer along d is the flux error (φ̂ − φ)/L_d. An integrator removes it.
+ * Flux: at speed the static error e' of the observer along d is the flux error (φ̂ − φ)/L_d. An
+ * integrator removes it.
  */
 #ifndef MODEL_H
 #define MODEL_H
@@ -58,7 +62,10 @@ typedef struct {
     int32_t flux_q30;
     int32_t pace_q14;  /* the shares of the gains that are in force */
     int32_t kappa_q14; /* of κ, on top of the pace */
-    /* check words, see model_holds(): of the observer's weights and the ratios, of the loops, of what the shares change */
+    /*
+     * check words, see model_holds(): of the observer's weights and the ratios, of the loops, of
+     * what the shares change
+     */
     uint32_t check_observer;
     uint32_t check_loops;
     uint32_t check_gains;
@@ -83,13 +90,16 @@ typedef struct {
 /* All ratios 1. */
 void model_reset(model_t *model, const model_nominal_t *nominal);
 
-/* Take over what was measured. The corrections are limited as configured. Six divisions at most, so not in every tick. */
+/*
+ * Take over what was measured. The corrections are limited as configured. Six divisions at most, so
+ * not in every tick.
+ */
 void model_set(model_t *model, const model_cfg_t *cfg, const model_nominal_t *nominal,
                const model_measured_t *measured);
 
 /*
- * Take over other configured values. The ratios that were measured stay, within the limits of now; so do the shares of the
- * gains. Two divisions at most. Control interrupt only.
+ * Take over other configured values. The ratios that were measured stay, within the limits of now;
+ * so do the shares of the gains. Two divisions at most. Control interrupt only.
  */
 void model_change(model_t *model, const model_cfg_t *cfg, const model_nominal_t *nominal);
 
@@ -97,7 +107,10 @@ void model_change(model_t *model, const model_cfg_t *cfg, const model_nominal_t 
 void model_track_flux(model_t *model, const model_cfg_t *cfg, const model_nominal_t *nominal,
                       int32_t error_d, step_t speed);
 
-/* L_q in force over that of the file, Q14, 4096…49151: for L_d within ½…1.5 and the saliency within ½…2 of it. */
+/*
+ * L_q in force over that of the file, Q14, 4096…49151: for L_d within ½…1.5 and the saliency within
+ * ½…2 of it.
+ */
 static inline int32_t model_ratio_q_q14(const model_t *model)
 {
     return fx_asr(model->inductance_q14 * model->saliency_q14, 14U);
@@ -119,14 +132,15 @@ typedef enum {
 } model_part_t;
 
 /*
- * Whether a part is as it was written last. A bit that has flipped by itself in one of its words, or in its check word, makes it
- * false. What follows from the flux is computed again. Some 40 to 60 instructions on a Cortex-M0+. Control interrupt only.
+ * Whether a part is as it was written last. A bit that has flipped by itself in one of its words,
+ * or in its check word, makes it false. What follows from the flux is computed again. Some 40 to 60
+ * instructions on a Cortex-M0+. Control interrupt only.
  */
 bool model_holds(model_t *model, const model_nominal_t *nominal, model_part_t part);
 
 /*
- * The shares of this speed: of η, κ_p, the limit of ρ and the gains of the current loop in RUN. Once per slow period; where
- * no share has changed it writes nothing. speed: ±2^30.
+ * The shares of this speed: of η, κ_p, the limit of ρ and the gains of the current loop in RUN.
+ * Once per slow period; where no share has changed it writes nothing. speed: ±2^30.
  */
 void model_pace(model_t *model, const model_cfg_t *cfg, const model_nominal_t *nominal,
                 step_t speed);

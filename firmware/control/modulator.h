@@ -2,29 +2,33 @@
 /*
  * Space-vector modulator with bus-voltage compensation.
  *
- * The modulator divides a voltage demand by the measured bus voltage and turns it into three duties. It subtracts half
- * the sum of the largest and the smallest phase (the symmetric space-vector pattern) and rounds to timer counts. The
- * division is a product with the reciprocal of the bus voltage, which one Newton step a tick keeps up to date.
+ * The modulator divides a voltage demand by the measured bus voltage and turns it into three
+ * duties. It subtracts half the sum of the largest and the smallest phase (the symmetric
+ * space-vector pattern) and rounds to timer counts. The division is a product with the reciprocal
+ * of the bus voltage, which one Newton step a tick keeps up to date.
  *
- * Compensation of dead time and device drop. While the current i of a leg flows into the motor, the leg loses in each
- * period the dead time t_d of its high side and the voltage drop v_d of the conducting device. With i < 0 it gains both.
- * The compensation adds t_d/T + v_d/u_bus to the duty, with the sign of the current that is expected for the period.
+ * Compensation of dead time and device drop. While the current i of a leg flows into the motor, the
+ * leg loses in each period the dead time t_d of its high side and the voltage drop v_d of the
+ * conducting device. With i < 0 it gains both. The compensation adds t_d/T + v_d/u_bus to the duty,
+ * with the sign of the current that is expected for the period.
  *
- * Near zero current the ripple decides. The two edges of a leg lie symmetrically in the period, where the ripple has
- * opposite signs. So the effects of both edges cancel while |i| is smaller than the ripple. Let s be the difference of
- * the largest and the smallest ratio, and u the ratio of the leg. The ripple at the edges is, for the leg in the middle,
+ * Near zero current the ripple decides. The two edges of a leg lie symmetrically in the period,
+ * where the ripple has opposite signs. So the effects of both edges cancel while |i| is smaller
+ * than the ripple. Let s be the difference of the largest and the smallest ratio, and u the ratio
+ * of the leg. The ripple at the edges is, for the leg in the middle,
  *     r = u_bus·T/(12·L)·(s − 9·u²)
  * and nearly zero for the other two legs. The compensation is zero for |i| < r.
  *
- * Above, softness decides. In the dead time the current has to charge the capacitance C of the leg. Up to the knee
- * i_k = C·u_bus/t_d it does not get that far: the leg loses i/(2·i_k) of t_d, and beyond the knee all but i_k/(2·i). With
- * z = (|i| − r)/i_e, at most 1, the compensation takes the share
+ * Above, softness decides. In the dead time the current has to charge the capacitance C of the leg.
+ * Up to the knee i_k = C·u_bus/t_d it does not get that far: the leg loses i/(2·i_k) of t_d, and
+ * beyond the knee all but i_k/(2·i). With z = (|i| − r)/i_e, at most 1, the compensation takes the
+ * share
  *     s(z) = z·(2 − z)
- * of the whole. For i_e = 3.5·i_k it departs from that loss by −0.01…+0.14. i_e is a few counts at least, so that a
- * current near zero does not make the voltage chatter.
+ * of the whole. For i_e = 3.5·i_k it departs from that loss by −0.01…+0.14. i_e is a few counts at
+ * least, so that a current near zero does not make the voltage chatter.
  *
- * Voltages are Q15 of U_b. Ratios "of the bus" are Q15 with 1 = the bus voltage. Pure, total within the
- * ranges.
+ * Voltages are Q15 of U_b. Ratios "of the bus" are Q15 with 1 = the bus voltage. Pure, total within
+ * the ranges.
  */
 #ifndef MODULATOR_H
 #define MODULATOR_H
@@ -42,7 +46,9 @@ typedef struct {
     int32_t dead_time_band_q15; /* a measurement may correct t_d/T by so much, 0…4096; 0: not */
     int32_t drop_q15;           /* v_d, Q15 of U_b, 0…2048 */
     int32_t ripple_q15;         /* u_bus·T/(12·L), Q15 of I_b, 0…16384 */
-    /* i_e = 1 / edge_slope of I_b, over which the compensation rises from zero to complete, 1…32767 */
+    /*
+     * i_e = 1 / edge_slope of I_b, over which the compensation rises from zero to complete, 1…32767
+     */
     int32_t edge_slope;
 } modulator_cfg_t;
 
@@ -58,29 +64,33 @@ typedef struct {
 } compare_t;
 
 /*
- * The configured dead time, and the reciprocal at its lower bound. From there it converges for every bus voltage.
+ * The configured dead time, and the reciprocal at its lower bound. From there it converges for
+ * every bus voltage.
  */
 void modulator_reset(modulator_t *mod, const modulator_cfg_t *cfg);
 
 /*
- * Take over another configuration. By how much a measurement has corrected the dead time stays, within the band of now.
- * Control interrupt only.
+ * Take over another configuration. By how much a measurement has corrected the dead time stays,
+ * within the band of now. Control interrupt only.
  */
 void modulator_change(modulator_t *mod, const modulator_cfg_t *from, const modulator_cfg_t *to);
 
 /*
- * Correct the dead time by a measurement. lost: the voltage that the legs took in excess of the compensation in force,
- * along a current vector on the axis of phase a, Q15 of U_b, ±16384. There the legs b and c carry half of the current of
- * leg a, so that lost = 4/3·Δt_d/T·u_bus. Both currents have to be well above ripple and knee. Device drop that the
- * configuration does not know counts as dead time. A change by up to 1/64 of the dead time in force is none: the
- * measurement repeats within that. Rounded down, limited as configured. Call once when an alignment ends.
- * Returns the change in Q15 of the period: along such a vector the compensation adds 4/3 of it, of the bus, from now on.
+ * Correct the dead time by a measurement. lost: the voltage that the legs took in excess of the
+ * compensation in force, along a current vector on the axis of phase a, Q15 of U_b, ±16384. There
+ * the legs b and c carry half of the current of leg a, so that lost = 4/3·Δt_d/T·u_bus. Both
+ * currents have to be well above ripple and knee. Device drop that the configuration does not know
+ * counts as dead time. A change by up to 1/64 of the dead time in force is none: the measurement
+ * repeats within that. Rounded down, limited as configured. Call once when an alignment ends.
+ * Returns the change in Q15 of the period: along such a vector the compensation adds 4/3 of it, of
+ * the bus, from now on.
  */
 int32_t modulator_correct(modulator_t *mod, const modulator_cfg_t *cfg, int32_t lost);
 
 /*
- * The bus voltage in the middle of the period in which a demand of now will act, 1.5 periods ahead, from its last change.
- * Bus voltages: Q15 of U_b, 0…32767; so is the result, rounded down and saturated.
+ * The bus voltage in the middle of the period in which a demand of now will act, 1.5 periods ahead,
+ * from its last change. Bus voltages: Q15 of U_b, 0…32767; so is the result, rounded down and
+ * saturated.
  */
 static inline int32_t modulator_bus_ahead(int32_t before, int32_t now)
 {
@@ -90,10 +100,11 @@ static inline int32_t modulator_bus_ahead(int32_t before, int32_t now)
 }
 
 /*
- * One Newton step r ← r·(2 − r·bus). bus: Q15 of U_b, 0…32767. For any bus above 1/8 the reciprocal has settled to
- * within 2 LSB (2^-11) 8 ticks after the reset. When this bus changes by a share x in one tick, the reciprocal has an
- * error of a share x² in that tick. The circle is that of the present bus: on a falling one a demand at its edge exceeds
- * ratio_max by the share that the bus falls until then.
+ * One Newton step r ← r·(2 − r·bus). bus: Q15 of U_b, 0…32767. For any bus above 1/8 the reciprocal
+ * has settled to within 2 LSB (2^-11) 8 ticks after the reset. When this bus changes by a share x
+ * in one tick, the reciprocal has an error of a share x² in that tick. The circle is that of the
+ * present bus: on a falling one a demand at its edge exceeds ratio_max by the share that the bus
+ * falls until then.
  */
 void modulator_track_bus(modulator_t *mod, int32_t bus);
 
@@ -109,10 +120,15 @@ static inline bool modulator_compensates(const modulator_cfg_t *cfg)
     return (cfg->dead_time_q15 | cfg->drop_q15) != 0;
 }
 
-/* Ratio vector, |α|, |β| ≤ 46341, to compare values. Duties are clamped to 0…1, counts are rounded. */
+/*
+ * Ratio vector, |α|, |β| ≤ 46341, to compare values. Duties are clamped to 0…1, counts are rounded.
+ */
 void modulator_compare(const modulator_cfg_t *cfg, ab_t ratio, compare_t *out);
 
-/* The same with compensation. current: as expected in the middle of the period, Q15 of I_b, |α|, |β| ≤ 46341. */
+/*
+ * The same with compensation. current: as expected in the middle of the period, Q15 of I_b, |α|,
+ * |β| ≤ 46341.
+ */
 void modulator_compare_compensated(const modulator_t *mod, const modulator_cfg_t *cfg, ab_t ratio,
                                    ab_t current, compare_t *out);
 

@@ -10,7 +10,8 @@
 #define HALF_TURN_SHIFT (31U)
 #define WHOLE_TURN_SHIFT (32U)
 #define CHANGE_MAX (0x40000000) /* between the largest speeds of both directions */
-#define DISTANCE_MAX (0x7000U) /* in units: 1.75 braking distances, the softest stop needs 1 + 2c */
+/* in units: 1.75 braking distances, the softest stop needs 1 + 2c */
+#define DISTANCE_MAX (0x7000U)
 
 #define SHIFT_MAX (31) /* of fx_asr */
 #define RATIO_ONE_Q17 (131072)
@@ -127,10 +128,12 @@ static const pi_cfg_t *file_gains(const speed_loop_t *loop, const speed_loop_cfg
 }
 
 /*
- * K_p is as large as the ripple of the estimate allows, whatever J is. A heavy rotor gets half of K_i, which keeps the damping: that of
- * the file's J by √(1/ratio), and by √(2/ratio) for a heavy one, 0.82…1.15 for 0.75…3. A lowered bandwidth has K_p/2 and K_i/4.
+ * K_p is as large as the ripple of the estimate allows, whatever J is. A heavy rotor gets half of
+ * K_i, which keeps the damping: that of the file's J by √(1/ratio), and by √(2/ratio) for a heavy
+ * one, 0.82…1.15 for 0.75…3. A lowered bandwidth has K_p/2 and K_i/4.
  *
- * SHIFT_MAX bounds the shift of K_i. There the largest error adds less than one LSB to the integral.
+ * SHIFT_MAX bounds the shift of K_i. There the largest error adds less than one LSB to the
+ * integral.
  */
 static pi_cfg_t gains_in_force(const speed_loop_t *loop, const speed_loop_cfg_t *cfg)
 {
@@ -168,8 +171,8 @@ static int32_t regulate(speed_loop_t *loop, const speed_loop_cfg_t *cfg, int32_t
 }
 
 /*
- * pi_step() clamps symmetrically, so the range is shifted by its middle. When the sum of its ends is odd, the shifted range reaches
- * one LSB too far down; the fx_max() below cuts that off.
+ * pi_step() clamps symmetrically, so the range is shifted by its middle. When the sum of its ends
+ * is odd, the shifted range reaches one LSB too far down; the fx_max() below cuts that off.
  */
 static int32_t regulate_within(speed_loop_t *loop, const speed_loop_cfg_t *cfg,
                                int32_t half_error_q15, int32_t feed_forward, torque_range_t range)
@@ -199,7 +202,9 @@ static int32_t answer_to(const speed_loop_t *loop, const speed_loop_cfg_t *cfg,
     return pi_sum(&gains, half_error_q15, loop->pi.integral_q26);
 }
 
-/* The integral as a mean of the current less that of the acceleration: what is left holds the load. */
+/*
+ * The integral as a mean of the current less that of the acceleration: what is left holds the load.
+ */
 static void follow_load(speed_loop_t *loop, int32_t load, uint32_t shift)
 {
     const int32_t missing_q26 = (load * Q15_TO_Q26) - loop->pi.integral_q26;
@@ -335,7 +340,10 @@ static int64_t distance(int64_t from_q32, int64_t to_q32)
     return fx_signed64(way);
 }
 
-/* speed · ticks in two 32-bit products, exact for up to 2^15 ticks. A 64-bit product is a library call on Cortex-M0+. */
+/*
+ * speed · ticks in two 32-bit products, exact for up to 2^15 ticks. A 64-bit product is a library
+ * call on Cortex-M0+.
+ */
 static int64_t advanced(int64_t position_q32, step_t speed, uint32_t ticks)
 {
     const int32_t count = (int32_t)ticks;

@@ -2,18 +2,21 @@
 /*
  * Speed and position control, called at the slow rate (every N-th control tick).
  *
- * Speed: a ramp limits how fast the reference follows the target. A PI and an acceleration feed-forward compute i_q*.
+ * Speed: a ramp limits how fast the reference follows the target. A PI and an acceleration
+ * feed-forward compute i_q*.
  *
- * J: on a ramp the feed-forward is J·dω/dt with the J of the file. If J is wrong, the integral takes over the rest of the
- * torque, and behind the ramp the speed overshoots. So on a ramp this rest corrects J, and the integral stays. A load that
- * changes on a ramp is taken for J, until the next ramp.
+ * J: on a ramp the feed-forward is J·dω/dt with the J of the file. If J is wrong, the integral
+ * takes over the rest of the torque, and behind the ramp the speed overshoots. So on a ramp this
+ * rest corrects J, and the integral stays. A load that changes on a ramp is taken for J, until the
+ * next ramp.
  *
- * Position: a profile with limited speed, acceleration and deceleration runs to the target. The speed
- * reference is the profile's speed plus a gain times the position lag. Targets count from a zero. What the rotor has turned
- * under another control is no way to go back: then the zero moves by whole turns of the shaft.
+ * Position: a profile with limited speed, acceleration and deceleration runs to the target. The
+ * speed reference is the profile's speed plus a gain times the position lag. Targets count from a
+ * zero. What the rotor has turned under another control is no way to go back: then the zero moves
+ * by whole turns of the shaft.
  *
- * Speeds are step_t (2^32 = one electrical turn a control tick), positions Q32 electrical turns in 64
- * bits, currents Q15 of I_b. Pure, total; call from the control interrupt.
+ * Speeds are step_t (2^32 = one electrical turn a control tick), positions Q32 electrical turns in
+ * 64 bits, currents Q15 of I_b. Pure, total; call from the control interrupt.
  */
 #ifndef MOTION_LOOP_H
 #define MOTION_LOOP_H
@@ -34,14 +37,20 @@ typedef struct {
     step_t soft_speed; /* 0…2^29; 0: never */
     step_t ramp;       /* largest change of the reference in a slow period, > 0 */
     step_t speed_max;  /* |reference| is kept within, ≤ 2^29 */
-    /* i_q for a change of the reference in a slow period: change · inertia / 2^(16 + inertia_shift − inertia_lift) */
+    /*
+     * i_q for a change of the reference in a slow period: change · inertia / 2^(16 + inertia_shift
+     * − inertia_lift)
+     */
     int32_t inertia;
     uint32_t inertia_shift; /* 0…30 */
     /* 0…14; above 0 where a change by one step needs more than half an LSB of current */
     uint32_t inertia_lift;
     int32_t inertia_least_q13; /* J is corrected down to this ratio, 2048…8192 (1) */
     int32_t inertia_most_q13;  /* and up to this one, 8192…32767 */
-    /* ratio of J in Q17 that makes a torque of 1 LSB in Q26 on the ramp: inertia_rate / 2^(16 + inertia_rate_shift) */
+    /*
+     * ratio of J in Q17 that makes a torque of 1 LSB in Q26 on the ramp: inertia_rate / 2^(16 +
+     * inertia_rate_shift)
+     */
     int32_t inertia_rate;        /* 0: J is not corrected */
     uint32_t inertia_rate_shift; /* 0…30 */
     uint32_t error_shift;        /* Q15 of 2·Ω_b = step >> error_shift, 1…17 */
@@ -51,8 +60,10 @@ typedef struct {
     pi_t pi;
     step_t reference;  /* of the last slow period, after all limits */
     uint32_t halvings; /* of the bandwidth, 0…1 */
-    int32_t
-        inertia_q17; /* J as a ratio to the configured one, 32768…524288 (¼…4); stays from run to run without a fault */
+    /*
+     * J as a ratio to the configured one, 32768…524288 (¼…4); stays from run to run without a fault
+     */
+    int32_t inertia_q17;
 } speed_loop_t;
 
 typedef struct {
@@ -73,7 +84,10 @@ typedef struct {
     uint32_t check;       /* check word of the others: position_loop_holds() */
 } position_loop_t;
 
-/* Allowed range of i_q*, lower ≤ upper, Q15 of I_b, ±16384. That of a motor has 0 in it, that of a slope may not. */
+/*
+ * Allowed range of i_q*, lower ≤ upper, Q15 of I_b, ±16384. That of a motor has 0 in it, that of a
+ * slope may not.
+ */
 typedef struct {
     int32_t lower;
     int32_t upper;
@@ -83,8 +97,8 @@ typedef struct {
 typedef struct {
     step_t lower; /* ±2^29, ≤ upper */
     step_t upper;
-    uint32_t
-        load_shift; /* between them the integral follows the load as a mean over 2^this slow periods, 0…14 */
+    /* between them the integral follows the load as a mean over 2^this slow periods, 0…14 */
+    uint32_t load_shift;
 } speed_window_t;
 
 /* What decided i_q* in a window. */
@@ -95,8 +109,9 @@ typedef enum {
 } speed_end_t;
 
 /*
- * Halve the bandwidth, at most once, or give back the whole one. Half of K_p and a quarter of K_i keep the damping: in
- * s² + (K_p/J)·s + K_i/J they are 2ζω and ω². The integral stays, so i_q* changes by half of the proportional part.
+ * Halve the bandwidth, at most once, or give back the whole one. Half of K_p and a quarter of K_i
+ * keep the damping: in s² + (K_p/J)·s + K_i/J they are 2ζω and ω². The integral stays, so i_q*
+ * changes by half of the proportional part.
  */
 void speed_loop_lower(speed_loop_t *loop);
 void speed_loop_restore(speed_loop_t *loop);
@@ -104,25 +119,30 @@ void speed_loop_restore(speed_loop_t *loop);
 /* J as configured, the whole bandwidth, at rest. Before the first use, and after a fault. */
 void speed_loop_init(speed_loop_t *loop);
 
-/* Take over another configuration: the ratio of J that was learned stays, within the limits of now. */
+/*
+ * Take over another configuration: the ratio of J that was learned stays, within the limits of now.
+ */
 void speed_loop_change(speed_loop_t *loop, const speed_loop_cfg_t *cfg);
 
 /* Start at the present speed with i_q* = 0, without a jump. Does not change the bandwidth. */
 void speed_loop_reset(speed_loop_t *loop, step_t speed);
 
-/* Returns the reference of the next slow period on the ramp to `target`. Does not change the loop. */
+/*
+ * Returns the reference of the next slow period on the ramp to `target`. Does not change the loop.
+ */
 step_t speed_loop_ramp(const speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t target);
 
 /*
- * Returns i_q for the acceleration from the last reference to this one, saturated to `range`, rounded down. The loop
- * takes over this reference, limited to ±speed_max.
+ * Returns i_q for the acceleration from the last reference to this one, saturated to `range`,
+ * rounded down. The loop takes over this reference, limited to ±speed_max.
  */
 int32_t speed_loop_accelerate(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference,
                               torque_range_t range);
 
 /*
- * The other way: returns by how much i_q (Q15 of I_b, ±32768) changes the speed in a slow period, beyond the load that the integral
- * holds. Rounded down, saturated to ±2^30. 0 where no inertia is known. One division.
+ * The other way: returns by how much i_q (Q15 of I_b, ±32768) changes the speed in a slow period,
+ * beyond the load that the integral holds. Rounded down, saturated to ±2^30. 0 where no inertia is
+ * known. One division.
  */
 step_t speed_loop_response(const speed_loop_t *loop, const speed_loop_cfg_t *cfg, int32_t current);
 
@@ -130,35 +150,39 @@ step_t speed_loop_response(const speed_loop_t *loop, const speed_loop_cfg_t *cfg
 void speed_loop_start(speed_loop_t *loop, step_t reference, int32_t current);
 
 /*
- * One slow period: PI and feed-forward for `reference`, limited to ±speed_max, and the measured speed.
- * Returns i_q*, saturated to `range` and −16384…16383.
+ * One slow period: PI and feed-forward for `reference`, limited to ±speed_max, and the measured
+ * speed. Returns i_q*, saturated to `range` and −16384…16383.
  */
 int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference,
                         step_t measured, torque_range_t range);
 
 /*
- * One slow period within a window: i_q* is `wanted` (±16384) as long as the PI about either end allows it,
+ * One slow period within a window: i_q* is `wanted` (±16384) as long as the PI about either end
+ * allows it,
  *     i_q* = K_p·(lower − ω) + I  ≤  wanted  ≤  K_p·(upper − ω) + I
- * and else that end's PI. Both are continuous in ω, so nothing jumps. Between the ends I follows i_q* less what J·dω/dt takes: the
- * load. The ends are limited to ±speed_max. An end takes over by 1/(2π·bandwidth) before the rotor would be there, and the rotor comes to rest at it. dω/dt is
- * counted from the last reference, which the loop replaces by `reference`, limited to ±speed_max: give it the measured speed.
- * Returns i_q*, saturated to `range` and −16384…16383; *end says who decided it.
+ * and else that end's PI. Both are continuous in ω, so nothing jumps. Between the ends I follows
+ * i_q* less what J·dω/dt takes: the load. The ends are limited to ±speed_max. An end takes over by
+ * 1/(2π·bandwidth) before the rotor would be there, and the rotor comes to rest at it. dω/dt is
+ * counted from the last reference, which the loop replaces by `reference`, limited to ±speed_max:
+ * give it the measured speed. Returns i_q*, saturated to `range` and −16384…16383; *end says who
+ * decided it.
  */
 int32_t speed_loop_within(speed_loop_t *loop, const speed_loop_cfg_t *cfg,
                           const speed_window_t *window, step_t reference, step_t measured,
                           int32_t wanted, torque_range_t range, speed_end_t *end);
 
 /*
- * After a step on a ramp of speed control: what the integral has taken over in this step goes to J, or nothing where J would
- * leave its limits. change: of the reference in this step, ±2^30; below half of the ramp nothing is learned.
- * integral_before_q26: the integral before the step. Rounded down. What rounds to nothing stays with the integral.
+ * After a step on a ramp of speed control: what the integral has taken over in this step goes to J,
+ * or nothing where J would leave its limits. change: of the reference in this step, ±2^30; below
+ * half of the ramp nothing is learned. integral_before_q26: the integral before the step. Rounded
+ * down. What rounds to nothing stays with the integral.
  */
 void speed_loop_learn(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t change,
                       int32_t integral_before_q26);
 
 /*
- * Moves the zero by whole turns of the shaft, so that the position is −½ to below +½ turn from it. Exact while the position is less
- * than 2^31 electrical turns from the zero.
+ * Moves the zero by whole turns of the shaft, so that the position is −½ to below +½ turn from it.
+ * Exact while the position is less than 2^31 electrical turns from the zero.
  */
 void position_loop_recount(position_loop_t *loop, const position_loop_cfg_t *cfg,
                            int64_t position_q32);
@@ -166,24 +190,29 @@ void position_loop_recount(position_loop_t *loop, const position_loop_cfg_t *cfg
 /* The position of a target, Q16 electrical turns from the zero. */
 int64_t position_loop_target(const position_loop_t *loop, int32_t target_q16);
 
-/* Start the profile at the present position and speed, so that a rotor that turns brakes along it. The zero stays. */
+/*
+ * Start the profile at the present position and speed, so that a rotor that turns brakes along it.
+ * The zero stays.
+ */
 void position_loop_reset(position_loop_t *loop, int64_t position_q32, step_t speed);
 
 /* Targets count from there. */
 void position_loop_set_zero(position_loop_t *loop, int64_t zero_q32);
 
 /*
- * Whether profile and zero are as the functions here have written them. A bit that has flipped by itself in one of them, or in the check
- * word, makes it false, and it stays so. A loop of zeros holds.
+ * Whether profile and zero are as the functions here have written them. A bit that has flipped by
+ * itself in one of them, or in the check word, makes it false, and it stays so. A loop of zeros
+ * holds.
  */
 bool position_loop_holds(const position_loop_t *loop);
 
 /*
  * One slow period of `ticks` control ticks, 6…100. The profile brakes along
  *     v(d) = speed_max·(√(d/B + c²) − c)
- * with the remaining distance d. The deceleration stays below speed_max²/(2B) and fades out linearly at the end.
- * Positions wrap. A distance is the shorter way, so it is exact for less than 2^31 turns. Returns the speed reference:
- * the speed of the profile plus gain · lag, where the second part is limited to ±speed_max.
+ * with the remaining distance d. The deceleration stays below speed_max²/(2B) and fades out
+ * linearly at the end. Positions wrap. A distance is the shorter way, so it is exact for less than
+ * 2^31 turns. Returns the speed reference: the speed of the profile plus gain · lag, where the
+ * second part is limited to ±speed_max.
  */
 step_t position_loop_step(position_loop_t *loop, const position_loop_cfg_t *cfg, int64_t target_q32,
                           int64_t measured_q32, uint32_t ticks);

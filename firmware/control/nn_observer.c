@@ -16,7 +16,8 @@ static int32_t observer_half_step(step_t speed)
 }
 
 /*
- * ψ_c = φ/L_d + (1 − c·L_q/L_d)·i_d + j·(L_q/L_d − c)·i_q. For c = 1 and L_q = L_d this is φ/L_d, whatever the current.
+ * ψ_c = φ/L_d + (1 − c·L_q/L_d)·i_d + j·(L_q/L_d − c)·i_q. For c = 1 and L_q = L_d this is φ/L_d,
+ * whatever the current.
  */
 static dq_t observer_gradient_state(const nn_observer_cfg_t *cfg, dq_t current)
 {
@@ -91,8 +92,9 @@ static dq_t observer_decaying_current(const nn_observer_t *obs, int32_t feedback
 }
 
 /*
- * The same in the middle of the period that has just ended, stationary frame. In the rotor frame the current hardly
- * changes within a period, so the current of k−1 is used. The rotor frame of k−1 is half a step behind the middle.
+ * The same in the middle of the period that has just ended, stationary frame. In the rotor frame
+ * the current hardly changes within a period, so the current of k−1 is used. The rotor frame of k−1
+ * is half a step behind the middle.
  */
 static ab_t observer_middle_current(const nn_observer_t *obs, const nn_observer_cfg_t *cfg,
                                     sincos_t angle)

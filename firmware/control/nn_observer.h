@@ -2,65 +2,72 @@
 /*
  * Neural-network speed observer, paper A (14)–(22).
  *
- * A two-layer linear network predicts the stator current in the estimated rotor frame. Only the weight
- * W2 = −T·ω̂ is trained, on line, by back-propagation of the current error. So the weight is the speed estimate. The
- * network runs in parallel to the motor: its input is its own last output, not the measured current, but for a small
- * share f of the error.
+ * A two-layer linear network predicts the stator current in the estimated rotor frame. Only the
+ * weight W2 = −T·ω̂ is trained, on line, by back-propagation of the current error. So the weight is
+ * the speed estimate. The network runs in parallel to the motor: its input is its own last output,
+ * not the measured current, but for a small share f of the error.
  *
- *     x = i_d + φ/L_d,  y = (L_q/L_d)·i_q                     (7), y scaled so that saliency needs no weight
+ *     x = i_d + φ/L_d,  y = (L_q/L_d)·i_q                     (7), y scaled: see Saliency
  *     v_x = (v_d + R·φ/L_d)/L_d,  v_y = v_q/L_d               (8)
- * With these the motor's (3), (4) become (5), (6), (9), and in the estimated frame (12), (13); sampled as (10), (11):
+ * With these the motor's (3), (4) become (5), (6), (9), and in the estimated frame (12), (13);
+ * sampled as (10), (11):
  *     x̂(k) = W1·x̂(k−1) − W2·ŷ(k−1) + W3·v_x(k−1) + f·e_d(k−1)  (14)–(16); f = 0 in the paper
  *     ŷ(k) = W1'·ŷ(k−1) + W2·x̂(k−1) + W3·v_y(k−1) + f·e_q(k−1)
- *     W1 = 1 − T·R/L_d,  W1' = 1 − T·R/L_q,  W2 = −T·ω̂_out,  W3 = T
- *                                                              the rotation by W2 is exact, see below
+ *     W1 = 1 − T·R/L_d,  W1' = 1 − T·R/L_q,  W2 = −T·ω̂_out,  W3 = T;  see Rotation
  *     e_d = i_d − î_d,  e_q = i_q − î_q                        (17)
- *     e' = (1 − jρ)·(e_d + j·(L_q/L_d)·e_q)                    flux error, rotated; ρ = 0 in the paper
- *     b(k) = e'_q·x̂(k−1) − e'_d·ŷ(k−1)                        gradient of (18), signed as the descent: −∂E/∂W2
+ *     e' = (1 − jρ)·(e_d + j·(L_q/L_d)·e_q)                    flux error, ρ = 0 in the paper
+ *     b(k) = e'_q·x̂(k−1) − e'_d·ŷ(k−1)                        −∂E/∂W2, E of (18)
  *     ΔW2(k) = η·b(k) + α·ΔW2(k−1)                             (19)–(21)
  *     ω̂(k+1) = ω̂(k) − ΔW2(k)/T                                (22)
- *     ω̂_out = ω̂ − κ_p/T·b(k)/(φ/L_d)²                         proportional path; κ_p = 0 in the paper
+ *     ω̂_out = ω̂ − κ_p/T·b(k)/(φ/L_d)²                         κ_p = 0 in the paper
  * With κ = η·(φ/L_d)²/(1 − α).
  *
- * Index in (23). The paper prints θ̂(k+1) = θ̂(k) + T·ω̂(k). Here θ̂, and with it W2, advances with ω̂(k+1). With the
- * printed index the law is stable only for κ < T/τ, τ = L/R. For the motor of the paper an error with κ = 0.025 would
- * grow at 30/s; with ω̂(k+1) it decays at 90/s.
+ * Index in (23). The paper prints θ̂(k+1) = θ̂(k) + T·ω̂(k). Here θ̂, and with it W2, advances with
+ * ω̂(k+1). With the printed index the law is stable only for κ < T/τ, τ = L/R. For the motor of the
+ * paper an error with κ = 0.025 would grow at 30/s; with ω̂(k+1) it decays at 90/s.
  *
  * Saliency. For L_d = L_q this is the paper's equation as printed. With saliency the states are the
- * stator flux linkages divided by L_d, for which the rotation by W2 is the same.
+ * stator flux linkages divided by L_d, for which the rotation by W2 is the same. So y is scaled,
+ * and no weight is needed for saliency.
  *
- * Rotation. Forward Euler in (14) turns the state and also lengthens it: the state grows for ω > √(2/(T·τ)), τ = L/R.
- * Here W2 turns the frame instead. The states are stored in the stationary frame, x̂ + j·ŷ = (α + j·β)·exp(−jθ̂), and
- * θ̂ advances by ω̂_out·T = −W2 between two instants. That rotation is exact at any speed. The stored state is not
- * rotated, so it neither grows nor drifts. Voltage and resistance act in the middle of the period: the voltage of the
- * inverter is constant in the stationary frame, and the current of k−1 is turned by half a step. To first order in ωT
+ * Rotation. Forward Euler in (14) turns the state and also lengthens it: the state grows for ω >
+ * √(2/(T·τ)), τ = L/R. Here W2 turns the frame instead. The states are stored in the stationary
+ * frame, x̂ + j·ŷ = (α + j·β)·exp(−jθ̂), and θ̂ advances by ω̂_out·T = −W2 between two instants. That
+ * rotation is exact at any speed. The stored state is not rotated, so it neither grows nor drifts.
+ * Voltage and resistance act in the middle of the period: the voltage of the inverter is constant
+ * in the stationary frame, and the current of k−1 is turned by half a step. To first order in ωT
  * these are the weights of the paper.
  *
- * Feedback. Without it an error of the network turns with −ω̂ and decays with R/L only. Changes of speed and what is
- * unknown of the voltage excite this mode. Where T·R/L is small the rotor is lost in it. f damps it as a resistance
- * f·L_d/T in series with R does, in the error only: for e = 0 the network is that of the paper. For L_d = L_q
+ * Feedback. Without it an error of the network turns with −ω̂ and decays with R/L only. Changes of
+ * speed and what is unknown of the voltage excite this mode. Where T·R/L is small the rotor is lost
+ * in it. f damps it as a resistance f·L_d/T in series with R does, in the error only: for e = 0 the
+ * network is that of the paper. For L_d = L_q
  *     e(k) = (1 − D)·exp(−jω̂T)·e(k−1) + …,  D = T·R/L_d + f,  R_v = R + f·L_d/T = D·L_d/T
- * The decay acts in the middle of the period on î − m·(î + e), m = f/D: D times that is T·R/L_d·î − f·e. î + e is the
- * measured current. With f = 1 the state would follow the measurement: the error then is that of one tick, and the rotor is
- * lost. So f stays small.
+ * The decay acts in the middle of the period on î − m·(î + e), m = f/D: D times that is T·R/L_d·î −
+ * f·e. î + e is the measured current. With f = 1 the state would follow the measurement: the error
+ * then is that of one tick, and the rotor is lost. So f stays small.
  *
- * Gradient. x̂, ŷ in b are what W2 turns. A turn of the frame by δ also turns the measured current, and e by δ·j·ψ_1 with
+ * Gradient. x̂, ŷ in b are what W2 turns. A turn of the frame by δ also turns the measured current,
+ * and e by δ·j·ψ_1 with
  *     ψ_c = x̂ − c·(L_q/L_d)·î_d + j·(ŷ − c·î_q),  c = 1
- * With the paper's c = 0 and L_q = L_d, b is δ·(φ/L_d)²·(1 + i_d·L_d/φ − ρ·i_q·L_d/φ): its loop gain follows the current. With
- * c = 1, b = e'_q·Re ψ_1 − e'_d·Im ψ_1 is δ·|ψ_1|² for every ρ, and ψ_1 = φ/L_d where L_q = L_d.
+ * With the paper's c = 0 and L_q = L_d, b is δ·(φ/L_d)²·(1 + i_d·L_d/φ − ρ·i_q·L_d/φ): its loop
+ * gain follows the current. With c = 1, b = e'_q·Re ψ_1 − e'_d·Im ψ_1 is δ·|ψ_1|² for every ρ, and
+ * ψ_1 = φ/L_d where L_q = L_d.
  *
- * Static part. A constant voltage error ε causes a constant current error e, ε = (R_v + jωL)·e. A wrong angle causes a
- * back-EMF error along d, so Re ε shows the angle. The paper trains with Im e. At low speed Im e shows the speed error,
- * and the angle only with the share ωτ, τ = L/R_v. A resistance error ΔR then turns the estimate by ΔR·i_q/(ωφ)/(ωτ). Turning
- * e by the impedance angle of the network, ρ = R_v/(ωL) = D/(ωT), gives e' = ε/(jωL), in which ΔR·i_q does not turn the angle. ρ is
- * limited, because it amplifies noise.
+ * Static part. A constant voltage error ε causes a constant current error e, ε = (R_v + jωL)·e. A
+ * wrong angle causes a back-EMF error along d, so Re ε shows the angle. The paper trains with Im e.
+ * At low speed Im e shows the speed error, and the angle only with the share ωτ, τ = L/R_v. A
+ * resistance error ΔR then turns the estimate by ΔR·i_q/(ωφ)/(ωτ). Turning e by the impedance angle
+ * of the network, ρ = R_v/(ωL) = D/(ωT), gives e' = ε/(jωL), in which ΔR·i_q does not turn the
+ * angle. ρ is limited, because it amplifies noise.
  *
- * Formats. Measured values and errors are Q15 of the current base I_b, voltages Q15 of U_b. States are
- * Q27 of I_x = 2^s·I_b, which covers the largest current vector plus φ/L_d. Speeds are step_t (2^32 = one
- * electrical turn a tick). Sine and cosine are Q15: the error of x̂ and ŷ is at most 2·(|α| + |β|)·2^-15 plus one LSB of
- * their output format.
+ * Formats. Measured values and errors are Q15 of the current base I_b, voltages Q15 of U_b. States
+ * are Q27 of I_x = 2^s·I_b, which covers the largest current vector plus φ/L_d. Speeds are step_t
+ * (2^32 = one electrical turn a tick). Sine and cosine are Q15: the error of x̂ and ŷ is at most
+ * 2·(|α| + |β|)·2^-15 plus one LSB of their output format.
  *
- * A tick calls nn_observer_predict, then nn_observer_train or nn_observer_follow. Control interrupt only.
+ * A tick calls nn_observer_predict, then nn_observer_train or nn_observer_follow. Control interrupt
+ * only.
  */
 #ifndef NN_OBSERVER_H
 #define NN_OBSERVER_H
@@ -82,7 +89,10 @@ typedef struct {
     int32_t saliency_q13;    /* L_q/L_d: converts an error of i_q to one of y, 1…32767 */
     uint32_t current_shift;  /* s, 0…9 */
     uint32_t gradient_shift; /* right shift of b, 4…12; below 12 where φ/L_d is small against I_b */
-    /* η and κ_p: steps = g·mantissa / 2^shift with the gradient g = b >> gradient_shift, saturated to 16 bits. */
+    /*
+     * η and κ_p: steps = g·mantissa / 2^shift with the gradient g = b >> gradient_shift, saturated
+     * to 16 bits.
+     */
     int32_t eta;
     uint32_t eta_shift; /* 0…30 */
     int32_t kappa_p;
@@ -99,7 +109,10 @@ typedef struct {
 typedef struct {
     int32_t alpha_q27; /* x̂ + j·ŷ in the stationary frame, −2^27…2^27 − 1 */
     int32_t beta_q27;  /* the same range */
-    /* what b is made of besides e', Q15 of I_x, ±46341: x̂, ŷ of the last instant, or with c ≠ 0 ψ_c of the last refresh */
+    /*
+     * what b is made of besides e', Q15 of I_x, ±46341: x̂, ŷ of the last instant, or with c ≠ 0 ψ_c
+     * of the last refresh
+     */
     dq_t state;
     /* ω̂(k+1), the integral (22): for the speed loop, limited to ±speed_limit */
     step_t speed;
@@ -115,26 +128,28 @@ typedef struct {
 } nn_observer_t;
 
 /*
- * Start at the angle whose sine and cosine are given, with a current in that frame and a speed. Zero current and speed:
- * a rotor at rest, x̂ = φ/L_d. speed is limited to ±speed_limit. current: Q15 of I_b, |i| ≤ 65535, which two phases at
- * full scale can give; x̂ and ŷ saturate to 28 bits.
+ * Start at the angle whose sine and cosine are given, with a current in that frame and a speed.
+ * Zero current and speed: a rotor at rest, x̂ = φ/L_d. speed is limited to ±speed_limit. current:
+ * Q15 of I_b, |i| ≤ 65535, which two phases at full scale can give; x̂ and ŷ saturate to 28 bits.
  */
 void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t speed, dq_t current,
                        sincos_t angle);
 
 /*
- * Take over other weights. φ/L_d and L_q/L_d are in the states: these change so that the current of the network stays. What
- * nn_observer_refresh() computes follows with its next call. flux_q27, saliency_q13: of the weights before, whose current_shift is
- * the same. angle: as of the last nn_observer_predict(). Control interrupt only.
+ * Take over other weights. φ/L_d and L_q/L_d are in the states: these change so that the current of
+ * the network stays. What nn_observer_refresh() computes follows with its next call. flux_q27,
+ * saliency_q13: of the weights before, whose current_shift is the same. angle: as of the last
+ * nn_observer_predict(). Control interrupt only.
  */
 void nn_observer_change(nn_observer_t *obs, const nn_observer_cfg_t *to, int32_t flux_q27,
                         int32_t saliency_q13, sincos_t angle);
 
 /*
- * (14)–(18), the forward pass: state and errors at this instant. measured: i_d, i_q at this instant, turned with
- * θ̂, |i| ≤ 65535. voltage: applied by the inverter since the last instant, stationary frame, |v| ≤ 32768. angle: sine
- * and cosine of θ̂ at this instant, that is θ̂ of the last instant plus speed_out. Total within these ranges: states,
- * currents and errors saturate as stated at their fields.
+ * (14)–(18), the forward pass: state and errors at this instant. measured: i_d, i_q at this
+ * instant, turned with θ̂, |i| ≤ 65535. voltage: applied by the inverter since the last instant,
+ * stationary frame, |v| ≤ 32768. angle: sine and cosine of θ̂ at this instant, that is θ̂ of the last
+ * instant plus speed_out. Total within these ranges: states, currents and errors saturate as stated
+ * at their fields.
  */
 void nn_observer_predict(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t measured,
                          ab_t voltage, sincos_t angle);
@@ -146,17 +161,18 @@ void nn_observer_train(nn_observer_t *obs, const nn_observer_cfg_t *cfg);
 void nn_observer_follow(nn_observer_t *obs, step_t speed);
 
 /*
- * Once a slow period in RUN: ω̂ moves on by what the reference of the speed has changed. The proportional path makes the
- * estimate follow a ramp with the delay T·κ_p/κ; the rotor follows its reference, so this change needs no error to be
- * found. Only while the rotor follows its reference. In torque
+ * Once a slow period in RUN: ω̂ moves on by what the reference of the speed has changed. The
+ * proportional path makes the estimate follow a ramp with the delay T·κ_p/κ; the rotor follows its
+ * reference, so this change needs no error to be found. Only while the rotor follows its reference.
+ * In torque
  * control: by what the torque changes. change: ±2^30. ω̂ is limited to ±speed_limit.
  */
 void nn_observer_accelerate(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t change);
 
 /*
- * Once a slow period, while the speed may change: ρ for a speed within ±2^30, and the half step by which the current is
- * turned. Give the most reliable speed, because ρ has its sign: not an estimate that still swings.
- * One division.
+ * Once a slow period, while the speed may change: ρ for a speed within ±2^30, and the half step by
+ * which the current is turned. Give the most reliable speed, because ρ has its sign: not an
+ * estimate that still swings. One division.
  */
 void nn_observer_refresh(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t rotor_speed);
 

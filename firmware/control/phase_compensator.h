@@ -2,25 +2,27 @@
 /*
  * Phase compensator of a drive without current regulators, paper B (39)–(43).
  *
- * The inverter applies a voltage of magnitude U at the firing angle θ_s. The compensator turns θ_s until i_d = 0. Its
- * input is the angle of the current vector against the q axis:
+ * The inverter applies a voltage of magnitude U at the firing angle θ_s. The compensator turns θ_s
+ * until i_d = 0. Its input is the angle of the current vector against the q axis:
  *     α_r = atan2(i_d, max(|i_q|, current_min))             (40), in the direction of U, see below
  *     θ_s(n+1) = θ_s(n) + T·ω(n) + g·α_r(n−1)               (41), (43)
  *     β(n) = θ_s(n) − θ(n),  v_d = −U·sin β,  v_q = U·cos β
- * (43) accumulates α_r, so i_d becomes exactly 0. The proportional form (42) would leave an i_d. K2 = 1, as ω is the
- * advance of θ itself. At i_d = 0 the lead is β = atan(ω·L_q·i_q / (R·i_q + ω·φ)).
+ * (43) accumulates α_r, so i_d becomes exactly 0. The proportional form (42) would leave an i_d. K2
+ * = 1, as ω is the advance of θ itself. At i_d = 0 the lead is β = atan(ω·L_q·i_q / (R·i_q + ω·φ)).
  *
- * Sign. A larger lead lowers i_d, by U·(R·cos β + ω·L_q·sin β)/(R² + ω²·L_d·L_q) per unit of angle. So α_r is counted in
- * the direction of U, which is the direction of rotation; backwards it has the other sign. It must not be counted in the
- * direction of i_q, because (40) would then change its sign while braking, and the loop would run away at any braking
- * current. The slope of i_d over the lead changes its sign at tan β = −R/(ω·L_q), and the slope of the torque over U at
- * tan β = −R/(ω·L_d). `brake_max` keeps the lead above the latter. Harder braking takes some i_d.
+ * Sign. A larger lead lowers i_d, by U·(R·cos β + ω·L_q·sin β)/(R² + ω²·L_d·L_q) per unit of angle.
+ * So α_r is counted in the direction of U, which is the direction of rotation; backwards it has the
+ * other sign. It must not be counted in the direction of i_q, because (40) would then change its
+ * sign while braking, and the loop would run away at any braking current. The slope of i_d over the
+ * lead changes its sign at tan β = −R/(ω·L_q), and the slope of the torque over U at tan β =
+ * −R/(ω·L_d). `brake_max` keeps the lead above the latter. Harder braking takes some i_d.
  *
- * No load. The angle of a vector that is small against `current_min` is noise. Its α_r fades to 0 with its magnitude,
- * and the lead stays. With the angle of the vector itself α_r would jump between ±90° at no load and keep the currents
- * swinging.
+ * No load. The angle of a vector that is small against `current_min` is noise. Its α_r fades to 0
+ * with its magnitude, and the lead stays. With the angle of the vector itself α_r would jump
+ * between ±90° at no load and keep the currents swinging.
  *
- * Currents Q15 of any common base. Pure, total. Call once a control tick, from the control interrupt only. One division.
+ * Currents Q15 of any common base. Pure, total. Call once a control tick, from the control
+ * interrupt only. One division.
  */
 #ifndef PHASE_COMPENSATOR_H
 #define PHASE_COMPENSATOR_H
@@ -48,10 +50,11 @@ typedef struct {
 void phase_compensator_start(phase_compensator_t *comp, angle_t angle);
 
 /*
- * One sample. Returns the lead β, 2^32 = one turn, within −brake_max…lead_max when U is forwards, mirrored when it is
- * backwards. When the lead is limited, θ_s is set to the limited angle. current: i_d, i_q at this instant, |i| ≤ 2^30,
- * saturated to 16 bits. rotor: θ. speed: advance of θ to the next instant. g·α_r is rounded down to 2^-32 turn; the error
- * of α_r is at most 2^-17 turn.
+ * One sample. Returns the lead β, 2^32 = one turn, within −brake_max…lead_max when U is forwards,
+ * mirrored when it is backwards. When the lead is limited, θ_s is set to the limited angle.
+ * current: i_d, i_q at this instant, |i| ≤ 2^30, saturated to 16 bits. rotor: θ. speed: advance of
+ * θ to the next instant. g·α_r is rounded down to 2^-32 turn; the error of α_r is at most 2^-17
+ * turn.
  */
 int32_t phase_compensator_step(phase_compensator_t *comp, const phase_compensator_cfg_t *cfg,
                                dq_t current, angle_t rotor, step_t speed, bool forwards);

@@ -3,8 +3,9 @@
  * PI controller with limited output and anti-windup, paper B (28)–(30) in backward-difference form:
  *     I(k) = I(k−1) + K_i·T·e(k),   u(k) = K_p·e(k) + I(k) + feed-forward, limited to ±limit
  *
- * Signals are Q15 per unit. The integral is Q26 (11 bits finer than the output), so that an error of
- * one LSB integrates from K_i·T = 2^-11 on. Pure, total within the ranges; control interrupt only.
+ * Signals are Q15 per unit. The integral is Q26 (11 bits finer than the output), so that an error
+ * of one LSB integrates from K_i·T = 2^-11 on. Pure, total within the ranges; control interrupt
+ * only.
  */
 #ifndef PI_H
 #define PI_H
@@ -15,8 +16,8 @@
 
 /* Gain = mantissa / 2^shift. The configuration keeps the mantissas near full scale. */
 typedef struct {
-    int32_t
-        kp; /* proportional gain, −32767…32767; below 0 it takes off some of a plant's own damping */
+    /* proportional gain, −32767…32767; below 0 it takes off some of a plant's own damping */
+    int32_t kp;
     int32_t ki;        /* integral gain × period, 0…32767 */
     uint32_t kp_shift; /* 1…30 */
     uint32_t ki_shift; /* gain = ki / 2^(ki_shift + 11), for the 11 bits of the integral, 1…30 */
@@ -36,19 +37,24 @@ static inline int32_t pi_integral(const pi_t *pi, const pi_cfg_t *cfg, int32_t e
     return fx_sat27(pi->integral_q26 + fx_asr(error * cfg->ki, cfg->ki_shift));
 }
 
-/* Returns proportional part and integral, Q15, each rounded down. |error| ≤ 65535. Its sum with a feed-forward is u. Pure. */
+/*
+ * Returns proportional part and integral, Q15, each rounded down. |error| ≤ 65535. Its sum with a
+ * feed-forward is u. Pure.
+ */
 static inline int32_t pi_sum(const pi_cfg_t *cfg, int32_t error, int32_t integral_q26)
 {
     return fx_asr(error * cfg->kp, cfg->kp_shift) + fx_asr(integral_q26, PI_INTEGRAL_BITS);
 }
 
 /*
- * Returns u within ±limit, 0…32767. Stores the integral, but moves it no further towards a limit that u exceeds.
- * |u| < 2^30.
+ * Returns u within ±limit, 0…32767. Stores the integral, but moves it no further towards a limit
+ * that u exceeds. |u| < 2^30.
  */
 int32_t pi_limit(pi_t *pi, int32_t integral_q26, int32_t u, int32_t limit);
 
-/* Set the integral so that the next output starts at `output` (Q15, −32768…32767) with zero error. */
+/*
+ * Set the integral so that the next output starts at `output` (Q15, −32768…32767) with zero error.
+ */
 void pi_reset(pi_t *pi, int32_t output);
 
 /* Returns the output at zero error, which is the integral, Q15, rounded down. */
@@ -56,14 +62,15 @@ int32_t pi_output(const pi_t *pi);
 
 /*
  * One sample. error: |error| ≤ 65535; feed_forward: |feed_forward| ≤ 2^19; limit: 0…32767, all Q15.
- * Returns u within ±limit, rounded down. Anti-windup: while the output is at a limit, the integral does
- * not move further in that direction. The integral saturates at ±1.
+ * Returns u within ±limit, rounded down. Anti-windup: while the output is at a limit, the integral
+ * does not move further in that direction. The integral saturates at ±1.
  */
 int32_t pi_step(pi_t *pi, const pi_cfg_t *cfg, int32_t error, int32_t feed_forward, int32_t limit);
 
 /*
  * Tell the controller that only u − excess of its last output was applied, as when the voltage
- * circle limits one axis. The integral is reduced by the excess and saturates at ±1. excess: Q15, ±32767.
+ * circle limits one axis. The integral is reduced by the excess and saturates at ±1. excess: Q15,
+ * ±32767.
  */
 void pi_unwind(pi_t *pi, int32_t excess);
 

@@ -19,7 +19,10 @@
 #define MEAN_FINER_BITS (14U)
 #define LAG_FINER (16384) /* 2^14 */
 #define MEAN_MOST (FX_Q15_MAX * LAG_FINER)
-/* Over 8/K ticks, so that it leaves the swing to the damping: for a K above this 2^8 ticks are enough. */
+/*
+ * Over 8/K ticks, so that it leaves the swing to the damping: for a K above this 2^8 ticks are
+ * enough.
+ */
 #define MEAN_FAST_DAMPING (42722830)
 
 void probe_reset(probe_t *probe)
@@ -178,8 +181,8 @@ static step_t damped(const probe_t *probe, int32_t lag)
 }
 
 /*
- * A ramp waits for a rotor that it strains: one that lags while it goes up, or leads while it goes down. A ramp down also waits
- * for a bus that bears no more of what the rotor gives back.
+ * A ramp waits for a rotor that it strains: one that lags while it goes up, or leads while it goes
+ * down. A ramp down also waits for a bus that bears no more of what the rotor gives back.
  */
 static step_t ramped(const probe_t *probe, int32_t lag, bool bus_bears)
 {
@@ -278,7 +281,10 @@ static void note_change(probe_t *probe, dq_t current)
                 (dq_t){sign * (current.d - before.d), sign * (current.q - before.q)});
 }
 
-/* x/y to the nearest, y > 0: what a quotient that is rounded towards zero lacks would not cancel between two directions. */
+/*
+ * x/y to the nearest, y > 0: what a quotient that is rounded towards zero lacks would not cancel
+ * between two directions.
+ */
 static int32_t rounded_ratio(int32_t x, int32_t y)
 {
     const int32_t half = y / 2;
@@ -287,8 +293,9 @@ static int32_t rounded_ratio(int32_t x, int32_t y)
 }
 
 /*
- * The power of the EMF over the speed, 0 at standstill. ωL·i is no part of it, whatever L. R takes its part from the current
- * that flows: in a ramp it is another one than the EMF of a sample counts with, and a light rotor has little torque beside it.
+ * The power of the EMF over the speed, 0 at standstill. ωL·i is no part of it, whatever L. R takes
+ * its part from the current that flows: in a ramp it is another one than the EMF of a sample counts
+ * with, and a light rotor has little torque beside it.
  */
 static int32_t torque_of(const probe_t *probe, const probe_sample_t *sample)
 {

@@ -1,21 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The probe: an imposed current whose every property is a word from outside, and sums of what it does to the motor. With it a
- * motor is measured of which nothing is known but its name plate.
+ * The probe: an imposed current whose every property is a word from outside, and sums of what it
+ * does to the motor. With it a motor is measured of which nothing is known but its name plate.
  *
- *   vector   The current lies along the d axis of a frame. At rest the frame turns to an angle; else it turns with a speed.
- *   EMF      e = v − R·i* − jωL·i, of what the current control demands. A rotor that lags behind the frame by δ gives
- *            e = jωφ·e^(−jδ), thus sin δ = ±e_d/|e| with the sign of ω.
- *   damping  The speed of the frame changes by −K·(sin δ − its mean). So a rotor in the field of a stiff current, which
- *            nothing else damps, settles with δ' = −K·δ.
- *   tracking The speed of the frame changes by −k·sin δ in each tick: with no current the frame follows a rotor that coasts.
- *   pulses   In a window with a pulse voltage the current control holds its voltage along it, and on top of that come
- *            +V, −V, −V, +V, each for so many ticks, again and again. The current along the pulse goes up, down and back:
- *            the rotor gets no momentum.
+ *   vector   The current lies along the d axis of a frame. At rest the frame turns to an angle;
+ *            else it turns with a speed.
+ *   EMF      e = v − R·i* − jωL·i, of what the current control demands. A rotor that lags behind
+ *            the frame by δ gives e = jωφ·e^(−jδ), thus sin δ = ±e_d/|e| with the sign of ω.
+ *   damping  The speed of the frame changes by −K·(sin δ − its mean). So a rotor in the field of a
+ *            stiff current, which nothing else damps, settles with δ' = −K·δ.
+ *   tracking The speed of the frame changes by −k·sin δ in each tick: with no current the frame
+ *            follows a rotor that coasts.
+ *   pulses   In a window with a pulse voltage the current control holds its voltage along it, and
+ *            on top of that come +V, −V, −V, +V, each for so many ticks, again and again. The
+ *            current along the pulse goes up, down and back: the rotor gets no momentum.
  *   window   So many ticks in which the sums below are formed.
  *
- * Currents Q15 of I_b, voltages Q15 of U_b, speeds in steps per tick. Pure, total; one step a control tick. What is
- * asked for comes from firmware/app/identify.c, what follows from the sums is computed by whoever reads them.
+ * Currents Q15 of I_b, voltages Q15 of U_b, speeds in steps per tick. Pure, total; one step a
+ * control tick. What is asked for comes from firmware/app/identify.c, what follows from the sums is
+ * computed by whoever reads them.
  */
 #ifndef PROBE_H
 #define PROBE_H
@@ -28,14 +31,15 @@
 #include <stdint.h>
 
 /*
- * What a word sets. The first is beyond the modes of the motion loops. Who asks for several does so in this order: what says
- * how the vector moves comes before what moves it.
+ * What a word sets. The first is beyond the modes of the motion loops. Who asks for several does so
+ * in this order: what says how the vector moves comes before what moves it.
  */
 typedef enum {
     PROBE_CURRENT = 16, /* i_d*, 0…16383 */
-    PROBE_RATE,   /* a vector at rest turns to its angle by so much in a tick at most, 0…2^29 */
-    PROBE_ANGLE,  /* that angle: any angle_t, as a signed word */
-    PROBE_GAIN_D, /* K_p along the current: mantissa 0…32767, from bit 16 on its shift 1…30 (pi.h) */
+    PROBE_RATE,  /* a vector at rest turns to its angle by so much in a tick at most, 0…2^29 */
+    PROBE_ANGLE, /* that angle: any angle_t, as a signed word */
+    /* K_p along the current: mantissa 0…32767, from bit 16 on its shift 1…30 (pi.h) */
+    PROBE_GAIN_D,
     PROBE_GAIN_Q,     /* across */
     PROBE_INTEGRAL_D, /* K_i·T likewise, its shift less 11 */
     PROBE_INTEGRAL_Q,
@@ -50,16 +54,20 @@ typedef enum {
     PROBE_PULSE_TICKS, /* of a quarter, 1…64 */
     PROBE_RAMP,        /* change of the speed in a tick, 0…2^29 */
     PROBE_SPEED,       /* of the vector, ±2^29; 0: it goes to its angle */
-    PROBE_WINDOW, /* of 1…131071 ticks, begins when the word changes; from bit 20 on a number that tells windows apart */
-    PROBE_WORDS   /* number behind the last */
+    /*
+     * of 1…131071 ticks, begins when the word changes; from bit 20 on a number that tells windows
+     * apart
+     */
+    PROBE_WINDOW,
+    PROBE_WORDS /* number behind the last */
 } probe_word_t;
 
 #define PROBE_WINDOW_BITS (20U) /* of the ticks in the word of a window */
 #define PROBE_WINDOW_MAX (131071)
 
 /*
- * Sums over a window. Each saturates short of 32 bits: in the longest one beyond a mean of 0.5, which no current has and no
- * voltage with a bus below 0.9 of its full scale.
+ * Sums over a window. Each saturates short of 32 bits: in the longest one beyond a mean of 0.5,
+ * which no current has and no voltage with a bus below 0.9 of its full scale.
  */
 typedef struct {
     dq_t voltage;    /* demanded */
@@ -70,8 +78,8 @@ typedef struct {
     dq_t change;      /* of the current by the pulses, each with the sign of its pulse */
     int32_t turn_q16; /* by which the vector has turned, Q16 turns; wraps */
     int32_t across;   /* largest |i_q| */
-    int32_t
-        torque; /* (e_d·i_d + e_q·i_q)/ω of a vector that turns, Q15 of U_b·I_b/Ω_b: times 1.5·P the torque */
+    /* (e_d·i_d + e_q·i_q)/ω of a vector that turns, Q15 of U_b·I_b/Ω_b: times 1.5·P the torque */
+    int32_t torque;
 } probe_sums_t;
 
 typedef struct {
@@ -103,12 +111,15 @@ typedef struct {
 /* No current, at rest at angle 0, gains of zero, no window. */
 void probe_reset(probe_t *probe);
 
-/* Takes a word. One beyond its range is limited to it. `what` that is no probe_word_t changes nothing. */
+/*
+ * Takes a word. One beyond its range is limited to it. `what` that is no probe_word_t changes
+ * nothing.
+ */
 void probe_set(probe_t *probe, uint32_t what, int32_t value);
 
 /*
- * The speed with which the vector turns in this tick. angle: of the vector; emf: as above, of the last tick; bus_bears: the bus
- * bears what a rotor gives back that slows down. Moves own_speed.
+ * The speed with which the vector turns in this tick. angle: of the vector; emf: as above, of the
+ * last tick; bus_bears: the bus bears what a rotor gives back that slows down. Moves own_speed.
  */
 step_t probe_turn(probe_t *probe, angle_t angle, dq_t emf, bool bus_bears);
 
@@ -131,12 +142,16 @@ void probe_note(probe_t *probe, const probe_sample_t *sample);
 bool probe_pulses(const probe_t *probe);
 
 /*
- * Then: what the current control takes for measured. Along the pulses it sees its reference, and holds its voltage; in the
- * other axis it goes on: what the legs lose there changes with the pulses.
+ * Then: what the current control takes for measured. Along the pulses it sees its reference, and
+ * holds its voltage; in the other axis it goes on: what the legs lose there changes with the
+ * pulses.
  */
 dq_t probe_controlled(const probe_t *probe, dq_t reference, dq_t measured);
 
-/* Then: the voltage to demand, that of the current control, 16 bits, with the pulse of this tick; saturated at ±32767. */
+/*
+ * Then: the voltage to demand, that of the current control, 16 bits, with the pulse of this tick;
+ * saturated at ±32767.
+ */
 dq_t probe_voltage(const probe_t *probe, dq_t steady);
 
 /* Whether the window of this word is complete. */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rotor position by integration of the speed, paper A (23). The paper prints θ̂(k+1) = θ̂(k) + T·ω̂(k). The drive departs
- * from it and advances θ̂ with ω̂(k+1), the result of the training of the same tick. The observer needs this newer speed
- * to be stable (nn_observer.h).
+ * Rotor position by integration of the speed, paper A (23). The paper prints θ̂(k+1) = θ̂(k) +
+ * T·ω̂(k). The drive departs from it and advances θ̂ with ω̂(k+1), the result of the training of the
+ * same tick. The observer needs this newer speed to be stable (nn_observer.h).
  *
  * The speed is a step_t (advance per tick), so T·ω̂ is the step itself and the integration is exact:
  * no rounding, no drift. Whole electrical turns are counted as well, ±2^31 of them.

@@ -1,20 +1,23 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Torque filter: a low-pass and a notch for the torque current, against the resonance of an elastic shaft.
+ * Torque filter: a low-pass and a notch for the torque current, against the resonance of an elastic
+ * shaft.
  *
  * Low-pass:  s(k) = s(k−1) + r·(i(k) − s(k−1))
  *
- * Notch: a vector z turns by θ in a sample. It takes over what of the current turns with it, and is taken off:
+ * Notch: a vector z turns by θ in a sample. It takes over what of the current turns with it, and is
+ * taken off:
  *     e(k) = i(k) − Re z(k),   z(k+1) = exp(jθ)·(z(k) + μ·e(k)),   out(k) = (1 − μ/2)·e(k)
  * As a transfer function:
  *     (1 − μ/2)·(1 − 2·cosθ·z⁻¹ + z⁻²) / (1 − (2 − μ)·cosθ·z⁻¹ + (1 − μ)·z⁻²)
- * With the sample rate f_s nothing is left at the frequency f_s·θ/2π. The gain is 1 at zero and at f_s/2. Half of the
- * power is left at both ends of a band of the width b with μ = 2t/(1 + t), t = tan(π·b/f_s).
+ * With the sample rate f_s nothing is left at the frequency f_s·θ/2π. The gain is 1 at zero and at
+ * f_s/2. Half of the power is left at both ends of a band of the width b with μ = 2t/(1 + t), t =
+ * tan(π·b/f_s).
  *
- * The notch counts from the current that it starts with, so a constant current passes from the first sample on. After a
- * step the gain at rest is 1 within 2^-10 for |θ| ≥ 2π/256: sine and cosine are rounded. The states are Q26, 11 bits finer
- * than a current, and products are rounded down. The result is rounded to nearest, and what the states' roundings add
- * to it is below an LSB.
+ * The notch counts from the current that it starts with, so a constant current passes from the
+ * first sample on. After a step the gain at rest is 1 within 2^-10 for |θ| ≥ 2π/256: sine and
+ * cosine are rounded. The states are Q26, 11 bits finer than a current, and products are rounded
+ * down. The result is rounded to nearest, and what the states' roundings add to it is below an LSB.
  *
  * Currents Q15 of I_b. Pure, total. Call once a slow period, from the control interrupt only.
  */
@@ -50,8 +53,8 @@ static inline bool torque_filter_acts(const torque_filter_cfg_t *cfg)
 void torque_filter_start(torque_filter_t *filter, int32_t current);
 
 /*
- * One sample. current: ±16384. Returns the filtered current, ±2^18; after a step it may overshoot by a sixth of it. s saturates
- * at ±1, z at ±2, four times the largest current.
+ * One sample. current: ±16384. Returns the filtered current, ±2^18; after a step it may overshoot
+ * by a sixth of it. s saturates at ±1, z at ±2, four times the largest current.
  */
 int32_t torque_filter_step(torque_filter_t *filter, const torque_filter_cfg_t *cfg,
                            int32_t current);

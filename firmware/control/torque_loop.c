@@ -58,9 +58,10 @@ static bool is_caught(const torque_loop_t *loop, bool backwards)
 }
 
 /*
- * Free until now. A torque with the motion leaves the rotor to the end of the window at the lowest speed. The estimate swings about
- * that speed by some percent, so the reference stays there, and only a rotor that is slower by more is led back up the slope. Other
- * torques lead down the slope from the lowest speed on.
+ * Free until now. A torque with the motion leaves the rotor to the end of the window at the lowest
+ * speed. The estimate swings about that speed by some percent, so the reference stays there, and
+ * only a rotor that is slower by more is led back up the slope. Other torques lead down the slope
+ * from the lowest speed on.
  */
 static step_t next_free_reference(const torque_loop_t *loop, const torque_loop_cfg_t *cfg,
                                   const torque_loop_in_t *in)
@@ -95,7 +96,10 @@ static step_t next_reference(const torque_loop_t *loop, const torque_loop_cfg_t 
                        : next_free_reference(loop, cfg, in);
 }
 
-/* Where nothing has caught the rotor before it was too slow, the speed loop's current is another one: it is bridged. */
+/*
+ * Where nothing has caught the rotor before it was too slow, the speed loop's current is another
+ * one: it is bridged.
+ */
 static void bind(torque_loop_t *loop, bool bound)
 {
     if (bound && !loop->bound && (loop->end == (uint8_t)SPEED_END_NONE)) {
@@ -105,8 +109,8 @@ static void bind(torque_loop_t *loop, bool bound)
 }
 
 /*
- * While an end of the window holds the torque back, the reference waits no further beyond it than it is asked to. So a torque that leads
- * away from the end begins with the one that acts.
+ * While an end of the window holds the torque back, the reference waits no further beyond it than
+ * it is asked to. So a torque that leads away from the end begins with the one that acts.
  */
 static int32_t held_back_q28(const torque_loop_t *loop, const torque_loop_in_t *in, int32_t target)
 {

@@ -2,21 +2,25 @@
 /*
  * Torque control: a torque on a slope, within a window of speeds.
  *
- * The torque reference follows the torque asked for by at most `slope` a slow period. It begins with the torque that acts, so a
- * change of mode does not jump. The reference stays within the range of i_q*: a torque that leads away from a limit acts at once, and
- * when the limit ends, the torque comes back on the slope. The current for it comes from current_reference.h. The speed loop decides
- * where the window ends (speed_loop_within).
+ * The torque reference follows the torque asked for by at most `slope` a slow period. It begins
+ * with the torque that acts, so a change of mode does not jump. The reference stays within the
+ * range of i_q*: a torque that leads away from a limit acts at once, and when the limit ends, the
+ * torque comes back on the slope. The current for it comes from current_reference.h. The speed loop
+ * decides where the window ends (speed_loop_within).
  *
- * Low speed. Where the angle is found from the EMF, there is a lowest speed of RUN. Below it a current is imposed, whose torque is
- * what the load takes, and only a speed can be asked for. So the window ends at the lowest speed, in the direction in which the
- * rotor turns:
- *     torque with the motion      a load that is larger slows the rotor down to the lowest speed, not further
- *     torque against it, or none  the speed follows the slope of the imposed vector from the lowest speed on: to the window's end on
- *                                 the other side, or to a standstill
- * There the speed loop has the torque ("bound"), and the torque reference follows it. It is free again from the lowest speed on.
+ * Low speed. Where the angle is found from the EMF, there is a lowest speed of RUN. Below it a
+ * current is imposed, whose torque is what the load takes, and only a speed can be asked for. So
+ * the window ends at the lowest speed, in the direction in which the rotor turns:
+ *     torque with the motion      a load that is larger slows the rotor down to the lowest speed,
+ *                                 not further
+ *     torque against it, or none  the speed follows the slope of the imposed vector from the lowest
+ *                                 speed on: to the window's end on the other side, or to a
+ *                                 standstill
+ * There the speed loop has the torque ("bound"), and the torque reference follows it. It is free
+ * again from the lowest speed on.
  *
- * Units: torque Q28 of T_b, flux Q13 of U_b/Ω_b (current_reference.h), currents Q15 of I_b, speeds step_t.
- * Pure, total within the ranges. Control interrupt, once per slow period.
+ * Units: torque Q28 of T_b, flux Q13 of U_b/Ω_b (current_reference.h), currents Q15 of I_b, speeds
+ * step_t. Pure, total within the ranges. Control interrupt, once per slow period.
  */
 #ifndef TORQUE_LOOP_H
 #define TORQUE_LOOP_H
@@ -55,20 +59,26 @@ typedef struct {
     step_t ramp;          /* of the imposed vector, 1…2^29 */
 } torque_loop_in_t;
 
-/* Start with the torque that acts: ψ and i_q* in force. The torque is free from now on, whatever it was before. */
+/*
+ * Start with the torque that acts: ψ and i_q* in force. The torque is free from now on, whatever it
+ * was before.
+ */
 void torque_loop_start(torque_loop_t *loop, int32_t flux_q13, int32_t current);
 
 /* From now on i_q* goes on a slope until it is where the loop in charge wants it. */
 void torque_loop_bridge(torque_loop_t *loop);
 
 /*
- * For a slow period of a bridge. Returns the part of `range` that the slope leaves around the present i_q*, lower ≤ upper; both may
- * have one sign. One division.
+ * For a slow period of a bridge. Returns the part of `range` that the slope leaves around the
+ * present i_q*, lower ≤ upper; both may have one sign. One division.
  */
 torque_range_t torque_loop_bridged(const torque_loop_cfg_t *cfg, int32_t flux_q13, int32_t current,
                                    torque_range_t range);
 
-/* The loop in charge has chosen `current` in `range`, that of the bridge. Within its ends the bridge is over. */
+/*
+ * The loop in charge has chosen `current` in `range`, that of the bridge. Within its ends the
+ * bridge is over.
+ */
 void torque_loop_arrive(torque_loop_t *loop, int32_t current, torque_range_t range);
 
 /* The speed that a torque drives at: the end of the window in its direction; 0 for no torque. */

@@ -2,12 +2,12 @@
 /*
  * Clarke and Park transforms and their inverses, amplitude invariant (factor 2/3).
  *
- * Paper B (39) prints the Park matrix without the factor 2/3 and with +sin in the q row: the q axis of
- * that frame points backwards. The firmware uses the standard form everywhere:
+ * Paper B (39) prints the Park matrix without the factor 2/3 and with +sin in the q row: the q axis
+ * of that frame points backwards. The firmware uses the standard form everywhere:
  *     i_d =  i_α·cosθ + i_β·sinθ,   i_q = −i_α·sinθ + i_β·cosθ
  *
- * Values are Q15 per unit of one common base, in 32 bits, rounded to nearest. They do not saturate: with components
- * within the stated range nothing overflows. Pure functions, any context.
+ * Values are Q15 per unit of one common base, in 32 bits, rounded to nearest. They do not saturate:
+ * with components within the stated range nothing overflows. Pure functions, any context.
  */
 #ifndef TRANSFORMS_H
 #define TRANSFORMS_H
@@ -35,7 +35,10 @@ typedef struct {
  */
 ab_t transforms_clarke(int32_t a, int32_t b);
 
-/* Stationary to rotor frame at the angle given by its sine and cosine. |α| + |β| ≤ 65534. Error ≤ 2 LSB. */
+/*
+ * Stationary to rotor frame at the angle given by its sine and cosine. |α| + |β| ≤ 65534. Error ≤ 2
+ * LSB.
+ */
 dq_t transforms_park(ab_t v, sincos_t angle);
 
 /* Rotor to stationary frame. |d|, |q| ≤ 32768. Error ≤ 2 LSB. */

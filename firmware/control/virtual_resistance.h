@@ -2,15 +2,16 @@
 /*
  * A resistance that only changes of the current see.
  *
- * Without current regulators nothing but R/L damps the currents' own mode: a vector that stands still in space and thus
- * turns with −ω in the frame of the rotor. A real resistance would cost power. This one takes off a voltage in
- * proportion to the difference between the current and its own mean, so it costs none in the steady state:
+ * Without current regulators nothing but R/L damps the currents' own mode: a vector that stands
+ * still in space and thus turns with −ω in the frame of the rotor. A real resistance would cost
+ * power. This one takes off a voltage in proportion to the difference between the current and its
+ * own mean, so it costs none in the steady state:
  *     v(n) = −R_v·(i(n) − m(n)),  m(n+1) = m(n) + r·(i(n) − m(n))
- * With a = r/T the mode's damping rises by R_v/L · ω²/(ω² + a²), in 1/s. A mean that is fast against the mode follows it,
- * and then damps nothing.
+ * With a = r/T the mode's damping rises by R_v/L · ω²/(ω² + a²), in 1/s. A mean that is fast
+ * against the mode follows it, and then damps nothing.
  *
- * For the difference the mean is rounded down to an LSB of current; the products are exact. So the mean settles on a
- * constant current to the LSB, and no voltage remains.
+ * For the difference the mean is rounded down to an LSB of current; the products are exact. So the
+ * mean settles on a constant current to the LSB, and no voltage remains.
  *
  * Currents Q15 of I_b. Pure, total. Call once a control tick, from the control interrupt only.
  */
@@ -38,8 +39,8 @@ void virtual_resistance_start(virtual_resistance_t *res, dq_t current);
 dq_t virtual_resistance_mean(const virtual_resistance_t *res);
 
 /*
- * One sample. Returns the voltage v to add, Q30 of U_b, ±832045056. current: |i| ≤ 34400 in each axis. The mean saturates
- * at ±2^29.
+ * One sample. Returns the voltage v to add, Q30 of U_b, ±832045056. current: |i| ≤ 34400 in each
+ * axis. The mean saturates at ±2^29.
  */
 dq_t virtual_resistance_step(virtual_resistance_t *res, const virtual_resistance_cfg_t *cfg,
                              dq_t current);

@@ -10,8 +10,9 @@
 #define RIPPLE_SHIFT (6U)   /* a valley of the bus fades by 1/64 a slow period */
 #define REST_STEP (80)      /* by which the integral goes back to 0, a slow period */
 /*
- * By which the integral moves at most, a slow period. A demand on the circle's edge unwinds it by RESERVE / 2^INTEGRAL_SHIFT of the
- * bus, 26 at 310 V of 450 V: what a kick of some slow periods winds up is gone in as many.
+ * By which the integral moves at most, a slow period. A demand on the circle's edge unwinds it by
+ * RESERVE / 2^INTEGRAL_SHIFT of the bus, 26 at 310 V of 450 V: what a kick of some slow periods
+ * winds up is gone in as many.
  */
 #define VOLTAGE_STEP (32)
 #define SHARE_ONE (65536)
@@ -103,8 +104,8 @@ static int32_t part_of(int32_t share_q16, int32_t whole)
 }
 
 /*
- * By how many bits the largest of numbers is beyond 15, from all their bits. Without those a product fits 32 bits; one of 64 bits is a
- * call on a Cortex-M0+.
+ * By how many bits the largest of numbers is beyond 15, from all their bits. Without those a
+ * product fits 32 bits; one of 64 bits is a call on a Cortex-M0+.
  */
 static uint32_t bits_beyond_15(uint32_t all_bits)
 {
@@ -181,7 +182,10 @@ static int32_t ellipse_q(const weakening_in_t *in, const weakening_volts_t *volt
     return current_of_volts(other_leg(volts->flux, along), volts->reactive_q, in->current_max);
 }
 
-/* i_d where the circle of the current meets the ellipse. 0: all of the circle lies within the ellipse there. */
+/*
+ * i_d where the circle of the current meets the ellipse. 0: all of the circle lies within the
+ * ellipse there.
+ */
 static int32_t circle_d(const weakening_in_t *in, const weakening_volts_t *volts)
 {
     const int32_t d2 = volts->reactive_d * volts->reactive_d;
@@ -227,8 +231,9 @@ static int32_t torque_per_volt_d(const weakening_in_t *in, const weakening_volts
 }
 
 /*
- * Where the voltage asks for i_d: no deeper than it is of use, with the i_q that is left there. The resistance counts with the current
- * that flows. With an i_q* that the voltage does not allow it would leave no i_q at all, and that in the next period all of it.
+ * Where the voltage asks for i_d: no deeper than it is of use, with the i_q that is left there. The
+ * resistance counts with the current that flows. With an i_q* that the voltage does not allow it
+ * would leave no i_q at all, and that in the next period all of it.
  */
 static void end_where_useless(const weakening_in_t *in, const weakening_volts_t *volts,
                               int32_t wanted, weakening_limits_t *limits)
@@ -246,8 +251,9 @@ static void end_where_useless(const weakening_in_t *in, const weakening_volts_t 
 }
 
 /*
- * Where i_d* is as deep as it is of use, a lack of voltage is not for the integral: less torque is the answer. But what the integral
- * has added to the bus goes: with it i_d* would be as deep as is of use for a voltage that is not there, and stay so.
+ * Where i_d* is as deep as it is of use, a lack of voltage is not for the integral: less torque is
+ * the answer. But what the integral has added to the bus goes: with it i_d* would be as deep as is
+ * of use for a voltage that is not there, and stay so.
  */
 static void correct_voltage(weakening_t *weakening, const weakening_limits_t *limits, int32_t left)
 {

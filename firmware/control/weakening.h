@@ -10,13 +10,16 @@
  *
  *     upper = (√(E² − (X_q·i_q)²) − ω·φ) / X_d
  *
- * E is the voltage of the bus, where its ripple is lowest, less 3/256, which the current control keeps, less what the resistance takes along the voltage,
- * R·(i·v)/|v|. An integral finds what the model does not know: while `upper` decides i_d*, E grows by what the mean demand leaves
- * of the bus, and, above `lower`, sinks by what it lacks. It is an integral of volts, so one gain suits every motor.
+ * E is the voltage of the bus, where its ripple is lowest, less 3/256, which the current control
+ * keeps, less what the resistance takes along the voltage, R·(i·v)/|v|. An integral finds what the
+ * model does not know: while `upper` decides i_d*, E grows by what the mean demand leaves of the
+ * bus, and, above `lower`, sinks by what it lacks. It is an integral of volts, so one gain suits
+ * every motor.
  *
  * A deeper i_d than `lower` is of no use. Three things end it, the first of them counts:
  *     the current         circle and ellipse meet. With y = −i_d/I, x = X·I:
- *                         y = c / (b + √(b² + a·c)),  a = x_q² − x_d²,  b = x_d·ω·φ,  c = (ω·φ)² + x_q² − E²
+ *                         y = c / (b + √(b² + a·c)),
+ *                         a = x_q² − x_d²,  b = x_d·ω·φ,  c = (ω·φ)² + x_q² − E²
  *     the torque (MTPV)   the point of the ellipse with the largest torque. With Δx = x_q − x_d:
  *                         y = (ω·φ + 2·Δx·E² / (x_q·ω·φ + √((x_q·ω·φ)² + 8·Δx²·E²))) / x_d
  *     the magnets         `deepest` of the configuration
@@ -63,20 +66,21 @@ typedef struct {
 void weakening_reset(weakening_t *weakening);
 
 /*
- * Whether voltage and valley are as the functions here have written them. A bit that has flipped by itself in one of them, or in the
- * check word, makes it false, and it stays so until the reset.
+ * Whether voltage and valley are as the functions here have written them. A bit that has flipped by
+ * itself in one of them, or in the check word, makes it false, and it stays so until the reset.
  */
 bool weakening_holds(const weakening_t *weakening);
 
 /*
- * Once a slow period: the radius of the circle at this bus, 0…32767. Returns whether the voltage may decide i_d*: it does already, or the
- * demand (±32768) is above 15/16 of the lowest radius of late. If not, the integral goes back to 0 within some 100 slow periods.
+ * Once a slow period: the radius of the circle at this bus, 0…32767. Returns whether the voltage
+ * may decide i_d*: it does already, or the demand (±32768) is above 15/16 of the lowest radius of
+ * late. If not, the integral goes back to 0 within some 100 slow periods.
  */
 bool weakening_is_near(weakening_t *weakening, dq_t demand, int32_t voltage_max);
 
 /*
- * One slow period near the circle. wanted: i_d* without the voltage's limit. Rounded towards less voltage, saturated. Four square roots
- * and six divisions at most.
+ * One slow period near the circle. wanted: i_d* without the voltage's limit. Rounded towards less
+ * voltage, saturated. Four square roots and six divisions at most.
  */
 weakening_limits_t weakening_step(weakening_t *weakening, const weakening_in_t *in, int32_t wanted);
 

@@ -78,7 +78,10 @@ static void measure_again_with(drive_t *drive, const drive_cfg_t *cfg)
     }
 }
 
-/* The voltage that the old model gave and the new one does not, or the other way round, goes to the integrals. */
+/*
+ * The voltage that the old model gave and the new one does not, or the other way round, goes to the
+ * integrals.
+ */
 static void adopt_controlled(drive_t *drive, const drive_cfg_t *cfg)
 {
     const dq_t before = frame_model_voltage(drive);
@@ -104,8 +107,8 @@ static void adopt(drive_t *drive, const drive_cfg_t *cfg)
 }
 
 /*
- * All that it calls is a copy of its own. If the tick shared it, the compiler would not make it a part of the tick: 7
- * instructions of a RUN tick on a Cortex-M4, 20 of one at rest.
+ * All that it calls is a copy of its own. If the tick shared it, the compiler would not make it a
+ * part of the tick: 7 instructions of a RUN tick on a Cortex-M4, 20 of one at rest.
  */
 INLINES_ALL NEVER_INLINED void drive_change(drive_t *drive, const drive_cfg_t *cfg)
 {

@@ -35,8 +35,8 @@ static protection_in_t measured_of(const drive_t *drive)
 }
 
 /*
- * The samples of this tick against the limits of this state. When the sample of an over-current is at an end of the
- * converter range, the fault is ADC_SATURATED.
+ * The samples of this tick against the limits of this state. When the sample of an over-current is
+ * at an end of the converter range, the fault is ADC_SATURATED.
  */
 static void watch(drive_t *drive, const drive_in_t *in)
 {
@@ -182,13 +182,15 @@ bool attend_step(drive_t *drive, const drive_in_t *in)
     if (in->command.request == DRIVE_REQUEST_FAIL) {
         fail_as_told(drive, &in->command);
     }
-    obey(
-        drive,
-        in); /* FAIL replaces the request to run: without a valid fault the run ends as by a stop */
+    /* FAIL replaces the request to run: without a valid fault the run ends as by a stop. */
+    obey(drive, in);
     if (((in->command.request & DRIVE_REQUEST_ZERO) != 0U) && drive_knows_rotor(drive)) {
         run_set_zero(drive);
     }
-    /* Check this before the currents: a fault of the currents that late ticks cause is to be reported as LATE. */
+    /*
+     * Check this before the currents: a fault of the currents that late ticks cause is to be
+     * reported as LATE.
+     */
     if ((in->flags & DRIVE_FLAG_LATE) != 0U) {
         count_late(drive);
     }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a frame asks of the drive before anything is controlled: sensor, command, flags and limits. It may change the state.
+ * What a frame asks of the drive before anything is controlled: sensor, command, flags and limits.
+ * It may change the state.
  *
  * Part of the drive; called from drive_step only.
  */
@@ -13,12 +14,14 @@
 #include <stdbool.h>
 
 /*
- * Whether attend_step() would change nothing: the drive is in RUN, without a sensor or a flag, the command is to run, and the
- * samples are within their limits. Pure.
+ * Whether attend_step() would change nothing: the drive is in RUN, without a sensor or a flag, the
+ * command is to run, and the samples are within their limits. Pure.
  */
 bool attend_is_ordinary(const drive_t *drive, const drive_in_t *in);
 
-/* Attends to the frame. Returns whether the current was controlled before this call and still is. */
+/*
+ * Attends to the frame. Returns whether the current was controlled before this call and still is.
+ */
 bool attend_step(drive_t *drive, const drive_in_t *in);
 
 #endif

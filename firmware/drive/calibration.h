@@ -10,18 +10,22 @@
 #include "io.h"
 #include "state.h"
 
-/* Zero of a sensor before the calibration, Q15 of I_b: mid-scale, as I_b is twice the converter's full scale. */
+/*
+ * Zero of a sensor before the calibration, Q15 of I_b: mid-scale, as I_b is twice the converter's
+ * full scale.
+ */
 #define CALIBRATION_NOMINAL_Q15 (16384)
 
 /*
- * Before the first tick of OFFSET_CAL. A safe state ends. J was learned from the speed that the observer saw before the
- * fault, so it is forgotten; R, L and φ stay: they were measured, or are bound to their files.
+ * Before the first tick of OFFSET_CAL. A safe state ends. J was learned from the speed that the
+ * observer saw before the fault, so it is forgotten; R, L and φ stay: they were measured, or are
+ * bound to their files.
  */
 drive_event_t calibration_begin(drive_t *drive);
 
 /*
- * One tick of OFFSET_CAL. CALIBRATED: the mean of 2^offset_log2 samples is the zero. FAULT: such a zero is too far from
- * mid-scale.
+ * One tick of OFFSET_CAL. CALIBRATED: the mean of 2^offset_log2 samples is the zero. FAULT: such a
+ * zero is too far from mid-scale.
  */
 drive_event_t calibration_step(drive_t *drive, const drive_in_t *in, fault_t *fault);
 

@@ -5,7 +5,8 @@
 
 #define COUNT_TO_ANGLE (65536U)
 #define Q16_TO_Q32_SHIFT (16U)
-#define PULL_SHIFT (6U) /* while it is led, θ̂ closes 1/64 of its distance to the vector in a tick */
+/* while it is led, θ̂ closes 1/64 of its distance to the vector in a tick */
+#define PULL_SHIFT (6U)
 #define RESIDUAL_SHIFT (3U) /* of the residual's filter, in slow periods */
 
 void estimate_start(drive_t *drive, step_t speed, dq_t current)
@@ -17,7 +18,10 @@ void estimate_start(drive_t *drive, step_t speed, dq_t current)
                       trig_sincos(rotor_position_angle(&drive->position)));
 }
 
-/* Electrical turns of the shaft from the sensor's zero, Q32: 2^16 · count · pole_pairs, of which the product fits a word. */
+/*
+ * Electrical turns of the shaft from the sensor's zero, Q32: 2^16 · count · pole_pairs, of which
+ * the product fits a word.
+ */
 static int64_t turns_of(uint16_t count, uint32_t pole_pairs)
 {
     const uint32_t turns_q16 = (uint32_t)count * pole_pairs;
@@ -25,7 +29,10 @@ static int64_t turns_of(uint16_t count, uint32_t pole_pairs)
     return fx_signed64((uint64_t)turns_q16 << Q16_TO_Q32_SHIFT);
 }
 
-/* The loop begins at the angle that it is to follow: so the count begins at the sensor's zero, whichever electrical turn that is. */
+/*
+ * The loop begins at the angle that it is to follow: so the count begins at the sensor's zero,
+ * whichever electrical turn that is.
+ */
 void estimate_sense(drive_t *drive, uint16_t count)
 {
     const angle_t shaft = (angle_t)count * COUNT_TO_ANGLE;
@@ -105,8 +112,8 @@ void estimate_advance(drive_t *drive, bool trained)
 }
 
 /*
- * The speed for ρ of the observer: its estimate when that is far from zero, else the commanded speed. A swing of the
- * estimate through zero would change the sign of ρ and sustain itself.
+ * The speed for ρ of the observer: its estimate when that is far from zero, else the commanded
+ * speed. A swing of the estimate through zero would change the sign of ρ and sustain itself.
  */
 static step_t calm_speed(const drive_t *drive)
 {
@@ -117,8 +124,9 @@ static step_t calm_speed(const drive_t *drive)
 }
 
 /*
- * The current that the model does not explain. At rest the axis of a leg without current is q. Its dead time takes the voltage
- * that the control puts there, and the model computes a current from it that does not flow. Along d all legs conduct.
+ * The current that the model does not explain. At rest the axis of a leg without current is q. Its
+ * dead time takes the voltage that the control puts there, and the model computes a current from it
+ * that does not flow. Along d all legs conduct.
  */
 static int32_t unexplained_current(const drive_t *drive)
 {

@@ -7,8 +7,8 @@
 #define MEAN_SHIFT (5U)    /* of the imposed current's filter, in ticks */
 
 /*
- * The dead-time compensation must not use the measured current of a leg that the dead time itself holds at zero. So the
- * sign comes from the filtered current vector.
+ * The dead-time compensation must not use the measured current of a leg that the dead time itself
+ * holds at zero. So the sign comes from the filtered current vector.
  */
 void frame_measure(drive_t *drive)
 {
@@ -44,7 +44,10 @@ dq_t frame_model_voltage(drive_t *drive)
     return current_loop_model(&drive->current_loop, drive->signals.current_ref);
 }
 
-/* The voltage with which RUN would answer a current beyond ±limit at full speed. ratio_q14: L in force over that of the file. */
+/*
+ * The voltage with which RUN would answer a current beyond ±limit at full speed. ratio_q14: L in
+ * force over that of the file.
+ */
 static int32_t held_back(const pi_cfg_t *cfg, int32_t current, int32_t limit, int32_t ratio_q14)
 {
     const int32_t beyond = current - fx_clamp(current, -limit, limit);
@@ -54,9 +57,9 @@ static int32_t held_back(const pi_cfg_t *cfg, int32_t current, int32_t limit, in
 }
 
 /*
- * An imposed current is controlled softly: what the EMF of a swinging rotor drives damps the swing. Beyond these limits it
- * is controlled firmly, or a rotor that turns while it is pulled in trips at over-current: with the whole gain for the
- * measured L, whatever the pace.
+ * An imposed current is controlled softly: what the EMF of a swinging rotor drives damps the swing.
+ * Beyond these limits it is controlled firmly, or a rotor that turns while it is pulled in trips at
+ * over-current: with the whole gain for the measured L, whatever the pace.
  */
 static void limit_imposed_current(drive_t *drive, dq_t current)
 {
@@ -70,8 +73,9 @@ static void limit_imposed_current(drive_t *drive, dq_t current)
 }
 
 /*
- * The integrals round down, half an LSB a tick. Those of an imposed current are so slow that it would be some percent of the
- * current, and degrees of the vector: every other tick gives an LSB back.
+ * The integrals round down, half an LSB a tick. Those of an imposed current are so slow that it
+ * would be some percent of the current, and degrees of the vector: every other tick gives an LSB
+ * back.
  */
 static void give_rounding_back(drive_t *drive)
 {
@@ -98,17 +102,18 @@ void frame_control_current(drive_t *drive, const frame_t *frame)
 }
 
 /*
- * The current in the period to come. In RUN it is the reference plus a quarter of the difference to the measurement. The
- * reference alone has the wrong sign for a leg whose current has not changed yet; the measurement alone has noise and
- * ripple.
+ * The current in the period to come. In RUN it is the reference plus a quarter of the difference to
+ * the measurement. The reference alone has the wrong sign for a leg whose current has not changed
+ * yet; the measurement alone has noise and ripple.
  *
- * An imposed current is controlled softly, and a swinging rotor adds a current of its own. So half of what is expected is
- * the measured current. The other half is the reference: with a measured current of zero the compensation would be zero,
- * and the dead time would keep the current at zero. The integral would rise until it overcomes the dead time. Then the
- * compensation would come on top of it, and far too much current would flow.
+ * An imposed current is controlled softly, and a swinging rotor adds a current of its own. So half
+ * of what is expected is the measured current. The other half is the reference: with a measured
+ * current of zero the compensation would be zero, and the dead time would keep the current at zero.
+ * The integral would rise until it overcomes the dead time. Then the compensation would come on top
+ * of it, and far too much current would flow.
  *
- * Without current regulators it is the measured current alone: a mean would follow the currents' own mode late
- * (voltage_drive.h).
+ * Without current regulators it is the measured current alone: a mean would follow the currents'
+ * own mode late (voltage_drive.h).
  */
 static dq_t expected_current(const drive_t *drive, const frame_t *frame)
 {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The frame in which the currents are controlled: in RUN that of the rotor, below it that of the imposed vector.
+ * The frame in which the currents are controlled: in RUN that of the rotor, below it that of the
+ * imposed vector.
  *
  * A frame_t holds what current control and modulation need to know of it. It lives for one tick.
  * Part of the drive; called from drive_step only.
@@ -45,10 +46,16 @@ static inline frame_t frame_of_vector(const drive_t *drive)
 /* Below RUN, each tick: turns the measured current into the frame of the vector, and filters it. */
 void frame_measure(drive_t *drive);
 
-/* In RUN, when current_ref, the model or ω̂ may have changed: current_loop_plan() in the frame of the rotor. */
+/*
+ * In RUN, when current_ref, the model or ω̂ may have changed: current_loop_plan() in the frame of
+ * the rotor.
+ */
 void frame_plan_rotor(drive_t *drive);
 
-/* In RUN and with an imposed current: plans, and returns the voltage that the model needs for current_ref, Q15 of U_b. */
+/*
+ * In RUN and with an imposed current: plans, and returns the voltage that the model needs for
+ * current_ref, Q15 of U_b.
+ */
 dq_t frame_model_voltage(drive_t *drive);
 
 /* Sets the voltage for current_ref (current_loop.h). An imposed frame plans each tick. */
@@ -61,8 +68,8 @@ void frame_modulate(drive_t *drive, const frame_t *frame, compare_t *out);
 void frame_modulate_plain(drive_t *drive, compare_t *out);
 
 /*
- * Change to a frame that is ahead by `angle`. A vector that is constant in space turns back in it: current_ref and the
- * integrals of the current control. So nothing jumps.
+ * Change to a frame that is ahead by `angle`. A vector that is constant in space turns back in it:
+ * current_ref and the integrals of the current control. So nothing jumps.
  */
 void frame_turn(drive_t *drive, angle_t angle);
 

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* What goes into a control tick and what comes out: the frames of a hardware binding, and the user's command. */
+/*
+ * What goes into a control tick and what comes out: the frames of a hardware binding, and the
+ * user's command.
+ */
 #ifndef IO_H
 #define IO_H
 
@@ -18,12 +21,13 @@ typedef enum {
 #define DRIVE_REQUEST_CLEAR (0x02U) /* acknowledge a fault, only without RUN */
 #define DRIVE_REQUEST_PROBE (0x04U) /* level: measure the motor while set, only without RUN */
 /*
- * Level: here is the zero that positions count from, as long as it is set. In position control the target counts as 0 meanwhile, so a
- * drive at rest stays where it is. It can be set with RUN and without; nothing happens where the rotor is not known.
+ * Level: here is the zero that positions count from, as long as it is set. In position control the
+ * target counts as 0 meanwhile, so a drive at rest stays where it is. It can be set with RUN and
+ * without; nothing happens where the rotor is not known.
  */
 #define DRIVE_REQUEST_ZERO (0x08U)
-#define DRIVE_REQUEST_FAIL \
-    (0x10U) /* the background has found a fault; no other request beside it. Without one it acts as a stop */
+/* the background has found a fault; no other request beside it. Without one it acts as a stop */
+#define DRIVE_REQUEST_FAIL (0x10U)
 
 #define DRIVE_FLAG_BREAK (0x0001U) /* the power stage opened the gates by itself */
 /* The tick before ended too late: no voltage acted in place of its demand. */
@@ -32,20 +36,25 @@ typedef enum {
 /* The user's command. */
 typedef struct {
     /*
-     * SPEED: step_t, + turns α towards β; POSITION: Q16 electrical turns from the zero in force (motion_loop.h); TORQUE: Q28 of
-     * T_b (current_reference.h), + drives forwards; in PROBE the value of the word in `mode`; with FAIL the fault's value in
-     * the lower and its limit in the upper half
+     * SPEED: step_t, + turns α towards β; POSITION: Q16 electrical turns from the zero in force
+     * (motion_loop.h); TORQUE: Q28 of T_b (current_reference.h), + drives forwards; in PROBE the
+     * value of the word in `mode`; with FAIL the fault's value in the lower and its limit in the
+     * upper half
      */
     int32_t target;
-    uint8_t
-        mode; /* drive_mode_t; any other value counts as SPEED; in PROBE a probe_word_t; with FAIL a fault_id_t */
+    /*
+     * drive_mode_t; any other value counts as SPEED; in PROBE a probe_word_t; with FAIL a
+     * fault_id_t
+     */
+    uint8_t mode;
     uint8_t request;
 } drive_command_t;
 
 /*
- * One input frame: raw ADC counts (straight binary, currents with zero at mid-scale) and command. The
- * temperature is that of the power stage and may be some ticks old. The angle is that of a sensor on the shaft:
- * 2^16 = one turn, 0 where the magnet flux is along phase a, positive from a towards b. Without a sensor it is 0.
+ * One input frame: raw ADC counts (straight binary, currents with zero at mid-scale) and command.
+ * The temperature is that of the power stage and may be some ticks old. The angle is that of a
+ * sensor on the shaft: 2^16 = one turn, 0 where the magnet flux is along phase a, positive from a
+ * towards b. Without a sensor it is 0.
  */
 typedef struct {
     uint16_t adc_ia;

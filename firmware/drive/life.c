@@ -12,9 +12,10 @@
 #include <stddef.h>
 
 /*
- * Upper bound on the rotor's speed when driving stops, on the way to `next`. The estimate may be what has failed. Then the ramp is
- * where the rotor was to be. Torque control has no ramp, so behind a fault the rotor may be as fast as its window allows. PROBE has a
- * vector only. A flying start ends as it began, with open gates.
+ * Upper bound on the rotor's speed when driving stops, on the way to `next`. The estimate may be
+ * what has failed. Then the ramp is where the rotor was to be. Torque control has no ramp, so
+ * behind a fault the rotor may be as fast as its window allows. PROBE has a vector only. A flying
+ * start ends as it began, with open gates.
  */
 static step_t fastest_known(const drive_t *drive, drive_state_t next)
 {
@@ -34,13 +35,19 @@ static step_t fastest_known(const drive_t *drive, drive_state_t next)
     return speed;
 }
 
-/* Nothing is driven from this tick on: the gates open, or the motor is shorted where it is too fast for that. */
+/*
+ * Nothing is driven from this tick on: the gates open, or the motor is shorted where it is too fast
+ * for that.
+ */
 RARE static void leave(drive_t *drive, drive_state_t next)
 {
     safe_state_leave(&drive->safe_state, &drive->cfg->safe_state, fastest_known(drive, next));
 }
 
-/* RUN begins with a plan of its current control, and with the torque that acts: no change of the mode is left to be bridged. */
+/*
+ * RUN begins with a plan of its current control, and with the torque that acts: no change of the
+ * mode is left to be bridged.
+ */
 static void begin_run(drive_t *drive)
 {
     drive->torque_loop.bridging = false;
@@ -101,7 +108,10 @@ RARE void life_react(drive_t *drive, drive_event_t event, const fault_t *fault)
     }
 }
 
-/* INIT with this configuration. Nothing is known; until the calibration the current sensors have their nominal zero. */
+/*
+ * INIT with this configuration. Nothing is known; until the calibration the current sensors have
+ * their nominal zero.
+ */
 static void initialise(drive_t *drive, const drive_cfg_t *cfg)
 {
     model_nominal_t nominal;

@@ -61,10 +61,11 @@ static bool is_at_rest(const drive_t *drive)
 }
 
 /*
- * The control of an imposed current is soft, so a swinging rotor adds a current of its own. An open wire takes half of the
- * imposed current or all of it. So at rest the error counts half. Along the vector only a current that is too small counts: a swing
- * makes it larger too, an open wire does not. While the rotor is pulled in or turned no error counts; there the check of the
- * phases and the start-up find the fault.
+ * The control of an imposed current is soft, so a swinging rotor adds a current of its own. An open
+ * wire takes half of the imposed current or all of it. So at rest the error counts half. Along the
+ * vector only a current that is too small counts: a swing makes it larger too, an open wire does
+ * not. While the rotor is pulled in or turned no error counts; there the check of the phases and
+ * the start-up find the fault.
  */
 static dq_t controlled_current(const drive_t *drive)
 {
@@ -152,7 +153,10 @@ static fault_id_t check_current(drive_t *drive, fault_t *fault)
         .reference = drive_current_in_force(drive),
         .excused = running && (fx_abs(drive->observer.speed) >= cfg->stall_speed),
     };
-    /* The error along d is mostly an error of the flux, which the model corrects. Below RUN the start-up checks the observer. */
+    /*
+     * The error along d is mostly an error of the flux, which the model corrects. Below RUN the
+     * start-up checks the observer.
+     */
     const dq_t residual = {.d = 0, .q = running ? drive->observer.error.q : 0};
     fault_id_t id = supervision_check_current(&drive->supervision, cfg, &measured, fault);
 
@@ -165,7 +169,10 @@ static fault_id_t check_current(drive_t *drive, fault_t *fault)
     return id;
 }
 
-/* With a torque that was asked for a rotor may stand, so it does not count as one that the speed loop cannot move. */
+/*
+ * With a torque that was asked for a rotor may stand, so it does not count as one that the speed
+ * loop cannot move.
+ */
 static bool is_at_limit(const drive_t *drive, int32_t torque)
 {
     const bool asked =
@@ -191,8 +198,8 @@ static fault_id_t check_speed(drive_t *drive, fault_t *fault)
 }
 
 /*
- * What the user asks for: not the reference of the speed in position control, which follows the measured position, nor in torque
- * control, where it is the measured speed.
+ * What the user asks for: not the reference of the speed in position control, which follows the
+ * measured position, nor in torque control, where it is the measured speed.
  */
 static int32_t motion_asked(const drive_t *drive)
 {
@@ -208,7 +215,10 @@ static int32_t motion_asked(const drive_t *drive)
     return asked;
 }
 
-/* Lowers the bandwidth if that is configured and has not been done since the start. A voltage drive has another loop. */
+/*
+ * Lowers the bandwidth if that is configured and has not been done since the start. A voltage drive
+ * has another loop.
+ */
 static bool lowers_bandwidth(drive_t *drive)
 {
     const bool lowers = (drive->cfg->oscillation.act == (uint32_t)OSCILLATION_ACT_LOWER) &&
@@ -244,8 +254,9 @@ bool monitor_is_saturated(const drive_t *drive, const drive_in_t *in)
 }
 
 /*
- * A current heats the winding whoever drives it: also that of a short circuit, and that which a fast rotor drives through the diodes.
- * In a short circuit one that the converter cannot measure counts as the largest; with open gates it is the sensor that is wrong.
+ * A current heats the winding whoever drives it: also that of a short circuit, and that which a
+ * fast rotor drives through the diodes. In a short circuit one that the converter cannot measure
+ * counts as the largest; with open gates it is the sensor that is wrong.
  */
 RARE static dq_t uncontrolled_current(const drive_t *drive, const drive_in_t *in)
 {

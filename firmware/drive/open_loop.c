@@ -27,8 +27,8 @@ static bool runs_backwards(const drive_command_t *command)
 }
 
 /*
- * The start angle of the vector: from there its sweep ends at angle 0. Every other attempt sweeps the other way: a load
- * that turns the rotor against the vector turns it with the vector then.
+ * The start angle of the vector: from there its sweep ends at angle 0. Every other attempt sweeps
+ * the other way: a load that turns the rotor against the vector turns it with the vector then.
  */
 static drive_event_t start_alignment(drive_t *drive, const drive_command_t *command)
 {
@@ -46,8 +46,8 @@ static drive_event_t start_alignment(drive_t *drive, const drive_command_t *comm
 }
 
 /*
- * A start has failed before R was measured: the rotor has slipped, its load drives it, and an observer with a wrong R would
- * lose it. It is brought to rest first.
+ * A start has failed before R was measured: the rotor has slipped, its load drives it, and an
+ * observer with a wrong R would lose it. It is brought to rest first.
  */
 static bool has_to_stand(const drive_t *drive)
 {
@@ -55,8 +55,9 @@ static bool has_to_stand(const drive_t *drive)
 }
 
 /*
- * R and L are measured at standstill. Until then L is what the pulses say: with a wrong one the estimate swings. They give
- * φ/L_q, of which φ and L_q/L_d of the file are believed. Where they do not tell, a softer speed loop bears a wrong L.
+ * R and L are measured at standstill. Until then L is what the pulses say: with a wrong one the
+ * estimate swings. They give φ/L_q, of which φ and L_q/L_d of the file are believed. Where they do
+ * not tell, a softer speed loop bears a wrong L.
  */
 static void use_pulses(drive_t *drive)
 {
@@ -105,8 +106,9 @@ static step_t rectifying_speed(const drive_t *drive)
 }
 
 /*
- * A current flows with open gates. It is a rotor's, whose EMF is above the bus and whose current turns as fast as it does, or that of a
- * channel that is stuck, which stands still. Half of the speed lies between both.
+ * A current flows with open gates. It is a rotor's, whose EMF is above the bus and whose current
+ * turns as fast as it does, or that of a channel that is stuck, which stands still. Half of the
+ * speed lies between both.
  */
 static fault_t live_fault(const drive_t *drive)
 {
@@ -173,9 +175,10 @@ static bool lies_along_phase_a(const drive_t *drive)
 }
 
 /*
- * What the integral of the imposed current held of R·i and of the dead time, the model and the compensation give from now
- * on. The integral is slow: it would keep its part for some swings of the rotor, and the voltage would be there twice.
- * compensated: what the compensation adds from now on, Q15 of the bus.
+ * What the integral of the imposed current held of R·i and of the dead time, the model and the
+ * compensation give from now on. The integral is slow: it would keep its part for some swings of
+ * the rotor, and the voltage would be there twice. compensated: what the compensation adds from now
+ * on, Q15 of the bus.
  */
 static void leave_rest_to_integral(drive_t *drive, int32_t compensated)
 {
@@ -186,7 +189,10 @@ static void leave_rest_to_integral(drive_t *drive, int32_t compensated)
     pi_reset(&drive->current_loop.pi_d, fx_sat16(drive->signals.voltage.d - model - added));
 }
 
-/* Corrects the dead time. Returns what its compensation adds from now on along the vector, Q15 of the bus. */
+/*
+ * Corrects the dead time. Returns what its compensation adds from now on along the vector, Q15 of
+ * the bus.
+ */
 static int32_t correct_dead_time(drive_t *drive, int32_t lost_voltage)
 {
     int32_t change = 0;
@@ -221,7 +227,10 @@ static drive_event_t finish_alignment(drive_t *drive)
     return DRIVE_EVENT_HELD;
 }
 
-/* A rotor that does not rest is looked for at once: while it slips, the load makes it faster. One that only swings costs a start. */
+/*
+ * A rotor that does not rest is looked for at once: while it slips, the load makes it faster. One
+ * that only swings costs a start.
+ */
 static drive_event_t judge_rest(drive_t *drive, fault_t *fault)
 {
     const align_cfg_t *const cfg = &drive->cfg->startup.align;
@@ -254,7 +263,10 @@ static drive_event_t align(drive_t *drive, fault_t *fault)
     return event;
 }
 
-/* The imposed current. It is larger while the vector moves, because the rotor has to be accelerated too. */
+/*
+ * The imposed current. It is larger while the vector moves, because the rotor has to be accelerated
+ * too.
+ */
 static int32_t next_imposed_current(const drive_t *drive)
 {
     const startup_cfg_t *const cfg = &drive->cfg->startup;
@@ -283,8 +295,9 @@ static bool has_found_rotor(const drive_t *drive)
 }
 
 /*
- * From the frame of the vector to that of the rotor. The q current of the vector's frame is the torque of the ramp: the speed
- * loop feeds that forward itself, so its integral begins with the rest, the load.
+ * From the frame of the vector to that of the rotor. The q current of the vector's frame is the
+ * torque of the ramp: the speed loop feeds that forward itself, so its integral begins with the
+ * rest, the load.
  */
 static drive_event_t hand_over(drive_t *drive)
 {
@@ -296,7 +309,10 @@ static drive_event_t hand_over(drive_t *drive)
     return DRIVE_EVENT_TRACKED;
 }
 
-/* While it was dragged slowly, the observer may have learned a load angle: it gets time to leave it. */
+/*
+ * While it was dragged slowly, the observer may have learned a load angle: it gets time to leave
+ * it.
+ */
 static drive_event_t judge_handover(drive_t *drive, fault_t *fault)
 {
     const bool settled = drive->handover_periods >= drive->cfg->startup.settle_periods;
@@ -314,9 +330,10 @@ static drive_event_t judge_handover(drive_t *drive, fault_t *fault)
 }
 
 /*
- * The back-EMF of a rotor that slips does not fit a model at standstill, nor one that follows it, and it persists. It passes
- * through zero twice in each turn of the slip, so periods without it count back. While the model follows the vector
- * untrained, a load angle looks like an error, so there is no check then.
+ * The back-EMF of a rotor that slips does not fit a model at standstill, nor one that follows it,
+ * and it persists. It passes through zero twice in each turn of the slip, so periods without it
+ * count back. While the model follows the vector untrained, a load angle looks like an error, so
+ * there is no check then.
  */
 static bool has_lost_rotor(drive_t *drive)
 {

@@ -2,13 +2,15 @@
 /*
  * Start-up and low speed, where the back-EMF is too small to find the rotor angle.
  *
- * The drive imposes a current vector at an angle of its own (open-loop I/f). The rotor follows it as a synchronous machine
- * follows its supply, displaced by the load angle. The current control is soft, so that the resistance of the windings
- * damps the swinging of the rotor, as a short circuit would. Above track_speed the observer runs free beside it. Above
- * handover_speed the observer takes over when its residual is small enough, that is, when it has found the rotor. Else
- * the start is repeated.
+ * The drive imposes a current vector at an angle of its own (open-loop I/f). The rotor follows it
+ * as a synchronous machine follows its supply, displaced by the load angle. The current control is
+ * soft, so that the resistance of the windings damps the swinging of the rotor, as a short circuit
+ * would. Above track_speed the observer runs free beside it. Above handover_speed the observer
+ * takes over when its residual is small enough, that is, when it has found the rotor. Else the
+ * start is repeated.
  *
- * Part of the drive; called from drive_step only. What returns an event writes `fault` with DRIVE_EVENT_FAULT only.
+ * Part of the drive; called from drive_step only. What returns an event writes `fault` with
+ * DRIVE_EVENT_FAULT only.
  */
 #ifndef OPEN_LOOP_H
 #define OPEN_LOOP_H
@@ -20,15 +22,16 @@
 drive_event_t open_loop_start(drive_t *drive);
 
 /*
- * One complete tick of FLYING_START. STANDS: the rotor stands, or turns too slowly to be seen. DRAGGED: the vector lies on a
- * slow rotor and turns as it does. TRACKED: the rotor is fast. Each from the next tick on. FAULT: a current does not decay.
+ * One complete tick of FLYING_START. STANDS: the rotor stands, or turns too slowly to be seen.
+ * DRAGGED: the vector lies on a slow rotor and turns as it does. TRACKED: the rotor is fast. Each
+ * from the next tick on. FAULT: a current does not decay.
  */
 drive_event_t open_loop_flying_start(drive_t *drive, const drive_in_t *in, drive_out_t *out,
                                      fault_t *fault);
 
 /*
- * Each tick of ALIGN, HOLD, IF_RAMP, HANDOVER: sets the imposed current. At the end of ALIGN: HELD. When the rotor does not
- * rest while it is measured: SEARCH; FAULT with the last attempt.
+ * Each tick of ALIGN, HOLD, IF_RAMP, HANDOVER: sets the imposed current. At the end of ALIGN: HELD.
+ * When the rotor does not rest while it is measured: SEARCH; FAULT with the last attempt.
  */
 drive_event_t open_loop_step(drive_t *drive, fault_t *fault);
 

@@ -10,12 +10,14 @@
 
 #define TORQUE_ROUNDING_LOG2 (10U) /* the gain of the torque filter at rest is 1 within 2^-10 */
 #define Q14_TO_Q16 (4)
-#define HELD_LOST_TIMES (100U) /* so many times longer than a rotor is lost for it has to be held */
+/* Times longer than a rotor is lost for that it has to be held. */
+#define HELD_LOST_TIMES (100U)
 #define NEAR_SHARE (4) /* within 1/4 of the hand-over speed of its reference a rotor follows it */
 
 /*
- * Without a sensor nobody knows how the rotor has turned while it was not driven, so its turns are counted anew. With one they are
- * known, so a run goes on in the position control that the last one ended in.
+ * Without a sensor nobody knows how the rotor has turned while it was not driven, so its turns are
+ * counted anew. With one they are known, so a run goes on in the position control that the last one
+ * ended in.
  */
 static void reset_position(drive_t *drive)
 {
@@ -62,7 +64,10 @@ void run_reset_sensed(drive_t *drive)
     drive->speed_reference = drive->observer.speed;
 }
 
-/* The profile's place in position control: the rotor is beside it by what the control lacks, and a target of 0 is not to move it. */
+/*
+ * The profile's place in position control: the rotor is beside it by what the control lacks, and a
+ * target of 0 is not to move it.
+ */
 void run_set_zero(drive_t *drive)
 {
     const bool profiled =
@@ -73,9 +78,10 @@ void run_set_zero(drive_t *drive)
 }
 
 /*
- * The motion goes on as it is: the profile with this position and speed, the torque with the one that acts. From there it goes on a
- * slope: the torque that was asked for is not what the speed loop would have, nor is the ramp of a profile that of a speed. What
- * was turned without position control does not count.
+ * The motion goes on as it is: the profile with this position and speed, the torque with the one
+ * that acts. From there it goes on a slope: the torque that was asked for is not what the speed
+ * loop would have, nor is the ramp of a profile that of a speed. What was turned without position
+ * control does not count.
  */
 static void change_mode(drive_t *drive, uint8_t mode, const rotor_position_t *position)
 {
@@ -91,8 +97,9 @@ static void change_mode(drive_t *drive, uint8_t mode, const rotor_position_t *po
 }
 
 /*
- * The speed loop's integral holds the load. While the speed changes it also holds the torque of a J above that of the file,
- * which is against the motion when the drive brakes. So only a torque in the direction of the motion counts as a load.
+ * The speed loop's integral holds the load. While the speed changes it also holds the torque of a J
+ * above that of the file, which is against the motion when the drive brakes. So only a torque in
+ * the direction of the motion counts as a load.
  */
 static bool is_loaded(const drive_t *drive)
 {
@@ -104,8 +111,9 @@ static bool is_loaded(const drive_t *drive)
 }
 
 /*
- * The lowest speed of RUN. At low speed the dead time of a leg at its zero crossing is more than the EMF. A torque current
- * has it across the EMF, where it turns the angle by some degrees; i_d* alone has it along the EMF, where it is a speed.
+ * The lowest speed of RUN. At low speed the dead time of a leg at its zero crossing is more than
+ * the EMF. A torque current has it across the EMF, where it turns the angle by some degrees; i_d*
+ * alone has it along the EMF, where it is a speed.
  */
 static step_t lowest_speed(const drive_t *drive)
 {
@@ -115,9 +123,9 @@ static step_t lowest_speed(const drive_t *drive)
 }
 
 /*
- * Speed mode: below its lowest speed, RUN follows the ramp of an imposed vector, either way. The torque that acts at the
- * hand-back stays as the load angle of the vector: that of a steeper ramp would throw the rotor out of its field. A position
- * profile is soft there by itself.
+ * Speed mode: below its lowest speed, RUN follows the ramp of an imposed vector, either way. The
+ * torque that acts at the hand-back stays as the load angle of the vector: that of a steeper ramp
+ * would throw the rotor out of its field. A position profile is soft there by itself.
  */
 static step_t gentle(const drive_t *drive, step_t wanted)
 {
@@ -137,7 +145,10 @@ static step_t lowest_torque_speed(const drive_t *drive)
     return (drive->cfg->startup.current_hold != 0) ? lowest_speed(drive) : 0;
 }
 
-/* In RUN the torque, and the speed that it leads to; below RUN the speed that an imposed vector is to reach. */
+/*
+ * In RUN the torque, and the speed that it leads to; below RUN the speed that an imposed vector is
+ * to reach.
+ */
 NEVER_INLINED static void plan_torque(drive_t *drive, int32_t target_q28)
 {
     const drive_cfg_t *const cfg = drive->cfg;
@@ -158,7 +169,10 @@ NEVER_INLINED static void plan_torque(drive_t *drive, int32_t target_q28)
 
         reference = torque_loop_plan(&drive->torque_loop, &cfg->torque_loop, &in);
         if (drive->torque_loop.bound && !was_bound) {
-            /* The slope begins here: from the speed of the rotor to it no acceleration is to be fed forward. */
+            /*
+             * The slope begins here: from the speed of the rotor to it no acceleration is to be fed
+             * forward.
+             */
             drive->speed_loop.reference = reference;
         }
     }
@@ -200,8 +214,8 @@ static bool is_slow(const drive_t *drive)
 }
 
 /*
- * What the next i_d* follows from. At low speed it rises to the current that will be imposed. A load below hold_speed is alone
- * there: lowest_speed() says why.
+ * What the next i_d* follows from. At low speed it rises to the current that will be imposed. A
+ * load below hold_speed is alone there: lowest_speed() says why.
  */
 static current_reference_in_t operating_point(const drive_t *drive)
 {
@@ -234,8 +248,9 @@ NEVER_INLINED static void weaken(drive_t *drive, current_reference_t *next)
 }
 
 /*
- * i_d* takes of the current: a torque that took all of it as well would trip at over-current. What the winding still bears counts:
- * a motor that is too hot keeps the i_d that its speed needs, and loses torque.
+ * i_d* takes of the current: a torque that took all of it as well would trip at over-current. What
+ * the winding still bears counts: a motor that is too hot keeps the i_d that its speed needs, and
+ * loses torque.
  */
 INLINES_ALL static void limit_current(drive_t *drive)
 {
@@ -260,7 +275,10 @@ void run_limit(drive_t *drive)
     }
 }
 
-/* Change back to an imposed current: the d axis of the frame is set to the direction of the present reference. */
+/*
+ * Change back to an imposed current: the d axis of the frame is set to the direction of the present
+ * reference.
+ */
 static void hand_back(drive_t *drive)
 {
     const dq_t reference = drive->signals.current_ref;
@@ -281,9 +299,10 @@ static void hand_back(drive_t *drive)
 }
 
 /*
- * While derating or field weakening narrows the torque, ramp and profile wait at the limit in force. If they went on, the rotor would
- * fall further behind in each period. It would then be braked with the whole current as soon as the limit ends. An i_d* that rises to an
- * imposed current narrows it too: there the ramp goes on, down to standstill.
+ * While derating or field weakening narrows the torque, ramp and profile wait at the limit in
+ * force. If they went on, the rotor would fall further behind in each period. It would then be
+ * braked with the whole current as soon as the limit ends. An i_d* that rises to an imposed current
+ * narrows it too: there the ramp goes on, down to standstill.
  */
 static void wait_at_limit(drive_t *drive, step_t before)
 {
@@ -309,7 +328,10 @@ static void accelerate_estimate(drive_t *drive, step_t change)
                            fx_mul_32x16(change, share_q14) * Q14_TO_Q16);
 }
 
-/* A rotor that was caught turning, or that its torque cannot accelerate, is elsewhere than its reference. */
+/*
+ * A rotor that was caught turning, or that its torque cannot accelerate, is elsewhere than its
+ * reference.
+ */
 static void lead_along_ramp(drive_t *drive, step_t before)
 {
     const step_t reference = drive->speed_loop.reference;
@@ -321,9 +343,10 @@ static void lead_along_ramp(drive_t *drive, step_t before)
 }
 
 /*
- * In torque control the reference is the estimate itself or the slope near standstill, and the torque accelerates many times faster
- * than a ramp. The rotor is where its torque takes it. Below some 40 % of rated speed the observer of a motor with much R is too
- * slow to find that from its error: it lost the angle.
+ * In torque control the reference is the estimate itself or the slope near standstill, and the
+ * torque accelerates many times faster than a ramp. The rotor is where its torque takes it. Below
+ * some 40 % of rated speed the observer of a motor with much R is too slow to find that from its
+ * error: it lost the angle.
  */
 NEVER_INLINED static void lead_by_torque(drive_t *drive)
 {
@@ -346,9 +369,10 @@ static void lead_estimate(drive_t *drive, step_t before)
 }
 
 /*
- * i_d* has risen to the imposed current, and its voltage and the torque have settled: the voltage that made i_d rise is not
- * the one that holds it. In speed mode the reference is on the ramp of the imposed vector since the lowest speed, so 3/4 of that
- * is low enough; further down a weak EMF may lose the rotor. A position profile still brakes there.
+ * i_d* has risen to the imposed current, and its voltage and the torque have settled: the voltage
+ * that made i_d rise is not the one that holds it. In speed mode the reference is on the ramp of
+ * the imposed vector since the lowest speed, so 3/4 of that is low enough; further down a weak EMF
+ * may lose the rotor. A position profile still brakes there.
  */
 static bool is_to_be_held(const drive_t *drive)
 {
@@ -362,9 +386,10 @@ static bool is_to_be_held(const drive_t *drive)
 }
 
 /*
- * The speed loop has its limits before the filter, so its integral stops where it stops without one. The filter overshoots
- * a limit that the speed loop has just reached: that is cut off. At rest it is short of the limit by a rounding, and what
- * asks whether the torque is at its limit would not see it: there the torque is the limit.
+ * The speed loop has its limits before the filter, so its integral stops where it stops without
+ * one. The filter overshoots a limit that the speed loop has just reached: that is cut off. At rest
+ * it is short of the limit by a rounding, and what asks whether the torque is at its limit would
+ * not see it: there the torque is the limit.
  */
 static void filter_torque(drive_t *drive)
 {
@@ -392,7 +417,10 @@ static void learn_inertia(drive_t *drive, step_t before, int32_t integral_before
     }
 }
 
-/* The torque is free within the window of speeds. Then no speed is asked for, and no ramp waits or teaches. */
+/*
+ * The torque is free within the window of speeds. Then no speed is asked for, and no ramp waits or
+ * teaches.
+ */
 NEVER_INLINED static void control_free_torque(drive_t *drive, torque_range_t range)
 {
     const speed_window_t window = torque_loop_window(
@@ -443,8 +471,9 @@ static void follow_ramp(drive_t *drive, step_t before, int32_t integral_before)
 }
 
 /*
- * After a change of the mode the torque goes on a slope. Until it has arrived, the ramp does not wait and J is not learned. Apart from
- * control_current_q(), so that a tick without a bridge does not carry it.
+ * After a change of the mode the torque goes on a slope. Until it has arrived, the ramp does not
+ * wait and J is not learned. Apart from control_current_q(), so that a tick without a bridge does
+ * not carry it.
  */
 RARE static void bridge_current_q(drive_t *drive)
 {
@@ -489,7 +518,10 @@ INLINES_ALL static drive_event_t control_torque(drive_t *drive)
     return event;
 }
 
-/* Starts that failed are forgotten when RUN has lasted. A rotor that is lost again and again, each time soon, ends in a fault. */
+/*
+ * Starts that failed are forgotten when RUN has lasted. A rotor that is lost again and again, each
+ * time soon, ends in a fault.
+ */
 RARE static void forget_attempts(drive_t *drive)
 {
     drive->held_periods++;

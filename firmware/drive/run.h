@@ -14,8 +14,8 @@
 void run_reset(drive_t *drive);
 
 /*
- * The same at the angle and the speed that the sensor shows. The zero of positions stays, and position control where the last run
- * ended in it.
+ * The same at the angle and the speed that the sensor shows. The zero of positions stays, and
+ * position control where the last run ended in it.
  */
 void run_reset_sensed(drive_t *drive);
 
@@ -23,8 +23,8 @@ void run_reset_sensed(drive_t *drive);
 void run_set_zero(drive_t *drive);
 
 /*
- * Computes the speed reference of the next slow period: ramp, position profile, or what a torque leads to.
- * position: of the frame in which the currents are controlled.
+ * Computes the speed reference of the next slow period: ramp, position profile, or what a torque
+ * leads to. position: of the frame in which the currents are controlled.
  */
 void run_plan(drive_t *drive, const drive_command_t *command, const rotor_position_t *position);
 
@@ -38,8 +38,8 @@ static inline bool run_torque_is_free(const drive_t *drive)
 void run_limit(drive_t *drive);
 
 /*
- * Speed PI, or the voltage drive. HELD when the speed is low and i_d* has risen to the imposed current: then it
- * has set the vector on the present current.
+ * Speed PI, or the voltage drive. HELD when the speed is low and i_d* has risen to the imposed
+ * current: then it has set the vector on the present current.
  */
 drive_event_t run_control_speed(drive_t *drive, const drive_command_t *command);
 

@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The slow schedule. The work of a slow period is spread over its last ticks, one slot per tick, so that the longest tick
- * is shorter. The number of a slot is the number of ticks left in the period.
+ * The slow schedule. The work of a slow period is spread over its last ticks, one slot per tick, so
+ * that the longest tick is shorter. The number of a slot is the number of ticks left in the period.
  *
- *     slot     who                                                 in which states     how often
- *     REFINE   estimate_refine                                     HOLD to RUN         each period
- *     PHASES   monitor_phases: any current; that of the vector     ALIGN to RUN        each period
- *     CHECKS   monitor_next_check: four take turns, see there      any                 each in every fourth period
- *     LIMITS   monitor_limits; run_limit                           any; RUN            each period
- *     PLAN     open_loop_plan, in RUN run_plan                     HOLD to RUN         each period
- *     SPEED    open_loop_drag, in RUN run_control_speed            HOLD to RUN         each period
+ *     slot     who                                              in which states  how often
+ *     REFINE   estimate_refine                                  HOLD to RUN      each period
+ *     PHASES   monitor_phases: any current; that of the vector  ALIGN to RUN     each period
+ *     CHECKS   monitor_next_check: four take turns                  any              every fourth
+ *     LIMITS   monitor_limits; run_limit                        any; RUN         each period
+ *     PLAN     open_loop_plan, in RUN run_plan                  HOLD to RUN      each period
+ *     SPEED    open_loop_drag, in RUN run_control_speed         HOLD to RUN      each period
  *
- * Part of the drive; schedule_step() is called from drive_step only. control_isr() and the recorder know its slot CHECKS by drive.h.
+ * Part of the drive; schedule_step() is called from drive_step only. control_isr() and the recorder
+ * know its slot CHECKS by drive.h.
  */
 #ifndef SCHEDULE_H
 #define SCHEDULE_H
@@ -30,8 +31,9 @@ typedef enum {
 } slot_t;
 
 /*
- * The work of one slot. moving: this tick controls a current and may run REFINE, PLAN and SPEED. A tick in which the drive
- * starts has measured nothing for them yet. Writes `fault` with DRIVE_EVENT_FAULT only.
+ * The work of one slot. moving: this tick controls a current and may run REFINE, PLAN and SPEED. A
+ * tick in which the drive starts has measured nothing for them yet. Writes `fault` with
+ * DRIVE_EVENT_FAULT only.
  */
 drive_event_t schedule_step(drive_t *drive, const drive_in_t *in, slot_t slot, bool moving,
                             fault_t *fault);

@@ -2,9 +2,10 @@
 /*
  * The whole state of a drive, its states and the events that change them.
  *
- * drive_t is a plain value: to copy it is to take a snapshot. state.def holds the range of each field. The rotor is known
- * by two fields, `position` (θ̂) and `observer.speed` (ω̂), whatever they come from; estimate.h says from what. The currents
- * are controlled in a frame (frame.h): that of this rotor in RUN, else that of `vector`.
+ * drive_t is a plain value: to copy it is to take a snapshot. state.def holds the range of each
+ * field. The rotor is known by two fields, `position` (θ̂) and `observer.speed` (ω̂), whatever they
+ * come from; estimate.h says from what. The currents are controlled in a frame (frame.h): that of
+ * this rotor in RUN, else that of `vector`.
  */
 #ifndef STATE_H
 #define STATE_H
@@ -31,9 +32,10 @@
 #include <stdint.h>
 
 /*
- * The upper four bits are the number of the state, the lower four its check bits: the extended code of Hamming. Any two
- * codes differ in four bits or more, so up to three bits that flip by themselves never make one state of another. The codes
- * ascend as the states do. Each fits into the byte that a comparison has room for.
+ * The upper four bits are the number of the state, the lower four its check bits: the extended code
+ * of Hamming. Any two codes differ in four bits or more, so up to three bits that flip by
+ * themselves never make one state of another. The codes ascend as the states do. Each fits into the
+ * byte that a comparison has room for.
  */
 typedef enum {
     DRIVE_STATE_INIT = 0x00,
@@ -68,7 +70,10 @@ typedef enum {
     DRIVE_EVENTS         /* number of events, none itself */
 } drive_event_t;
 
-/* Values of the last tick, in the order of computation. Some begin the next tick, the others are for traces. */
+/*
+ * Values of the last tick, in the order of computation. Some begin the next tick, the others are
+ * for traces.
+ */
 typedef struct {
     int32_t phase_a; /* Q15 of I_b, offset removed, ±16383 */
     int32_t phase_b;
@@ -90,7 +95,10 @@ typedef struct {
     int32_t noise; /* sum of the changes of both from sample to sample, counts, 0…2^28 */
 } calibration_t;
 
-/* Where the drive was when it found a fault: what tells the causes apart and would be over by the time somebody looks. */
+/*
+ * Where the drive was when it found a fault: what tells the causes apart and would be over by the
+ * time somebody looks.
+ */
 typedef struct {
     drive_state_t state;
     uint32_t limits; /* DERATING_… in force */
@@ -136,7 +144,10 @@ typedef struct {
     virtual_resistance_t damping; /* its mean is that of the current measured with θ̂ */
 } voltage_drive_t;
 
-/* Fields that every tick uses come first: a Cortex-M0+ reaches the first 128 bytes in one instruction. */
+/*
+ * Fields that every tick uses come first: a Cortex-M0+ reaches the first 128 bytes in one
+ * instruction.
+ */
 typedef struct {
     rotor_position_t position; /* θ̂ and whole turns, (23) */
     const drive_cfg_t *cfg;
@@ -163,14 +174,17 @@ typedef struct {
     bool identified; /* R and L of the model were measured */
     current_vector_t vector;
     angle_sensor_t angle_sensor;
-    /* current that the model does not explain: |e'_q|, held at rest |e'_d|, filtered over slow periods, Q15 of I_b */
+    /*
+     * current that the model does not explain: |e'_q|, held at rest |e'_d|, filtered over slow
+     * periods, Q15 of I_b
+     */
     int32_t residual;
     /* slow periods with a residual too large for a held rotor, less those without */
     uint32_t lost_periods;
     uint32_t handover_periods; /* slow periods in HANDOVER */
     uint32_t attempts;         /* starts that failed since READY, or since RUN has lasted */
-    uint32_t
-        held_periods; /* slow periods of RUN since a start has failed; counted while there are attempts */
+    /* slow periods of RUN since a start has failed; counted while there are attempts */
+    uint32_t held_periods;
     flying_start_t flying_start;
     align_t align;
     probe_t probe;
@@ -218,8 +232,9 @@ static inline bool drive_has_sensor(const drive_t *drive)
 }
 
 /*
- * Whether θ̂ and ω̂ are those of this tick. With open gates only a sensor tells of the rotor: the fields keep what they were
- * when driving ended. The currents and voltages along θ̂ are those of this tick where drive_is_controlled().
+ * Whether θ̂ and ω̂ are those of this tick. With open gates only a sensor tells of the rotor: the
+ * fields keep what they were when driving ended. The currents and voltages along θ̂ are those of
+ * this tick where drive_is_controlled().
  */
 static inline bool drive_knows_rotor(const drive_t *drive)
 {
@@ -227,8 +242,8 @@ static inline bool drive_knows_rotor(const drive_t *drive)
 }
 
 /*
- * Speed in steps per tick, of this tick where drive_knows_rotor(): in RUN that of the rotor, ω̂, else that of the
- * imposed vector. With a sensor it is always that of the rotor.
+ * Speed in steps per tick, of this tick where drive_knows_rotor(): in RUN that of the rotor, ω̂,
+ * else that of the imposed vector. With a sensor it is always that of the rotor.
  */
 static inline step_t drive_speed(const drive_t *drive)
 {
@@ -251,7 +266,10 @@ static inline int64_t drive_position_from_zero_q32(const drive_t *drive)
     return fx_signed64(fx_unsigned64(drive->position.turns_q32) - zero);
 }
 
-/* i_d, i_q that the motor is to have now: the reference of the current control; without it the mean of what it has. */
+/*
+ * i_d, i_q that the motor is to have now: the reference of the current control; without it the mean
+ * of what it has.
+ */
 static inline dq_t drive_current_in_force(const drive_t *drive)
 {
     return drive->voltage_drive.active ? virtual_resistance_mean(&drive->voltage_drive.damping)

@@ -108,8 +108,9 @@ static bool is_drift(const drive_t *drive)
 }
 
 /*
- * Whole turns hold for good, and any number of them may be right. But in a supervision period no rotor goes half a turn further than the
- * speed that it had, and was to have, leads it. What it has now may come from the same flip.
+ * Whole turns hold for good, and any number of them may be right. But in a supervision period no
+ * rotor goes half a turn further than the speed that it had, and was to have, leads it. What it has
+ * now may come from the same flip.
  */
 static bool is_way(const drive_t *drive)
 {
@@ -187,7 +188,10 @@ static bool is_integral(const drive_t *drive, const pi_cfg_t *cfg, int32_t now, 
     return fx_asr(fx_abs(now - before), PERIODS_LOG2) <= (fx_min(gain + 1, CHANGE_MAX) * ticks);
 }
 
-/* Of a rotor that rests in the field. What has left the circle of the voltage would cut an integral at once. */
+/*
+ * Of a rotor that rests in the field. What has left the circle of the voltage would cut an integral
+ * at once.
+ */
 static bool has_soft_integrals(const drive_t *drive)
 {
     const current_loop_cfg_t *const loop = &drive->cfg->hold_loop;

@@ -1,16 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Guard of the state: finds a bit that flips by itself in the words of drive_t that hold for longer than a tick.
+ * Guard of the state: finds a bit that flips by itself in the words of drive_t that hold for longer
+ * than a tick.
  *
- * What was measured, and what the configuration gives, is compared with a check word or computed again, a part in each
- * supervision period. In each of them it also looks at what moves by little from one to the next: a larger change is no
- * motion. The fault is MEMORY, its value tells the part, its limit is 0.
+ * What was measured, and what the configuration gives, is compared with a check word or computed
+ * again, a part in each supervision period. In each of them it also looks at what moves by little
+ * from one to the next: a larger change is no motion. The fault is MEMORY, its value tells the
+ * part, its limit is 0.
  *
- * The settings that act at once are among it: the CRC of the whole configuration takes two seconds. Where their check word, made
- * when the drive takes the configuration over, is another one, the fault is CONFIGURATION.
+ * The settings that act at once are among it: the CRC of the whole configuration takes two seconds.
+ * Where their check word, made when the drive takes the configuration over, is another one, the
+ * fault is CONFIGURATION.
  *
- * What is computed anew in each tick or slow period is not looked at: a flip there is gone after it, and what it has
- * done is seen by the other checks. docs/protection.md lists both.
+ * What is computed anew in each tick or slow period is not looked at: a flip there is gone after
+ * it, and what it has done is seen by the other checks. docs/protection.md lists both.
  *
  * Part of the drive; called from drive_step only, in any state. Faults as fault.h says.
  */
@@ -25,12 +28,16 @@ typedef enum {
     STATE_GUARD_MODEL_LOOPS,
     STATE_GUARD_MODEL_GAINS,
     STATE_GUARD_MODEL_FLUX,
-    STATE_GUARD_LIMITS,   /* of protection */
-    STATE_GUARD_CHOICES,  /* phases and flags that cannot be */
-    STATE_GUARD_START,    /* counts of a start that cannot be */
-    STATE_GUARD_CONFIG,   /* settings that act at once; the fault is CONFIGURATION */
-    STATE_GUARD_PARTS,    /* number of these parts */
-    STATE_GUARD_MEASURED, /* zeros of the current sensors; this and all below in each supervision period, or when they are used */
+    STATE_GUARD_LIMITS,  /* of protection */
+    STATE_GUARD_CHOICES, /* phases and flags that cannot be */
+    STATE_GUARD_START,   /* counts of a start that cannot be */
+    STATE_GUARD_CONFIG,  /* settings that act at once; the fault is CONFIGURATION */
+    STATE_GUARD_PARTS,   /* number of these parts */
+    /*
+     * zeros of the current sensors; this and all below in each supervision period, or when they are
+     * used
+     */
+    STATE_GUARD_MEASURED,
     STATE_GUARD_REFERENCE,
     STATE_GUARD_FLUX,
     STATE_GUARD_INTEGRALS,
@@ -62,8 +69,9 @@ void state_guard_keep_config(drive_t *drive);
 fault_id_t state_guard_check_heat(const drive_t *drive, fault_t *fault);
 
 /*
- * Before the motion loops move an imposed vector: finds MEMORY where its step is none that they have given it, where they
- * want another one than a ramp leads to, or where a rotor has been lost for longer than it may be.
+ * Before the motion loops move an imposed vector: finds MEMORY where its step is none that they
+ * have given it, where they want another one than a ramp leads to, or where a rotor has been lost
+ * for longer than it may be.
  */
 fault_id_t state_guard_check_vector(const drive_t *drive, fault_t *fault);
 

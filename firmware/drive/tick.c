@@ -4,7 +4,8 @@
  *
  *     sample → attend → run | vector | probe | idle → compare
  *
- * The last function of this file is the tick; those before it are its parts, from the first to the last.
+ * The last function of this file is the tick; those before it are its parts, from the first to the
+ * last.
  */
 #include "attend.h"
 #include "drive.h"
@@ -40,15 +41,18 @@ static void begin_tick(drive_t *drive, const drive_in_t *in)
                         modulator_bus_ahead(drive->bus_before, drive->signals.bus));
 }
 
-/* A setting that has flipped below its range would leave slots out, the one that finds it among them. */
+/*
+ * A setting that has flipped below its range would leave slots out, the one that finds it among
+ * them.
+ */
 static uint8_t slow_period(const drive_cfg_t *cfg)
 {
     return (uint8_t)((cfg->slow_ticks < (uint32_t)SLOTS) ? (uint32_t)SLOTS : cfg->slow_ticks);
 }
 
 /*
- * Ticks left in the slow period after this one. On the last one slow_step() reloads the count: a tick without a slot has
- * nothing more to test.
+ * Ticks left in the slow period after this one. On the last one slow_step() reloads the count: a
+ * tick without a slot has nothing more to test.
  */
 static uint32_t count_slow(drive_t *drive)
 {
@@ -87,8 +91,8 @@ static void open_gates(drive_t *drive, drive_out_t *out)
 }
 
 /*
- * The output of a tick that drives nothing: the safe state. The compare values of the last tick act for one period more.
- * They are those of the control, or equal ones, which short the motor too.
+ * The output of a tick that drives nothing: the safe state. The compare values of the last tick act
+ * for one period more. They are those of the control, or equal ones, which short the motor too.
  */
 NEVER_INLINED static void rest(drive_t *drive, drive_out_t *out)
 {
@@ -105,7 +109,10 @@ NEVER_INLINED static void rest(drive_t *drive, drive_out_t *out)
     }
 }
 
-/* The alignment measures inductances: the voltage changes as it says; the integrals of the loop do not. */
+/*
+ * The alignment measures inductances: the voltage changes as it says; the integrals of the loop do
+ * not.
+ */
 static void give_voltage(drive_t *drive)
 {
     const dq_t change = align_voltage(&drive->align, &drive->cfg->startup.align);
@@ -134,7 +141,10 @@ static void control(drive_t *drive, const frame_t *frame, bool trained, drive_ou
     estimate_advance(drive, trained);
 }
 
-/* The end of a tick whose parts may have changed the state. When no current is controlled now, the safe state begins. */
+/*
+ * The end of a tick whose parts may have changed the state. When no current is controlled now, the
+ * safe state begins.
+ */
 static void act(drive_t *drive, bool trained, drive_out_t *out)
 {
     if (drive_is_controlled(drive->state)) {
@@ -147,7 +157,10 @@ static void act(drive_t *drive, bool trained, drive_out_t *out)
     }
 }
 
-/* The parts of a tick of RUN. The compiler puts all that they call into them, less the branches for other frames. */
+/*
+ * The parts of a tick of RUN. The compiler puts all that they call into them, less the branches for
+ * other frames.
+ */
 INLINES_ALL static void estimate_rotor(drive_t *drive)
 {
     estimate_step(drive, true);

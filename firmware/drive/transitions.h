@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The state machine of the drive as a table: which state follows from an event. life.c alone sets the state. */
+/*
+ * The state machine of the drive as a table: which state follows from an event. life.c alone sets
+ * the state.
+ */
 #ifndef TRANSITIONS_H
 #define TRANSITIONS_H
 
@@ -9,15 +12,18 @@
 #include <stdint.h>
 
 /*
- * Returns the state that follows, or `state` when nothing does. In FAULT another fault is not followed. From a code that is
- * no state every event leads to FAULT. Pure, any context.
+ * Returns the state that follows, or `state` when nothing does. In FAULT another fault is not
+ * followed. From a code that is no state every event leads to FAULT. Pure, any context.
  */
 drive_state_t transitions_next(drive_state_t state, drive_event_t event);
 
 /* Whether this is the code of a state. Pure, any context. */
 bool transitions_is_state(drive_state_t state);
 
-/* The number of a state, 0…DRIVE_STATES − 1, in the order of drive_state_t; DRIVE_STATES where the code is none. Pure, any context. */
+/*
+ * The number of a state, 0…DRIVE_STATES − 1, in the order of drive_state_t; DRIVE_STATES where the
+ * code is none. Pure, any context.
+ */
 uint32_t transitions_number(drive_state_t state);
 
 /* The state of a number below DRIVE_STATES; FAULT for any other. Pure, any context. */

@@ -24,8 +24,9 @@ static int32_t half_error(const drive_t *drive, step_t reference)
 }
 
 /*
- * Start with this magnitude and lead, and with the commanded speed. What is missing to it has its proportional part in the
- * PI's first output: the integral begins without it, or the voltage would jump by more than R·i.
+ * Start with this magnitude and lead, and with the commanded speed. What is missing to it has its
+ * proportional part in the PI's first output: the integral begins without it, or the voltage would
+ * jump by more than R·i.
  */
 static void take_over(drive_t *drive, int32_t magnitude, int32_t lead)
 {
@@ -63,7 +64,10 @@ void voltage_drive_step(drive_t *drive)
     s->voltage.q = fx_sat16(fx_asr(damping.q + (magnitude * angle.cos), 15U));
 }
 
-/* i_d* is 0: the compensator has left no i_d, and there may be no start-up with a slope to remove it. */
+/*
+ * i_d* is 0: the compensator has left no i_d, and there may be no start-up with a slope to remove
+ * it.
+ */
 void voltage_drive_end(drive_t *drive)
 {
     drive_signals_t *const s = &drive->signals;
@@ -95,7 +99,10 @@ static void set_magnitude(drive_t *drive)
                 emf(drive, reference), modulator_limit(&cfg->modulator, drive->signals.bus));
 }
 
-/* The lead of the present voltage in the direction in which it turns the rotor, 2^32 = one turn, ± a quarter. */
+/*
+ * The lead of the present voltage in the direction in which it turns the rotor, 2^32 = one turn, ±
+ * a quarter.
+ */
 static int32_t present_lead(dq_t voltage)
 {
     const int32_t along = fx_abs(voltage.q);
@@ -105,7 +112,9 @@ static int32_t present_lead(dq_t voltage)
     return fx_clamp(fx_signed(lead), -QUARTER_TURN_STEP, QUARTER_TURN_STEP);
 }
 
-/* The voltage drive is commanded and the speed is high enough. The limit to leave it is 1/4 lower. */
+/*
+ * The voltage drive is commanded and the speed is high enough. The limit to leave it is 1/4 lower.
+ */
 static bool is_wanted(const drive_t *drive, const drive_command_t *command, step_t speed_min)
 {
     const bool asked =
@@ -127,7 +136,10 @@ static bool is_overloaded(const drive_t *drive)
            (length > fx_max(range.upper, -range.lower));
 }
 
-/* The lead is at its limit towards braking, or the current is so small that the legs switch near its zero crossing. */
+/*
+ * The lead is at its limit towards braking, or the current is so small that the legs switch near
+ * its zero crossing.
+ */
 static bool is_at_end(const drive_t *drive)
 {
     const voltage_drive_cfg_t *const cfg = &drive->cfg->voltage_drive;
@@ -154,7 +166,10 @@ void voltage_drive_motion(drive_t *drive, const drive_command_t *command)
     }
 }
 
-/* Speed and currents have reached their references, and the lead is within the range of the compensator. */
+/*
+ * Speed and currents have reached their references, and the lead is within the range of the
+ * compensator.
+ */
 static bool is_calm(const drive_t *drive, step_t target, int32_t lead)
 {
     const step_t speed_max = drive->cfg->speed_loop.speed_max;
@@ -170,8 +185,8 @@ static bool is_calm(const drive_t *drive, step_t target, int32_t lead)
 }
 
 /*
- * The voltage that holds the reference: integrals and model, without the proportional part. That of one tick has the
- * converter's noise times the gain of the current loop, which is more than R·i.
+ * The voltage that holds the reference: integrals and model, without the proportional part. That of
+ * one tick has the converter's noise times the gain of the current loop, which is more than R·i.
  */
 static dq_t settled_voltage(const drive_t *drive)
 {

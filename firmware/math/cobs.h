@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * COBS (Cheshire and Baker 1999): bytes without a 0, so that a 0 can stand between two frames. Each 0 is replaced by the
- * distance to the next one, and one byte in front of all gives the distance to the first.
+ * COBS (Cheshire and Baker 1999): bytes without a 0, so that a 0 can stand between two frames. Each
+ * 0 is replaced by the distance to the next one, and one byte in front of all gives the distance to
+ * the first.
  *
- * Both ways go byte by byte, so that neither needs a second buffer. Pure, any context; no bytes make them fail.
+ * Both ways go byte by byte, so that neither needs a second buffer. Pure, any context; no bytes
+ * make them fail.
  */
 #ifndef COBS_H
 #define COBS_H
@@ -13,7 +15,10 @@
 
 #define COBS_BYTES_MAX (253U) /* of what is encoded: no distance is longer than a byte can say */
 
-/* Returns byte `at` of the code of `count` bytes, 0…COBS_BYTES_MAX; `at` is 0…count: the code is one byte longer. */
+/*
+ * Returns byte `at` of the code of `count` bytes, 0…COBS_BYTES_MAX; `at` is 0…count: the code is
+ * one byte longer.
+ */
 uint8_t cobs_encoded(const uint8_t *bytes, uint32_t count, uint32_t at);
 
 /* A code that is being read. */

@@ -2,8 +2,9 @@
 /*
  * CRC-32 (IEEE 802.3, reflected), for the configuration and for recordings that are sent.
  *
- * Polynomial 0xEDB88320, four bits at a time with a table of 16 words: about 60 instructions for four bytes.
- * Begin with CRC32_START. The CRC is the complement of the result of the last step. Pure, any context.
+ * Polynomial 0xEDB88320, four bits at a time with a table of 16 words: about 60 instructions for
+ * four bytes. Begin with CRC32_START. The CRC is the complement of the result of the last step.
+ * Pure, any context.
  */
 #ifndef CRC32_H
 #define CRC32_H

@@ -3,8 +3,8 @@
  * Fixed-point arithmetic: saturation, shifts and mixed-width products.
  *
  * Formats. Qn means an integer that stands for value = integer / 2^n. Signals are Q15 in 16 bits
- * (±1 per unit). Controller and observer states are 32 bits wide with guard bits above ±1, so that a
- * sum of a few products needs one clamp at its end and not one at each term.
+ * (±1 per unit). Controller and observer states are 32 bits wide with guard bits above ±1, so that
+ * a sum of a few products needs one clamp at its end and not one at each term.
  *
  * Cost. A 32×32→64 product is one instruction on Cortex-M3 and later but a library call on M0+; the
  * widest product here is 32×16 with the lower 16 bits dropped, two 32-bit multiplications anywhere.

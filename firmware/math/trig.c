@@ -21,7 +21,9 @@ _Static_assert((-3 >> 1) == -2, "right shift must keep the sign");
 #define ROOT_MIN (0x8000U) /* of m = 2^30 */
 #define ROOT_MAX (65535)
 
-/* atan(small / large) as an angle between 0 and an eighth of a turn; 0 ≤ small ≤ large, large > 0. */
+/*
+ * atan(small / large) as an angle between 0 and an eighth of a turn; 0 ≤ small ≤ large, large > 0.
+ */
 static angle_t atan_octant(uint32_t small, uint32_t large)
 {
     const uint32_t ratio_q16 = (small << 16U) / large;
@@ -74,7 +76,8 @@ static uint32_t whole_root(uint32_t m, uint32_t above)
 /*
  * √m by a reciprocal root r ≈ 2^31/√m from the table and one Newton step on s = m·r:
  *     s ← s + (m − s²)·r/2^32
- * m = 2^30…2^32 − 1. The table is right within 2^-8, which leaves 1.5·2^-16 of s; the loop makes it exact.
+ * m = 2^30…2^32 − 1. The table is right within 2^-8, which leaves 1.5·2^-16 of s; the loop makes it
+ * exact.
  */
 static uint32_t root_of_normalised(uint32_t m)
 {

@@ -14,10 +14,10 @@
 #define TRIG_FRACTION_MASK (0x1FFFU)
 
 /*
- * s(k) = 32767·sin(2π·k / 1024), k = 0…1279: one turn, and a quarter turn more for the cosine. One word holds
- * value and slope: the lower 12 bits are the slope 2^3·(s(k + 1) − s(k)), rounded and signed, and the entry is the
- * number with these lower bits that is nearest to 2^16·(s(k) + ½). (entry + slope·fraction) >> 16 is the rounded sine
- * for a fraction of 13 bits.
+ * s(k) = 32767·sin(2π·k / 1024), k = 0…1279: one turn, and a quarter turn more for the cosine. One
+ * word holds value and slope: the lower 12 bits are the slope 2^3·(s(k + 1) − s(k)), rounded and
+ * signed, and the entry is the number with these lower bits that is nearest to 2^16·(s(k) + ½).
+ * (entry + slope·fraction) >> 16 is the rounded sine for a fraction of 13 bits.
  */
 extern const int32_t trig_sin_table[1280];
 
@@ -38,7 +38,9 @@ extern const uint16_t trig_atan_table[257];
 
 #define TRIG_RSQRT_FIRST (64U)
 
-/* round(2^15 / √((k + 64.5) / 256)), k = 0…191: reciprocal roots in the middle of their intervals. */
+/*
+ * round(2^15 / √((k + 64.5) / 256)), k = 0…191: reciprocal roots in the middle of their intervals.
+ */
 extern const uint16_t trig_rsqrt_table[192];
 
 #endif

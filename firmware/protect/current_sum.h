@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The sum of the three phase currents, which is zero in a motor whose star point is not connected. On a board that measures all
- * three it shows a sensor that is wrong, and a current to ground.
+ * The sum of the three phase currents, which is zero in a motor whose star point is not connected.
+ * On a board that measures all three it shows a sensor that is wrong, and a current to ground.
  *
- * Means over a window of 2^mean_shift supervision periods, some 64 ms, and over at most CURRENT_SUM_SAMPLES_MAX samples: CURRENT_SUM where
+ * Means over a window of 2^mean_shift supervision periods, some 64 ms, and over at most
+ * CURRENT_SUM_SAMPLES_MAX samples: CURRENT_SUM where
  *
  *     mean |i_a + i_b + i_c| > sum_max + sum_share · mean (|i_a| + |i_b| + |i_c|)
  *
- * The zero of the sum is measured while that of the sensors is. Pure, total within the ranges; background only.
+ * The zero of the sum is measured while that of the sensors is. Pure, total within the ranges;
+ * background only.
  */
 #ifndef CURRENT_SUM_H
 #define CURRENT_SUM_H
@@ -40,8 +42,8 @@ void current_sum_zero(current_sum_t *state, int32_t sum);
 typedef struct {
     int32_t a; /* phase currents, Q15 of I_b, ±16384 */
     int32_t b;
-    int32_t
-        sum; /* of all three as they are converted, with what their zeros are off: Q15 of I_b, ±2^17 */
+    /* of all three as they are converted, with what their zeros are off: Q15 of I_b, ±2^17 */
+    int32_t sum;
 } current_sum_in_t;
 
 /* One sample, while the current is controlled. ends: the window's time is over. */

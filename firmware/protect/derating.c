@@ -39,8 +39,9 @@ static int32_t heat_shifted_up(uint32_t top, uint32_t rest, uint32_t up)
 }
 
 /*
- * The heat in the other scale is heat · ratio · 2^(shift − RATIO_BITS), with a ratio below 2^15: two products of 32 bits
- * hold it, because a Cortex-M0+ has no longer ones. Rounded down; the same configuration changes no bit.
+ * The heat in the other scale is heat · ratio · 2^(shift − RATIO_BITS), with a ratio below 2^15:
+ * two products of 32 bits hold it, because a Cortex-M0+ has no longer ones. Rounded down; the same
+ * configuration changes no bit.
  */
 void derating_change(derating_t *derating, const derating_cfg_t *from, const derating_cfg_t *to)
 {
@@ -109,8 +110,9 @@ static int32_t scaled_by(int32_t change, uint32_t up, uint32_t down)
 }
 
 /*
- * Low-pass of the squared current. A square that has no room in the scale of the heat, so of more than four times the
- * continuous current, is compared with the heat in its own scale. Returns whether this current holds the heat above its limit.
+ * Low-pass of the squared current. A square that has no room in the scale of the heat, so of more
+ * than four times the continuous current, is compared with the heat in its own scale. Returns
+ * whether this current holds the heat above its limit.
  */
 static bool heat_up(derating_t *derating, const derating_cfg_t *cfg, dq_t current)
 {
@@ -141,7 +143,10 @@ static uint32_t flag(uint32_t name, int32_t share)
     return (share < FX_Q15_MAX) ? name : 0U;
 }
 
-/* TEMPERATURE_SENSOR where the sensor cannot have this count, else OVERTEMPERATURE: with the bound that it is beyond. */
+/*
+ * TEMPERATURE_SENSOR where the sensor cannot have this count, else OVERTEMPERATURE: with the bound
+ * that it is beyond.
+ */
 static fault_t temperature_fault(const derating_cfg_t *cfg, int32_t raw)
 {
     fault_t fault = {

@@ -1,24 +1,30 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Derating: how much torque current the drive may demand, and the faults for the cases in which derating is not enough.
+ * Derating: how much torque current the drive may demand, and the faults for the cases in which
+ * derating is not enough.
  *
  *     i²t          current_max below 90 % heat, linearly down to the continuous current at 100 %
- *     temperature  current_max up to the warning, linearly down to 0 at the limit; at the limit also a fault
- *     high bus     braking only: full up to bus_brake_v, linearly down to 0 before the over-voltage fault
+ *     temperature  current_max up to the warning, linearly down to 0 at the limit; at the limit
+ *                  also a fault
+ *     high bus     braking only: full up to bus_brake_v, linearly down to 0 before the over-voltage
+ *                  fault
  *     low bus      motoring only: full from bus_low_v on, linearly down to 0 at bus_min_v
- *     bus current  one limit for the current from the supply (motoring), one for the current into it (braking)
+ *     bus current  one limit for the current from the supply (motoring), one for the current into
+ *                  it (braking)
  *
- * The smallest limit applies. Heat is the square of the current vector behind a low-pass with the time constant of the
- * winding. Heat 1 is the steady state at the continuous current.
+ * The smallest limit applies. Heat is the square of the current vector behind a low-pass with the
+ * time constant of the winding. Heat 1 is the steady state at the continuous current.
  *
- * Bus current: bus·i_bus = 1.5·(v_d·i_d + v_q·i_q) is the power of the motor. The losses of the inverter come on top.
- * The limit of i_q follows from it. v is the voltage demand behind a low-pass of four slow periods: i_q changes v_q, v_q
- * changes the limit, and without the low-pass the two would ring. Where v_q is 0, i_q takes no power and there is no
- * limit. i_d stays what is asked for, also that of an imposed current; i_q gets what i_d leaves. When a hand-over turns
- * the frame, the low-pass still holds the voltage of the frame before. The power is small there.
+ * Bus current: bus·i_bus = 1.5·(v_d·i_d + v_q·i_q) is the power of the motor. The losses of the
+ * inverter come on top. The limit of i_q follows from it. v is the voltage demand behind a low-pass
+ * of four slow periods: i_q changes v_q, v_q changes the limit, and without the low-pass the two
+ * would ring. Where v_q is 0, i_q takes no power and there is no limit. i_d stays what is asked
+ * for, also that of an imposed current; i_q gets what i_d leaves. When a hand-over turns the frame,
+ * the low-pass still holds the voltage of the frame before. The power is small there.
  *
- * Currents Q15 of I_b, bus Q15 of U_b, speeds step_t. Pure, total within the ranges. Control interrupt
- * only: limits once per slow period, heat and temperature once per supervision period (supervision.h).
+ * Currents Q15 of I_b, bus Q15 of U_b, speeds step_t. Pure, total within the ranges. Control
+ * interrupt only: limits once per slow period, heat and temperature once per supervision period
+ * (supervision.h).
  */
 #ifndef DERATING_H
 #define DERATING_H
@@ -32,8 +38,8 @@
 #include <stdint.h>
 
 /*
- * A share that falls linearly from 1 to 0: (zero − x)·gain / 2^shift in Q15, clamped to 0…32767. With a negative gain
- * it rises with x. Gain 0: always 1, no derating.
+ * A share that falls linearly from 1 to 0: (zero − x)·gain / 2^shift in Q15, clamped to 0…32767.
+ * With a negative gain it rises with x. Gain 0: always 1, no derating.
  */
 typedef struct {
     int32_t zero;   /* x at which the share is 0, 0…65535 */
@@ -44,7 +50,9 @@ typedef struct {
 typedef struct {
     int32_t current_max;        /* limit of |i_q*| without derating, 1…16384 */
     int32_t current_continuous; /* lowest limit by i²t, 1…current_max */
-    /* steady heat of a current, Q24: i² in Q30 · 2^heat_shift · heat_gain / 2^16; 0…27 and 1…32767 */
+    /*
+     * steady heat of a current, Q24: i² in Q30 · 2^heat_shift · heat_gain / 2^16; 0…27 and 1…32767
+     */
     uint32_t heat_shift;
     int32_t heat_gain;
     int32_t heat_rate;        /* period / time constant = heat_rate / 2^(16 + heat_rate_shift) */
@@ -95,8 +103,8 @@ static inline int32_t derating_limit_q24(const derating_cfg_t *cfg)
 void derating_reset(derating_t *derating, const derating_cfg_t *cfg);
 
 /*
- * Take over another configuration: the heat becomes what the same square of the current is in the scale of `to`, to 2^-14 of
- * it, saturated. Control interrupt only.
+ * Take over another configuration: the heat becomes what the same square of the current is in the
+ * scale of `to`, to 2^-14 of it, saturated. Control interrupt only.
  */
 void derating_change(derating_t *derating, const derating_cfg_t *from, const derating_cfg_t *to);
 
@@ -104,10 +112,11 @@ void derating_change(derating_t *derating, const derating_cfg_t *from, const der
 int32_t derating_share(const fade_t *fade, int32_t x);
 
 /*
- * One supervision period, gates open or not: the heat that `current` makes (each axis within ± 32767, in any frame) and the
- * temperature. Finds OVERLOAD where the heat is above its limit and this current would hold it there, OVERTEMPERATURE, and TEMPERATURE_SENSOR where the
- * count is one that a whole sensor does not have: the temperature is not known then, so nothing is left of the current
- * (fault.h).
+ * One supervision period, gates open or not: the heat that `current` makes (each axis within ±
+ * 32767, in any frame) and the temperature. Finds OVERLOAD where the heat is above its limit and
+ * this current would hold it there, OVERTEMPERATURE, and TEMPERATURE_SENSOR where the count is one
+ * that a whole sensor does not have: the temperature is not known then, so nothing is left of the
+ * current (fault.h).
  */
 fault_id_t derating_step(derating_t *derating, const derating_cfg_t *cfg, dq_t current,
                          uint16_t adc_temperature, fault_t *fault);
@@ -121,8 +130,9 @@ typedef struct {
 } derating_motion_t;
 
 /*
- * One slow period: limits and flags at this bus voltage. Returns the range of i_q*. Torque against the speed counts as
- * braking; for the bus current, braking is power that flows back. Rounds towards less current.
+ * One slow period: limits and flags at this bus voltage. Returns the range of i_q*. Torque against
+ * the speed counts as braking; for the bus current, braking is power that flows back. Rounds
+ * towards less current.
  */
 torque_range_t derating_range(derating_t *derating, const derating_cfg_t *cfg,
                               const derating_motion_t *motion);

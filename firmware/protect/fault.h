@@ -2,16 +2,20 @@
 /*
  * Faults: why the gates were opened, with the measured value and the limit.
  *
- * A check that can find one takes a `fault_t *fault`. It returns FAULT_NONE and leaves *fault as it is; or it writes what
- * it has found, all but the tick, and returns the id. The drive latches a fault in the tick that finds it. Derating only
- * reduces the current and is no fault, see derating.h. Names, units and advice as text: fault_text.h.
+ * A check that can find one takes a `fault_t *fault`. It returns FAULT_NONE and leaves *fault as it
+ * is; or it writes what it has found, all but the tick, and returns the id. The drive latches a
+ * fault in the tick that finds it. Derating only reduces the current and is no fault, see
+ * derating.h. Names, units and advice as text: fault_text.h.
  */
 #ifndef FAULT_H
 #define FAULT_H
 
 #include <stdint.h>
 
-/* The numbers are part of recordings, so new faults go to the end. The first four are checked in this order. */
+/*
+ * The numbers are part of recordings, so new faults go to the end. The first four are checked in
+ * this order.
+ */
 typedef enum {
     FAULT_NONE = 0,
     FAULT_BREAK, /* comparator of the power stage, value: the largest phase current, limit: 0 */
@@ -33,10 +37,12 @@ typedef enum {
     FAULT_STARTUP,           /* value, limit: see open_loop.c */
     FAULT_CURRENT_IMPLAUSIBLE, /* value: voltage that the measured current does not explain */
     FAULT_OSCILLATION,         /* value: amplitude of i_q*, the frequency: oscillation.h */
-    FAULT_TEMPERATURE_SENSOR, /* value: raw count of the sensor, limit: the last one that it can have */
+    /* value: raw count of the sensor, limit: the last one that it can have */
+    FAULT_TEMPERATURE_SENSOR,
     FAULT_CURRENT_SUM, /* value: mean of |i_a + i_b + i_c|, the limit for the currents that flow */
     FAULT_FLUX_IMPLAUSIBLE, /* value: EMF that has come or gone within a second */
-    FAULT_MEMORY, /* a word of the drive's state that nothing has written, value: a part, state_guard.h */
+    /* a word of the drive's state that nothing has written, value: a part, state_guard.h */
+    FAULT_MEMORY,
     FAULT_COUNT /* number of entries, no fault */
 } fault_id_t;
 
@@ -49,8 +55,8 @@ typedef struct {
 } fault_t;
 
 /*
- * No fault. Word by word: a library's memset takes 46 instructions on a Cortex-M0+. The tick stays as it
- * is: the drive sets it when it latches a fault.
+ * No fault. Word by word: a library's memset takes 46 instructions on a Cortex-M0+. The tick stays
+ * as it is: the drive sets it when it latches a fault.
  */
 static inline void fault_clear(fault_t *fault)
 {

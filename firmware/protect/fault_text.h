@@ -2,11 +2,12 @@
 /*
  * Names and advice of the faults as text: one table for simulator, console and documentation.
  *
- * Several causes end in the same fault. What the drive knows beside it, its signs, tells them apart: the advice is that of the
- * first row of the table whose sign is there. Its first half, up to the semicolon, says the likeliest cause and what to do.
+ * Several causes end in the same fault. What the drive knows beside it, its signs, tells them
+ * apart: the advice is that of the first row of the table whose sign is there. Its first half, up
+ * to the semicolon, says the likeliest cause and what to do.
  *
- * Constant strings. The control step does not use them, so an image without a console does not contain them.
- * Pure, any context.
+ * Constant strings. The control step does not use them, so an image without a console does not
+ * contain them. Pure, any context.
  */
 #ifndef FAULT_TEXT_H
 #define FAULT_TEXT_H
@@ -30,12 +31,17 @@ typedef enum {
     FAULT_SIGN_DERATED_BUS,   /* in RUN a low bus leaves less than 3/4 of the motoring current */
     FAULT_SIGN_DERATED_OTHER, /* likewise heat, temperature or the limit of the bus current */
     FAULT_SIGN_SWING,         /* in RUN some half-waves of a swing had been seen */
-    FAULT_SIGN_SHAFT, /* a swing below the current's limit has the frequency of the shaft, half, twice or three times that */
+    /*
+     * a swing below the current's limit has the frequency of the shaft, half, twice or three times
+     * that
+     */
+    FAULT_SIGN_SHAFT,
     FAULT_SIGN_ELECTRIC,          /* … of the electrical turn, or twice that */
     FAULT_SIGN_SHAFT_OR_ELECTRIC, /* … both, with few pole pairs */
     FAULT_SIGN_SIX,               /* … six times that */
     FAULT_SIGN_LAG,               /* … the one at which the speed loop lags by half a turn */
-    FAULT_SIGN_NOISE, /* noise of the current sensors at rest is large beside the limit of the start */
+    /* noise of the current sensors at rest is large beside the limit of the start */
+    FAULT_SIGN_NOISE,
     FAULT_SIGN_PROBE,        /* the motor was being measured */
     FAULT_SIGN_ALIGN,        /* the rotor was being aligned, R and L measured */
     FAULT_SIGN_START,        /* the start had aligned the rotor and held or turned it */
@@ -63,8 +69,8 @@ typedef struct {
 const fault_text_t *fault_text(fault_id_t id);
 
 /*
- * One line, ASCII: the likeliest cause and what to do, a semicolon, and what to try next. signs: bit k stands for the sign k.
- * Without any sign it is the cause that is met most. Never NULL.
+ * One line, ASCII: the likeliest cause and what to do, a semicolon, and what to try next. signs:
+ * bit k stands for the sign k. Without any sign it is the cause that is met most. Never NULL.
  */
 const char *fault_advice(fault_id_t id, uint32_t signs);
 

@@ -2,8 +2,8 @@
 #include "oscillation.h"
 
 #define BACK_SHIFT (2U) /* i_q* has turned at a quarter of the last half-wave */
-#define PERIODS_LEAST \
-    (2U) /* in a half-wave: a swing is not faster than a quarter of the slow rate */
+/* in a half-wave: a swing is not faster than a quarter of the slow rate */
+#define PERIODS_LEAST (2U)
 #define HIGHEST_SHIFT (1U) /* a run ends below a half of its highest half-wave */
 
 /* Word by word: a library's memset takes five times as long. */
@@ -42,7 +42,9 @@ static bool is_as_long(uint32_t periods, uint32_t before)
     return (periods >= PERIODS_LEAST) && (periods <= (2U * before)) && (before <= (2U * periods));
 }
 
-/* Counts the half-wave that led to the extreme: on with the run, or as the first one of a new run. */
+/*
+ * Counts the half-wave that led to the extreme: on with the run, or as the first one of a new run.
+ */
 static void count_half(oscillation_t *state, int32_t height)
 {
     uint32_t *const before = state->falls ? &state->periods_down : &state->periods_up;

@@ -1,18 +1,21 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Oscillation: finds a swing of the torque current that goes on while the motion asked for does not change. A speed loop
- * that is too fast, a wrong dead time or an elastic shaft can cause one.
+ * Oscillation: finds a swing of the torque current that goes on while the motion asked for does not
+ * change. A speed loop that is too fast, a wrong dead time or an elastic shaft can cause one.
  *
- * A half-wave is the way from one turning point of i_q* to the next. It has turned where it has come back from its extreme
- * by twice the amplitude limit, or by a quarter of the last half-wave where that is more. So ripple does not cut a large
- * swing into pieces. Half-waves form a run while each is about as long as the last one of its direction, and at least half
- * as high as the highest of the run. A run of `halves_max` is a swing.
+ * A half-wave is the way from one turning point of i_q* to the next. It has turned where it has
+ * come back from its extreme by twice the amplitude limit, or by a quarter of the last half-wave
+ * where that is more. So ripple does not cut a large swing into pieces. Half-waves form a run while
+ * each is about as long as the last one of its direction, and at least half as high as the highest
+ * of the run. A run of `halves_max` is a swing.
  *
- * A transient dies out before: with the damping ζ half-waves shrink by exp(−πζ/√(1−ζ²)), so what is found has
- * ζ < ln 2/(π·(halves_max − 1)). A half-wave that counts has two slow periods at least; noise turns in each second one.
- * Each change of the motion asked for ends a run: on a ramp nothing is found.
+ * A transient dies out before: with the damping ζ half-waves shrink by exp(−πζ/√(1−ζ²)), so what is
+ * found has ζ < ln 2/(π·(halves_max − 1)). A half-wave that counts has two slow periods at least;
+ * noise turns in each second one. Each change of the motion asked for ends a run: on a ramp nothing
+ * is found.
  *
- * Currents Q15 of I_b, speeds step_t. Pure, total within the ranges; control interrupt only, once per slow period.
+ * Currents Q15 of I_b, speeds step_t. Pure, total within the ranges; control interrupt only, once
+ * per slow period.
  */
 #ifndef OSCILLATION_H
 #define OSCILLATION_H
@@ -26,16 +29,20 @@
 /* What follows when a swing is found. */
 typedef enum {
     OSCILLATION_ACT_NONE = 0, /* nothing is watched */
-    OSCILLATION_ACT_LOWER, /* lower the bandwidth of the speed loop; a fault if a swing is found again */
+    /* lower the bandwidth of the speed loop; a fault if a swing is found again */
+    OSCILLATION_ACT_LOWER,
     OSCILLATION_ACT_FAULT
 } oscillation_act_t;
 
 typedef struct {
     uint32_t act;        /* oscillation_act_t */
     uint32_t halves_max; /* half-waves in a run that are a swing, 4…1000 */
-    uint32_t
-        periods_max; /* slow periods from a turning point until the next is seen; more end a run, 2…60000 */
-    /* period at which the speed loop lags by half a turn, sixteenths of a slow period, 1…10^6: for who explains a swing */
+    /* slow periods from a turning point until the next is seen; more end a run, 2…60000 */
+    uint32_t periods_max;
+    /*
+     * period at which the speed loop lags by half a turn, sixteenths of a slow period, 1…10^6: for
+     * who explains a swing
+     */
     uint32_t lag_periods_q4;
     int32_t amplitude_max; /* of i_q*, 1…16383 */
 } oscillation_cfg_t;
@@ -54,20 +61,26 @@ typedef struct {
     int32_t highest;       /* half-wave of the run */
     uint32_t halves;       /* half-waves in the run … */
     uint32_t begun;        /* … and when it began */
-    /* slow periods that the halves_max half-waves of the last swing took; 0: none was found since the start */
+    /*
+     * slow periods that the halves_max half-waves of the last swing took; 0: none was found since
+     * the start
+     */
     uint32_t span;
 } oscillation_t;
 
 typedef struct {
-    step_t
-        motion; /* asked for: the reference of the speed, in position control the profile's speed; ±2^29 */
+    /* asked for: the reference of the speed, in position control the profile's speed; ±2^29 */
+    step_t motion;
     int32_t current; /* i_q*, ±16384 */
 } oscillation_in_t;
 
 /* Forget all half-waves and the last swing. Call at a start. */
 void oscillation_reset(oscillation_t *state);
 
-/* One slow period in RUN. OSCILLATION: a swing; value and limit are amplitudes. Then a new run begins. */
+/*
+ * One slow period in RUN. OSCILLATION: a swing; value and limit are amplitudes. Then a new run
+ * begins.
+ */
 fault_id_t oscillation_step(oscillation_t *state, const oscillation_cfg_t *cfg,
                             const oscillation_in_t *in, fault_t *fault);
 

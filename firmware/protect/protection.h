@@ -2,8 +2,8 @@
 /*
  * Protection: the limits of a single sample. A sample beyond a limit opens the gates at once.
  *
- * The drive calls it in every control tick before the control. It latches the fault and opens the gates in the same tick.
- * Pure. Currents Q15 of I_b, bus Q15 of U_b.
+ * The drive calls it in every control tick before the control. It latches the fault and opens the
+ * gates in the same tick. Pure. Currents Q15 of I_b, bus Q15 of U_b.
  */
 #ifndef PROTECTION_H
 #define PROTECTION_H
@@ -21,7 +21,10 @@ typedef struct {
     int32_t offset_max; /* |sensor offset|, Q15 of I_b */
 } protection_cfg_t;
 
-/* The limits in force: those of the configuration, or out of reach while a measurement has no meaning. */
+/*
+ * The limits in force: those of the configuration, or out of reach while a measurement has no
+ * meaning.
+ */
 typedef struct {
     int32_t current_max;
     int32_t bus_max;
@@ -38,10 +41,16 @@ typedef struct {
 /* Over-voltage is always checked; currents and under-voltage only while the drive runs. */
 protection_limits_t protection_limits(const protection_cfg_t *cfg, bool running);
 
-/* The fault of a power stage that has opened its gates by itself: BREAK, with the phase current that is largest now. */
+/*
+ * The fault of a power stage that has opened its gates by itself: BREAK, with the phase current
+ * that is largest now.
+ */
 fault_t protection_break(const protection_in_t *in);
 
-/* |x| > limit, limit 0…65536, in one comparison: x + limit becomes a large unsigned number on either side. Pure. */
+/*
+ * |x| > limit, limit 0…65536, in one comparison: x + limit becomes a large unsigned number on
+ * either side. Pure.
+ */
 static inline bool protection_exceeds(int32_t x, int32_t limit)
 {
     return (fx_unsigned(x) + (uint32_t)limit) > (2U * (uint32_t)limit);
@@ -61,8 +70,9 @@ fault_id_t protection_check(const protection_limits_t *limits, const protection_
                             fault_t *fault);
 
 /*
- * Whether a raw count is at an end of the range of its converter. shift: as sampling_cfg_t has it, 15 − bits. config_check
- * ensures that such a sample is an over-current too. The drive then names the fault FAULT_ADC_SATURATED.
+ * Whether a raw count is at an end of the range of its converter. shift: as sampling_cfg_t has it,
+ * 15 − bits. config_check ensures that such a sample is an over-current too. The drive then names
+ * the fault FAULT_ADC_SATURATED.
  */
 bool protection_saturated(uint16_t count, uint32_t shift);
 

@@ -27,7 +27,10 @@ void safe_state_break(safe_state_t *safe)
     *safe = (safe_state_t){.phase = SAFE_STATE_BROKEN};
 }
 
-/* The rotor is too fast for open gates: the current has changed by more than that of a slow one. Looked at where a span ends. */
+/*
+ * The rotor is too fast for open gates: the current has changed by more than that of a slow one.
+ * Looked at where a span ends.
+ */
 static bool is_fast(safe_state_t *safe, const safe_state_cfg_t *cfg, ab_t current)
 {
     bool fast = false;

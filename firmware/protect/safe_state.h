@@ -2,20 +2,22 @@
 /*
  * The safe state: what the gates do while the drive drives nothing.
  *
- * Open gates are safe while the EMF stays below what the bus bears. Above that speed the diodes rectify into the bus, so
- * the motor is shorted by the three low sides instead. Its current is then φ/L at most in the end, and brakes little. The
- * gates open once the rotor is slow.
+ * Open gates are safe while the EMF stays below what the bus bears. Above that speed the diodes
+ * rectify into the bus, so the motor is shorted by the three low sides instead. Its current is then
+ * φ/L at most in the end, and brakes little. The gates open once the rotor is slow.
  *
- * The change of the current tells when: in the short circuit it is the EMF's, T/L·ω·φ in a tick, so it measures what would
- * charge the bus. No observer takes part, as its loss may be the fault. What decays with L/R changes little. A
- * phase whose wire is open, a sensor that stands still or one that clips leaves a change that is large twice in each
- * electrical turn. The gates open when no change over span_ticks was large for settle_ticks, more than a turn.
+ * The change of the current tells when: in the short circuit it is the EMF's, T/L·ω·φ in a tick, so
+ * it measures what would charge the bus. No observer takes part, as its loss may be the fault. What
+ * decays with L/R changes little. A phase whose wire is open, a sensor that stands still or one
+ * that clips leaves a change that is large twice in each electrical turn. The gates open when no
+ * change over span_ticks was large for settle_ticks, more than a turn.
  *
- * They do not open while the bus is above its limit: it has no room for the energy of the windings. When both sensors are dead no
- * change is large, and only a bus above its limit tells of a fast rotor.
+ * They do not open while the bus is above its limit: it has no room for the energy of the windings.
+ * When both sensors are dead no change is large, and only a bus above its limit tells of a fast
+ * rotor.
  *
- * Called from drive_step in each tick that drives nothing. Pure, total. Speeds are steps per tick, currents Q15 of I_b,
- * the bus Q15 of U_b.
+ * Called from drive_step in each tick that drives nothing. Pure, total. Speeds are steps per tick,
+ * currents Q15 of I_b, the bus Q15 of U_b.
  */
 #ifndef SAFE_STATE_H
 #define SAFE_STATE_H
@@ -30,7 +32,10 @@ typedef struct {
     step_t open_speed;
     uint32_t span_ticks; /* a change of the current is one over so many ticks, 0…1024 */
     int32_t change_min;  /* a smaller change is that of a rotor slow enough, Q15 of I_b, 0…32767 */
-    /* the gates open after so many ticks without a larger change and with the bus within its limit, 0…2^20 */
+    /*
+     * the gates open after so many ticks without a larger change and with the bus within its limit,
+     * 0…2^20
+     */
     uint32_t settle_ticks;
 } safe_state_cfg_t;
 
@@ -57,15 +62,19 @@ typedef struct {
 /* Open, and nothing is broken. */
 void safe_state_reset(safe_state_t *safe);
 
-/* The drive stops to drive in this tick, at no more than this speed, 0…2^30. Faster than cfg->open_speed: short. */
+/*
+ * The drive stops to drive in this tick, at no more than this speed, 0…2^30. Faster than
+ * cfg->open_speed: short.
+ */
 void safe_state_leave(safe_state_t *safe, const safe_state_cfg_t *cfg, step_t speed);
 
 /* The power stage has opened the gates by itself. They stay open until safe_state_reset(). */
 void safe_state_break(safe_state_t *safe);
 
 /*
- * One tick that drives nothing. A bus above its limit shorts the motor too: a load drives it, and the diodes charge the bus. Returns
- * whether all low sides are to be on, else the gates are to be open.
+ * One tick that drives nothing. A bus above its limit shorts the motor too: a load drives it, and
+ * the diodes charge the bus. Returns whether all low sides are to be on, else the gates are to be
+ * open.
  */
 bool safe_state_step(safe_state_t *safe, const safe_state_cfg_t *cfg, const safe_state_in_t *in);
 

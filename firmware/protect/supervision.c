@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "supervision.h"
 
-#define ARC_Q16 (32768) /* half a turn: in it each phase of a vector moves by its length at least */
+/* half a turn: in it each phase of a vector moves by its length at least */
+#define ARC_Q16 (32768)
 #define ARC_SAMPLES_MIN (8U)
 #define ARCS_MAX (3U)        /* a load step can make one of them look lopsided, at its ends two */
 #define WEAK_SHARE_LOG2 (3U) /* a phase is weak below an eighth of the strongest */
@@ -46,7 +47,9 @@ void supervision_reset(supervision_t *state)
     state->residual = 0;
 }
 
-/* Counts up while something is wrong and down while not; true when it has been for longer than max. */
+/*
+ * Counts up while something is wrong and down while not; true when it has been for longer than max.
+ */
 static bool lasts(uint32_t *count, bool wrong, uint32_t max)
 {
     if (wrong) {
@@ -76,7 +79,10 @@ static int32_t range_of(const supervision_t *state, uint32_t phase)
     return state->highest[phase] - state->lowest[phase];
 }
 
-/* The fault of a weak phase: an open wire has no current, a dead channel reads a constant one. c is not measured. */
+/*
+ * The fault of a weak phase: an open wire has no current, a dead channel reads a constant one. c is
+ * not measured.
+ */
 static fault_t suspect(const supervision_t *state, const supervision_cfg_t *cfg, uint32_t weak,
                        int32_t current, int32_t limit)
 {
@@ -201,7 +207,10 @@ fault_id_t supervision_check_imposed(supervision_t *state, const supervision_cfg
     return id;
 }
 
-/* A phase that was weak in the last arc is why the model fails: its fault comes in place of this one. */
+/*
+ * A phase that was weak in the last arc is why the model fails: its fault comes in place of this
+ * one.
+ */
 static fault_id_t cause_of(const supervision_t *state, fault_t *fault)
 {
     if (state->suspect.id != FAULT_NONE) {
@@ -238,7 +247,10 @@ void supervision_forget_flux(supervision_t *state)
     state->flux_off = 0U;
 }
 
-/* Of the EMF, and of what the dead time and the resistance may take: healthy drives off their files were measured up to half of it. */
+/*
+ * Of the EMF, and of what the dead time and the resistance may take: healthy drives off their files
+ * were measured up to half of it.
+ */
 static int32_t emf_change_max(const supervision_cfg_t *cfg, int32_t emf)
 {
     return fx_asr(emf, 4U) + fx_asr(emf, 6U) + fx_asr(cfg->voltage_max, 2U);
@@ -272,8 +284,10 @@ static int32_t average(int32_t *sum, int32_t sample, uint32_t shift)
     const int32_t before = *sum;
     int32_t mean;
 
-    /*@ assert before < -0x48000000 || -0x48000000 <= before < 0 || 0 <= before <= 0x48000000 ||
-               before > 0x48000000; */
+    /*
+     * @ assert before < -0x48000000 || -0x48000000 <= before < 0 || 0 <= before <= 0x48000000 ||
+     * before > 0x48000000;
+     */
     mean = fx_asr(before, shift);
     *sum = before + (sample - mean);
     return mean;
@@ -311,8 +325,9 @@ fault_id_t supervision_check_observer(supervision_t *state, const supervision_cf
 }
 
 /*
- * A rotor that turns against full torque is braked by it. Each time it has become slower by stall_speed, the count begins
- * anew. It is compared with the slowest it was so far, because a ripple of the estimate brakes nothing.
+ * A rotor that turns against full torque is braked by it. Each time it has become slower by
+ * stall_speed, the count begins anew. It is compared with the slowest it was so far, because a
+ * ripple of the estimate brakes nothing.
  */
 static bool is_stalled(supervision_t *state, const supervision_cfg_t *cfg,
                        const supervision_speed_t *in)

@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Supervision: faults that only several samples can show, checked in small steps between the motion loops.
+ * Supervision: faults that only several samples can show, checked in small steps between the motion
+ * loops.
  *
- * A fault of a single sample belongs to protection.h; here a measurement has to be wrong for a while. A check either
- * counts up while its symptom is present and down while it is not, or it takes a mean. So neither a transient nor noise
- * causes a fault. The phases are checked once per slow period. Of the other checks one runs per slow period, in turn. One
- * round of them is the supervision period. All periods below are supervision periods unless they are called slow.
+ * A fault of a single sample belongs to protection.h; here a measurement has to be wrong for a
+ * while. A check either counts up while its symptom is present and down while it is not, or it
+ * takes a mean. So neither a transient nor noise causes a fault. The phases are checked once per
+ * slow period. Of the other checks one runs per slow period, in turn. One round of them is the
+ * supervision period. All periods below are supervision periods unless they are called slow.
  *
- * Currents Q15 of I_b, speeds step_t. Pure, total within the ranges; control interrupt only. Checks return
- * faults as fault.h says.
+ * Currents Q15 of I_b, speeds step_t. Pure, total within the ranges; control interrupt only. Checks
+ * return faults as fault.h says.
  */
 #ifndef SUPERVISION_H
 #define SUPERVISION_H
@@ -28,14 +30,22 @@ typedef struct {
     int32_t phase_range_min;
     int32_t phase_zero_max; /* a phase that stays within ± this is an open wire, 0…16384 */
     step_t phase_speed_max; /* above this speed an arc has too few samples to compare, 1…2^30 */
-    /* slow periods; a symptom on an imposed current that lasts longer is not caused by a swinging rotor */
+    /*
+     * slow periods; a symptom on an imposed current that lasts longer is not caused by a swinging
+     * rotor
+     */
     uint32_t swing_periods;
-    /* CURRENT_IMPLAUSIBLE: voltage of an imposed current beyond that of the model, Q15 of U_b, 1…32767 */
+    /*
+     * CURRENT_IMPLAUSIBLE: voltage of an imposed current beyond that of the model, Q15 of U_b,
+     * 1…32767
+     */
     int32_t voltage_max;
     int32_t follow_error_max; /* LOST_PHASE: mean error of the current control, 1…65535 */
     int32_t residual_max;     /* OBSERVER_LOST: mean of the larger current error, 1…8191 */
     uint32_t mean_shift;      /* both means are over 2^mean_shift periods, 0…14 */
-    /* SPEED_IMPLAUSIBLE: |ω̂ − reference| above this while the torque is not at its limit, 1…2^30 … */
+    /*
+     * SPEED_IMPLAUSIBLE: |ω̂ − reference| above this while the torque is not at its limit, 1…2^30 …
+     */
     step_t speed_error_max;
     uint32_t speed_error_periods; /* … for longer */
     uint32_t runaway_periods;     /* SPEED_IMPLAUSIBLE: ω̂ at the observer's limit for longer */
@@ -90,9 +100,9 @@ typedef struct {
 } supervision_phases_t;
 
 /*
- * LOST_PHASE, ADC_STUCK: over an arc of half an electrical turn, the range of a phase was less than an eighth of the
- * largest range, in three arcs in a row. An arc has at least 8 samples. At standstill there is no arc, because the
- * currents are constant.
+ * LOST_PHASE, ADC_STUCK: over an arc of half an electrical turn, the range of a phase was less than
+ * an eighth of the largest range, in three arcs in a row. An arc has at least 8 samples. At
+ * standstill there is no arc, because the currents are constant.
  */
 fault_id_t supervision_check_phases(supervision_t *state, const supervision_cfg_t *cfg,
                                     const supervision_phases_t *in, fault_t *fault);
@@ -105,20 +115,23 @@ typedef struct {
     int32_t emf;   /* of a rotor at the speed of the frame, Q15 of U_b, 0…97500 */
 } supervision_imposed_t;
 
-/* Call when the drive begins to impose a current: clears the counts of supervision_check_imposed. */
+/*
+ * Call when the drive begins to impose a current: clears the counts of supervision_check_imposed.
+ */
 void supervision_forget_imposed(supervision_t *state);
 
 /*
- * For an imposed current, once per slow period. LOST_PHASE: a phase that should carry a current stays at zero; a swinging
- * rotor can cause that only for a part of a swing. CURRENT_IMPLAUSIBLE: the voltage is larger than the measured current
- * can need, so a sensor does not measure the current that flows.
+ * For an imposed current, once per slow period. LOST_PHASE: a phase that should carry a current
+ * stays at zero; a swinging rotor can cause that only for a part of a swing. CURRENT_IMPLAUSIBLE:
+ * the voltage is larger than the measured current can need, so a sensor does not measure the
+ * current that flows.
  */
 fault_id_t supervision_check_imposed(supervision_t *state, const supervision_cfg_t *cfg,
                                      const supervision_imposed_t *in, fault_t *fault);
 
 typedef struct {
-    dq_t
-        voltage; /* the integrals of the current control: what its model does not explain, Q15 of U_b */
+    /* the integrals of the current control: what its model does not explain, Q15 of U_b */
+    dq_t voltage;
     int32_t emf;          /* of the rotor, Q15 of U_b, 0…97500 */
     step_t off_reference; /* |ω̂ − reference|, 0…2^30: a rotor that swings has such a voltage too */
     bool excused; /* do not judge: the voltage is at its limit, where an integral means nothing */
@@ -129,8 +142,8 @@ bool supervision_is_large(const supervision_cfg_t *cfg, dq_t voltage);
 
 /*
  * CURRENT_IMPLAUSIBLE in RUN: an integral is above 2·voltage_max + EMF/4, counted up and down, for
- * more than 2^mean_shift / 2 periods. The EMF counts because a rotor that swings changes it. The cause is
- * a sensor that has lost its gain, or a leg that does not switch as it is told.
+ * more than 2^mean_shift / 2 periods. The EMF counts because a rotor that swings changes it. The
+ * cause is a sensor that has lost its gain, or a leg that does not switch as it is told.
  */
 fault_id_t supervision_check_voltage(supervision_t *state, const supervision_cfg_t *cfg,
                                      const supervision_voltage_t *in, fault_t *fault);
@@ -139,9 +152,9 @@ fault_id_t supervision_check_voltage(supervision_t *state, const supervision_cfg
 void supervision_forget_flux(supervision_t *state);
 
 /*
- * FLUX_IMPLAUSIBLE: within a second φ̂ has changed so much that the EMF has by 5/64 of it and voltage_max/4.
- * It is not judged in its first second. A magnet does not do that; a bus sensor that has lost its
- * gain does, and a wrong clock. Call only while φ̂ is corrected.
+ * FLUX_IMPLAUSIBLE: within a second φ̂ has changed so much that the EMF has by 5/64 of it and
+ * voltage_max/4. It is not judged in its first second. A magnet does not do that; a bus sensor that
+ * has lost its gain does, and a wrong clock. Call only while φ̂ is corrected.
  * flux_q30: φ̂, Q30 of the file's, 2^29…1.5·2^30. emf: of the rotor, Q15 of U_b, 0…97500.
  */
 fault_id_t supervision_check_flux(supervision_t *state, const supervision_cfg_t *cfg,
@@ -155,15 +168,16 @@ typedef struct {
 
 /*
  * LOST_PHASE at standstill or with an imposed current: the mean current does not follow its
- * reference. There the whole voltage is available for the current, so a voltage at its limit does not excuse it. The
- * mean has a sign, so the error of a reference that jitters cancels.
+ * reference. There the whole voltage is available for the current, so a voltage at its limit does
+ * not excuse it. The mean has a sign, so the error of a reference that jitters cancels.
  */
 fault_id_t supervision_check_current(supervision_t *state, const supervision_cfg_t *cfg,
                                      const supervision_current_t *in, fault_t *fault);
 
 /*
- * OBSERVER_LOST: error is measured less modelled current, −8192…8191. When the last arc had a weak phase, the fault of that phase
- * is returned instead, because it is the cause; so it is by the two checks above.
+ * OBSERVER_LOST: error is measured less modelled current, −8192…8191. When the last arc had a weak
+ * phase, the fault of that phase is returned instead, because it is the cause; so it is by the two
+ * checks above.
  */
 fault_id_t supervision_check_observer(supervision_t *state, const supervision_cfg_t *cfg,
                                       dq_t error, fault_t *fault);
@@ -177,8 +191,9 @@ typedef struct {
 } supervision_speed_t;
 
 /*
- * SPEED_IMPLAUSIBLE, OVERSPEED, STALL. For closed loop only. STALL: with full torque the rotor stands, or turns against the
- * torque and does not slow down. Then the load is too large, or the angle is wrong and the torque is not there.
+ * SPEED_IMPLAUSIBLE, OVERSPEED, STALL. For closed loop only. STALL: with full torque the rotor
+ * stands, or turns against the torque and does not slow down. Then the load is too large, or the
+ * angle is wrong and the torque is not there.
  */
 fault_id_t supervision_check_speed(supervision_t *state, const supervision_cfg_t *cfg,
                                    const supervision_speed_t *in, fault_t *fault);

@@ -47,7 +47,10 @@ static uint32_t words_of(const piece_t *piece)
     return (piece->bytes + WORD_BYTES - 1U) / WORD_BYTES;
 }
 
-/* Returns the piece that contains word `at` and makes `at` relative to that piece; NULL beyond the last. */
+/*
+ * Returns the piece that contains word `at` and makes `at` relative to that piece; NULL beyond the
+ * last.
+ */
 static const piece_t *find(uint32_t *at)
 {
     const piece_t *found = NULL;

@@ -2,9 +2,10 @@
 /*
  * The state of the drive as 32-bit words, for everything that stores, sends or compares a state.
  *
- * drive_t differs between machines: it has a pointer to the configuration, and padding that depends on the width of the
- * pointer. Its words leave both out. They come in the order of the struct and have the same number and the same values on
- * every machine. A flag or another byte takes a word of its own. A 64-bit field takes two words, the lower one first.
+ * drive_t differs between machines: it has a pointer to the configuration, and padding that depends
+ * on the width of the pointer. Its words leave both out. They come in the order of the struct and
+ * have the same number and the same values on every machine. A flag or another byte takes a word of
+ * its own. A 64-bit field takes two words, the lower one first.
  *
  * Pure functions, for the background: about 15 instructions per word.
  */
@@ -21,14 +22,18 @@ uint32_t drive_words_count(void);
 /* Returns word `at`; 0 when `at` is not below drive_words_count(). */
 uint32_t drive_words_get(const drive_t *drive, uint32_t at);
 
-/* Sets word `at`. Of the word of a byte only the lowest 8 bits are used; the word of a flag must be 0 or 1. */
+/*
+ * Sets word `at`. Of the word of a byte only the lowest 8 bits are used; the word of a flag must be
+ * 0 or 1.
+ */
 void drive_words_set(drive_t *drive, uint32_t at, uint32_t word);
 
 #define DRIVE_WORDS_HASH_START (2166136261U)
 
 /*
- * Goes on with a hash, `before` so far, over at most `count` words from *at on, and moves *at behind them: for whoever has no
- * time for all of them at once. Begin with DRIVE_WORDS_HASH_START and *at 0; the hash is whole when *at is drive_words_count().
+ * Goes on with a hash, `before` so far, over at most `count` words from *at on, and moves *at
+ * behind them: for whoever has no time for all of them at once. Begin with DRIVE_WORDS_HASH_START
+ * and *at 0; the hash is whole when *at is drive_words_count().
  */
 uint32_t drive_words_hash_part(uint32_t before, const drive_t *drive, uint32_t *at, uint32_t count);
 

@@ -1,23 +1,25 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The code, in bits; the first is the lowest of the first byte, and a number has its lowest bit first.
+ * The code, in bits; the first is the lowest of the first byte, and a number has its lowest bit
+ * first.
  *
- *     for each channel    6 bits: 0, it is constant; or 1 + k + 15 · p: the differences from prediction p have the Rice
- *                         parameter k, 0…14
- *     entries             up to the first frame: 1, a change; 0, the frame, each channel as 5 bits, how many bits its value has,
- *                         and these. Behind it: a frame is a code for each channel that is not constant; a change
- *                         begins with 11 ones
+ *     for each channel    6 bits: 0, it is constant; or 1 + k + 15 · p: the differences from
+ *                         prediction p have the Rice parameter k, 0…14
+ *     entries             up to the first frame: 1, a change; 0, the frame, each channel as 5 bits,
+ *                         how many bits its value has, and these. Behind it: a frame is a code for
+ *                         each channel that is not constant; a change begins with 11 ones
  *     zeros               to the end of the byte
  *
- * Predictions, of v1, the value before, and v2 to v4, those before it, all modulo 2^16; up to the first frame all are its value:
+ * Predictions, of v1, the value before, and v2 to v4, those before it, all modulo 2^16; up to the
+ * first frame all are its value:
  *
  *     0    v1
  *     1    2·v1 − v2
  *     2    v1 + (v2 − v4)/2, rounded down
  *
- * A difference d of 16 bits becomes z = 0, 1, 2, 3, … for 0, −1, 1, −2, … Its Rice code is z >> k ones, a 0 and the lowest k bits
- * of z. Where that would be 10 ones or more it is 10 ones, a 0 and the 16 bits of z. A change is its first, second and fourth
- * word.
+ * A difference d of 16 bits becomes z = 0, 1, 2, 3, … for 0, −1, 1, −2, … Its Rice code is z >> k
+ * ones, a 0 and the lowest k bits of z. Where that would be 10 ones or more it is 10 ones, a 0 and
+ * the 16 bits of z. A change is its first, second and fourth word.
  *
  * A code is at most 24 bits long in one piece, so that it is put with one shift.
  */
@@ -154,7 +156,10 @@ static void add_difference(sums_t *sums, const channel_t *history, uint32_t valu
     sums->count++;
 }
 
-/* The first ones come from values that there are not yet: none counts for more than the bits that it takes at most. */
+/*
+ * The first ones come from values that there are not yet: none counts for more than the bits that
+ * it takes at most.
+ */
 static void limit_first(sums_t *sums)
 {
     const uint32_t most = sums->count * (ESCAPE_BITS + VALUE_BITS);
@@ -248,7 +253,10 @@ static void plan_channel(channel_t *channel, const sums_t *sums)
     }
 }
 
-/* The code of the first channel carries the escape of a change. So it counts as constant only where there is none. */
+/*
+ * The code of the first channel carries the escape of a change. So it counts as constant only where
+ * there is none.
+ */
 static void plan_code(code_t *code, const recorder_entry_t *entries, uint32_t count)
 {
     recorder_entry_t changing;
@@ -499,7 +507,10 @@ static void get_first(bits_in_t *reader, code_t *code, recorder_entry_t *entry)
     }
 }
 
-/* The next value of a channel that is not constant. True when it is the escape of a change in place of it. */
+/*
+ * The next value of a channel that is not constant. True when it is the escape of a change in place
+ * of it.
+ */
 static bool get_value(bits_in_t *reader, channel_t *channel)
 {
     const uint32_t quotient = get_ones(reader);
@@ -513,7 +524,10 @@ static bool get_value(bits_in_t *reader, channel_t *channel)
     return changes;
 }
 
-/* True when it is a change in place of a frame: its escape is in the first channel, and in no other. */
+/*
+ * True when it is a change in place of a frame: its escape is in the first channel, and in no
+ * other.
+ */
 static bool get_next(bits_in_t *reader, code_t *code, recorder_entry_t *entry)
 {
     bool changes = false;

@@ -48,8 +48,8 @@ static recorder_entry_t *first_of(const recorder_t *recorder, uint32_t segment)
 }
 
 /*
- * Entries at the end of the ring that no sound tick takes. A stop that has flipped by itself is looked at once in a slow period, and
- * until then the ticks may go beyond it.
+ * Entries at the end of the ring that no sound tick takes. A stop that has flipped by itself is
+ * looked at once in a slow period, and until then the ticks may go beyond it.
  */
 static uint32_t slack(const recorder_t *recorder, uint32_t segment, uint32_t slow_ticks)
 {
@@ -60,7 +60,10 @@ static uint32_t slack(const recorder_t *recorder, uint32_t segment, uint32_t slo
     return last ? bound : 0U;
 }
 
-/* Where the last tick of a segment begins. The proof does not see that a tick takes two entries at most, so it is three. */
+/*
+ * Where the last tick of a segment begins. The proof does not see that a tick takes two entries at
+ * most, so it is three.
+ */
 static const recorder_entry_t *stop_of(const recorder_t *recorder, uint32_t segment,
                                        uint32_t slow_ticks)
 {
@@ -147,7 +150,10 @@ static void enter_segment(recorder_t *recorder, const drive_t *drive, const driv
     recorder->at = put_change(recorder, first_of(recorder, next), drive, in);
 }
 
-/* Where this tick has room in the current segment, behind the change if there is one; NULL where it has none. */
+/*
+ * Where this tick has room in the current segment, behind the change if there is one; NULL where it
+ * has none.
+ */
 static recorder_entry_t *room_for_tick(recorder_t *recorder, const drive_t *drive,
                                        const drive_in_t *in)
 {
@@ -290,8 +296,9 @@ static uint32_t number_after(const recorder_t *recorder)
 }
 
 /*
- * Copies the state, and offers the copy when no tick came meanwhile. A tick that finds its segment full reads `offered`,
- * any other tick reads the stop. So both are written last, after everything that belongs to the offer.
+ * Copies the state, and offers the copy when no tick came meanwhile. A tick that finds its segment
+ * full reads `offered`, any other tick reads the stop. So both are written last, after everything
+ * that belongs to the offer.
  */
 static void offer(recorder_t *recorder, const volatile drive_t *drive, uint32_t next)
 {
@@ -443,8 +450,9 @@ static uint32_t ticks_of_segment(const recorder_t *recorder, uint32_t segment)
 }
 
 /*
- * Whether a segment has no configuration but the two of a history that begins with `begin`, and a frame for each of its ticks: a place
- * to write that has flipped by itself leaves old frames, or overwrites new ones.
+ * Whether a segment has no configuration but the two of a history that begins with `begin`, and a
+ * frame for each of its ticks: a place to write that has flipped by itself leaves old frames, or
+ * overwrites new ones.
  */
 static bool has_only_two(const recorder_t *recorder, uint32_t segment, const drive_cfg_t *begin)
 {
@@ -478,7 +486,10 @@ static bool is_configured(const recorder_t *recorder, uint32_t segment)
     return known;
 }
 
-/* Segments of the history up to the current one: without a gap between them, each with its configuration. */
+/*
+ * Segments of the history up to the current one: without a gap between them, each with its
+ * configuration.
+ */
 static uint32_t count_segments(const recorder_t *recorder)
 {
     uint32_t segment = in_ring(recorder->current);
@@ -542,8 +553,8 @@ const drive_t *recorder_end_state(const recorder_t *recorder)
 }
 
 /*
- * What has been written of a segment. The place to write is read before the segment that is written: if a tick turns over
- * between the two, the segment is complete and has an end.
+ * What has been written of a segment. The place to write is read before the segment that is
+ * written: if a tick turns over between the two, the segment is complete and has an end.
  */
 static void fill_view(const recorder_t *recorder, uint32_t segment, recorder_view_t *view)
 {

@@ -11,11 +11,13 @@
  *     further          drive_cfg_t that an entry changes to, only where the header says so
  *     end              CRC-32 of all words before it
  *
- * Each line holds RECORDER_LINE_WORDS of these words; the last line is filled up with zeros. A line is a '~' and then,
- * in base64, the number of the line, its words and the CRC-32 of both, the lowest byte of a word first. Other text may
- * come between the lines, because it does not begin with '~'. A logger may put text in front of a line.
+ * Each line holds RECORDER_LINE_WORDS of these words; the last line is filled up with zeros. A line
+ * is a '~' and then, in base64, the number of the line, its words and the CRC-32 of both, the
+ * lowest byte of a word first. Other text may come between the lines, because it does not begin
+ * with '~'. A logger may put text in front of a line.
  *
- * Context: background. It reads frozen data only; the caller holds the recording until the last line.
+ * Context: background. It reads frozen data only; the caller holds the recording until the last
+ * line.
  */
 #ifndef RECORDER_DUMP_H
 #define RECORDER_DUMP_H
@@ -28,14 +30,16 @@
 #define RECORDER_VERSION (4U)
 #define RECORDER_LINE_MARK ('~')
 #define RECORDER_LINE_WORDS (13U)
-#define RECORDER_LINE_CHARACTERS (1U + (((RECORDER_LINE_WORDS + 2U) / 3U) * 16U)) /* less its end */
+/* less its end */
+#define RECORDER_LINE_CHARACTERS (1U + (((RECORDER_LINE_WORDS + 2U) / 3U) * 16U))
 
 #define RECORDER_BUILD_WORDS (5U) /* 20 bytes: a GNU build-id */
 #define RECORDER_NAME_WORDS (24U)
 
 /*
- * Facts that the frames do not contain. They give the integers their units and do not influence a replay. Each is a
- * fact of motor or board, in a unit in which the whole range of its key fits 32 bits.
+ * Facts that the frames do not contain. They give the integers their units and do not influence a
+ * replay. Each is a fact of motor or board, in a unit in which the whole range of its key fits 32
+ * bits.
  */
 typedef struct {
     uint32_t tick_ps;                     /* 10^7…5·10^8: 100…2 kHz */
@@ -82,8 +86,8 @@ typedef struct {
 } recorder_dump_t;
 
 /*
- * Begin with the first line. The recorder must be frozen and held, and the configurations that it was used with stay as they
- * are until the last line; `about` is copied.
+ * Begin with the first line. The recorder must be frozen and held, and the configurations that it
+ * was used with stay as they are until the last line; `about` is copied.
  */
 void recorder_dump_start(recorder_dump_t *dump, const recorder_t *recorder,
                          const recorder_about_t *about);
@@ -92,8 +96,8 @@ void recorder_dump_start(recorder_dump_t *dump, const recorder_t *recorder,
 uint32_t recorder_dump_lines(const recorder_dump_t *dump);
 
 /*
- * Writes the next line: RECORDER_LINE_CHARACTERS and a terminating 0. Returns false, and writes nothing, when there is no
- * line left. About 20000 instructions.
+ * Writes the next line: RECORDER_LINE_CHARACTERS and a terminating 0. Returns false, and writes
+ * nothing, when there is no line left. About 20000 instructions.
  */
 bool recorder_dump_line(recorder_dump_t *dump, char line[RECORDER_LINE_CHARACTERS + 1U]);
 

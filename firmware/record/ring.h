@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Distances in the ring of the recorder, from bits that may have flipped by themselves. A header of its own, as the proof has
- * an equal formulation in its place. Pure, any context.
+ * Distances in the ring of the recorder, from bits that may have flipped by themselves. A header of
+ * its own, as the proof has an equal formulation in its place. Pure, any context.
  */
 #ifndef RING_H
 #define RING_H
@@ -15,7 +15,10 @@
 #define RING_ENTRY_LOG2 (4U) /* bytes */
 #define RING_TOP_SHIFT ((8U * sizeof(size_t)) - RING_ENTRY_LOG2)
 
-/* In entries. The bits below an entry come to the top: what is not a whole number of them is a huge one. */
+/*
+ * In entries. The bits below an entry come to the top: what is not a whole number of them is a huge
+ * one.
+ */
 static inline size_t ring_entries_between(const recorder_entry_t *first,
                                           const recorder_entry_t *end)
 {
@@ -28,8 +31,9 @@ static inline size_t ring_entries_between(const recorder_entry_t *first,
 }
 
 /*
- * Whether `at` is not beyond `stop`, and at most `span` entries before it. Where it lies beyond the stop, or between two
- * entries, their number is a huge one. Without a stop, NULL, nothing is within.
+ * Whether `at` is not beyond `stop`, and at most `span` entries before it. Where it lies beyond the
+ * stop, or between two entries, their number is a huge one. Without a stop, NULL, nothing is
+ * within.
  */
 static inline bool ring_is_within(const recorder_entry_t *at, const recorder_entry_t *stop,
                                   uint32_t span)

@@ -29,14 +29,14 @@ extern const uint32_t build_id_note[BUILD_ID_NOTE_WORDS];
 extern const vector_t core_vectors[CORE_VECTORS];
 
 /*
- * Where the chip starts: Reset_Handler, by sections.ld, if a target has nothing to do before. A target that has ends by
- * a jump to it.
+ * Where the chip starts: Reset_Handler, by sections.ld, if a target has nothing to do before. A
+ * target that has ends by a jump to it.
  */
 void reset_entry(void);
 
 /*
- * Brings up the memory (.data copied, .bss zero) and calls main(). Runs on the stack alone. A return of
- * main() ends in safe_state_handler().
+ * Brings up the memory (.data copied, .bss zero) and calls main(). Runs on the stack alone. A
+ * return of main() ends in safe_state_handler().
  */
 void Reset_Handler(void);
 
@@ -60,8 +60,10 @@ void SysTick_Handler(void);
 /* Defined by each target; called once the memory is as C wants it. */
 int main(void);
 
-/* Defined by each target: gates open, by the shortest way, and without a stack if the board has
- * gates. No memory but registers may be relied on. */
+/*
+ * Defined by each target: gates open, by the shortest way, and without a stack if the board has
+ * gates. No memory but registers may be relied on.
+ */
 void board_safe_state(void);
 
 #endif

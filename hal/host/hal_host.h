@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The binding of hal.h to the simulated hardware: the plant is the timer, the converters and the gates.
+ * The binding of hal.h to the simulated hardware: the plant is the timer, the converters and the
+ * gates.
  *
- * Time stands still between two calls of hal_host_step(), so the control interrupt of tick k sees the
- * plant exactly at t_k, however long it takes. The plant keeps the preload registers: compare values
- * act from t_k+1; opening and enabling the gates act at once.
+ * Time stands still between two calls of hal_host_step(), so the control interrupt of tick k sees
+ * the plant exactly at t_k, however long it takes. The plant keeps the preload registers: compare
+ * values act from t_k+1; opening and enabling the gates act at once.
  *
- * What can go wrong between the plant and the control interrupt is put into hal_t.faults, before the
- * tick that shall see it; a field stays in force until it is changed.
+ * What can go wrong between the plant and the control interrupt is put into hal_t.faults, before
+ * the tick that shall see it; a field stays in force until it is changed.
  *
- * A serial line and the flash of the store are there once they are attached to hal_t. A line has its time from
- * hal_host_step().
+ * A serial line and the flash of the store are there once they are attached to hal_t. A line has
+ * its time from hal_host_step().
  */
 #ifndef HAL_HOST_H
 #define HAL_HOST_H
@@ -39,8 +40,8 @@ typedef struct {
         duty[PLANT_LEGS];  /* compare values of the legs, not what the drive demands */
     uint16_t angle_offset; /* on what the sensor reads, 2^16 to a turn of the shaft */
     bool broken;           /* the power stage opens the gates by itself, and says so */
-    bool
-        late; /* ticks end too late: a rest duty acts in place of their demand, and the next knows */
+    /* ticks end too late: a rest duty acts in place of their demand, and the next knows */
+    bool late;
 } hal_host_faults_t;
 
 struct hal {
@@ -58,7 +59,10 @@ struct hal {
     uint32_t kept[HAL_KEPT_WORDS];
 };
 
-/* Bind to a plant that plant_init() has accepted and that outlives the binding; or to none, NULL. Without line and store. */
+/*
+ * Bind to a plant that plant_init() has accepted and that outlives the binding; or to none, NULL.
+ * Without line and store.
+ */
 void hal_host_init(hal_t *hal, plant_t *plant);
 
 /* Without a plant: what the next hal_sample() gives. */

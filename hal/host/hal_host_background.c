@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The functions of hal.h for the background. On their own, so that a program which has them of its own links the rest of the
- * binding.
+ * The functions of hal.h for the background. On their own, so that a program which has them of its
+ * own links the rest of the binding.
  */
 #include "hal_host.h"
 
@@ -17,7 +17,10 @@ bool hal_send(hal_t *hal, uint8_t byte)
     return (hal->line != NULL) && hal_host_line_send(hal->line, byte);
 }
 
-/* The currents add up to zero; in counts, each has the middle as its zero. The third one ends where a converter does. */
+/*
+ * The currents add up to zero; in counts, each has the middle as its zero. The third one ends where
+ * a converter does.
+ */
 static uint32_t third_count(const hal_t *hal, uint32_t most)
 {
     const uint32_t both = (uint32_t)hal->seen_ia + hal->seen_ib;
@@ -27,7 +30,10 @@ static uint32_t third_count(const hal_t *hal, uint32_t most)
     return (left < most) ? left : most;
 }
 
-/* What a board with two sensors tells of the third phase follows from what the drive was told of the others. */
+/*
+ * What a board with two sensors tells of the third phase follows from what the drive was told of
+ * the others.
+ */
 static uint16_t third_phase(const hal_t *hal)
 {
     const plant_t *const plant = hal->plant;

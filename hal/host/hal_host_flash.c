@@ -100,7 +100,10 @@ bool hal_host_flash_erase(hal_host_flash_t *flash, uint32_t slot)
     return works;
 }
 
-/* What is not erased is not programmed, and the flash says so; of what is half done it does not know. */
+/*
+ * What is not erased is not programmed, and the flash says so; of what is half done it does not
+ * know.
+ */
 bool hal_host_flash_program(hal_host_flash_t *flash, uint32_t slot, uint32_t unit,
                             const uint8_t bytes[HAL_STORE_UNIT_BYTES])
 {

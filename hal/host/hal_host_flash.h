@@ -1,14 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Flash for the store's two slots (hal.h), in units of 64 bits with a code that corrects errors. Power can fail in it.
+ * Flash for the store's two slots (hal.h), in units of 64 bits with a code that corrects errors.
+ * Power can fail in it.
  *
- * Each erase and each programming of a unit is a step. Before the step that `left` counts down to, power fails: what the step
- * was about to change is left half done, and power_fails() is called, which need not return.
+ * Each erase and each programming of a unit is a step. Before the step that `left` counts down to,
+ * power fails: what the step was about to change is left half done, and power_fails() is called,
+ * which need not return.
  *
- * Half done is, by chance for each unit, what it was, what it should become, a mixture of both, or what the code cannot
- * correct. A unit is one of these from then on; with `unstable` another one at each read.
+ * Half done is, by chance for each unit, what it was, what it should become, a mixture of both, or
+ * what the code cannot correct. A unit is one of these from then on; with `unstable` another one at
+ * each read.
  *
- * Context: the one thread of the simulation. Slots are below HAL_STORE_SLOTS, units below HAL_STORE_UNITS.
+ * Context: the one thread of the simulation. Slots are below HAL_STORE_SLOTS, units below
+ * HAL_STORE_UNITS.
  */
 #ifndef HAL_HOST_FLASH_H
 #define HAL_HOST_FLASH_H

@@ -62,7 +62,10 @@ bool hal_host_line_send(hal_host_line_t *line, uint8_t byte)
     return put(to->bytes, HAL_HOST_LINE_FIFO, to->first, &to->count, byte);
 }
 
-/* How many of so many bytes have passed; a line that is through with them has no time left over for later ones. */
+/*
+ * How many of so many bytes have passed; a line that is through with them has no time left over for
+ * later ones.
+ */
 static uint32_t passed(uint64_t *had_ps, uint64_t byte_ps, uint32_t waiting)
 {
     const uint64_t most = *had_ps / byte_ps;

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A serial line with its baud rate, for hal_receive() and hal_send() of the simulated hardware: 10 bits a byte, and a
- * receiver and a transmitter with FIFOs of 8 bytes.
+ * A serial line with its baud rate, for hal_receive() and hal_send() of the simulated hardware: 10
+ * bits a byte, and a receiver and a transmitter with FIFOs of 8 bytes.
  *
- * It works in steps of a PWM period. What the PC writes waits on its side until the line has time for it. A byte that finds the
- * receiver's FIFO full is lost, as on the board. What the PC does not read is lost once its side is full.
+ * It works in steps of a PWM period. What the PC writes waits on its side until the line has time
+ * for it. A byte that finds the receiver's FIFO full is lost, as on the board. What the PC does not
+ * read is lost once its side is full.
  *
  * Plain values without pointers. No function waits. Context: the one thread of the simulation.
  */

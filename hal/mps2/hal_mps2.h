@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The binding of hal.h to a recording: what the converters measured comes from a recorded frame, and
- * what would go to timer and gates is kept for the recording of results. Runs on any Cortex-M that has
- * 256 KiB of flash at 0 and 16 KiB of RAM at 0x20000000.
+ * The binding of hal.h to a recording: what the converters measured comes from a recorded frame,
+ * and what would go to timer and gates is kept for the recording of results. Runs on any Cortex-M
+ * that has 256 KiB of flash at 0 and 16 KiB of RAM at 0x20000000.
  */
 #ifndef HAL_MPS2_H
 #define HAL_MPS2_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Replays frames.nfr through the control interrupt and writes results.nfr, both in the working folder
- * of the emulator (recording.h). Exit code 0, or one of those below with the reason as text.
+ * Replays frames.nfr through the control interrupt and writes results.nfr, both in the working
+ * folder of the emulator (recording.h). Exit code 0, or one of those below with the reason as text.
  */
 #include "app.h"
 #include "drive_config.h"
@@ -49,7 +49,9 @@ static void need(bool holds, const char *otherwise)
     }
 }
 
-/* What the interrupt controller would call. A function of its own, so that its cost can be counted. */
+/*
+ * What the interrupt controller would call. A function of its own, so that its cost can be counted.
+ */
 __attribute__((noinline, used)) void control_interrupt(void)
 {
     control_isr(&app);

@@ -2,13 +2,13 @@
 /*
  * A recorded run: the input frames of every tick, and what the drive made of them.
  *
- * Two files of one layout: a header, then one record a tick. All numbers are little-endian and packed;
- * each field is written by itself, so the bytes depend neither on the compiler nor on the machine. The
- * simulator's host and the targets compile this one file.
+ * Two files of one layout: a header, then one record a tick. All numbers are little-endian and
+ * packed; each field is written by itself, so the bytes depend neither on the compiler nor on the
+ * machine. The simulator's host and the targets compile this one file.
  *
  *     header, 16 bytes    magic 4, version 2, bytes of a record 2, configuration hash 4, ticks 4
- *     frame,  18 bytes    adc_ia 2, adc_ib 2, adc_bus 2, adc_temperature 2, angle 2, flags 2, target 4,
- *                         mode 1, request 1
+ *     frame,  18 bytes    adc_ia 2, adc_ib 2, adc_bus 2, adc_temperature 2, angle 2, flags 2,
+ *                         target 4, mode 1, request 1
  *     result, 12 bytes    compare 3 × 2, gate_enable 1, state 1, drive_words_hash() 4
  *
  * Pure functions; none can fail but the check of a header.
@@ -42,7 +42,9 @@ recording_header_t recording_header(uint32_t magic, uint32_t config_hash, uint32
 void recording_put_header(uint8_t *to, const recording_header_t *header);
 recording_header_t recording_get_header(const uint8_t *from);
 
-/* NULL when frames of this header can be replayed with a drive of this configuration, else why not. */
+/*
+ * NULL when frames of this header can be replayed with a drive of this configuration, else why not.
+ */
 const char *recording_refuse(const recording_header_t *header, uint32_t config_hash);
 
 void recording_put_frame(uint8_t *to, const drive_in_t *in);

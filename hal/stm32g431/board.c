@@ -3,7 +3,10 @@
 
 #include "hal_config.h"
 
-/* What this chip cannot do: the second line of defence behind nfconfig, which names the line of the board file. */
+/*
+ * What this chip cannot do: the second line of defence behind nfconfig, which names the line of the
+ * board file.
+ */
 _Static_assert(HAL_TIMER_CLOCK_HZ == BOARD_CLOCK_HZ,
                "board.timer_clock_hz: this chip's timer runs at 170000000 Hz");
 _Static_assert(HAL_ADC_BITS == 12U, "board.adc_bits: this chip's converters have 12");

@@ -25,8 +25,8 @@ typedef struct {
 #define GATES (6U)
 
 /*
- * The gates' are pulled down: open while the timer does not drive yet. Then the serial line, shunts, amplifier
- * outputs, bus voltage and temperature, and the LED.
+ * The gates' are pulled down: open while the timer does not drive yet. Then the serial line,
+ * shunts, amplifier outputs, bus voltage and temperature, and the LED.
  */
 static const pin_t PINS[] = {
     {0U, 8U, GPIO_MODE_ALTERNATE, AF_TIM1, GPIO_PULL_DOWN, "PA8"},
@@ -53,7 +53,10 @@ static const pin_t PINS[] = {
 
 #define PIN_COUNT (sizeof(PINS) / sizeof(PINS[0]))
 
-/* A block takes no access in the two cycles after its clock was enabled, RM0440 7.2: the reading lasts longer. */
+/*
+ * A block takes no access in the two cycles after its clock was enabled, RM0440 7.2: the reading
+ * lasts longer.
+ */
 static void enable_clocks(uint32_t address, uint32_t bits)
 {
     reg_set(address, bits);

@@ -9,26 +9,32 @@
 #include <stdint.h>
 
 /*
- * System, timer and bus clocks to 170 MHz from the internal 16 MHz oscillator: 16 MHz / 4 · 85 / 2, with
- * the regulator in boost mode and four wait states of the flash. The oscillator is accurate to 1 % and
- * needs no part outside of the chip; speeds are as accurate as it is.
- * Called once, first, before there are variables. clock_is_up() is false when regulator or clock have not settled.
+ * System, timer and bus clocks to 170 MHz from the internal 16 MHz oscillator: 16 MHz / 4 · 85 / 2,
+ * with the regulator in boost mode and four wait states of the flash. The oscillator is accurate to
+ * 1 % and needs no part outside of the chip; speeds are as accurate as it is. Called once, first,
+ * before there are variables. clock_is_up() is false when regulator or clock have not settled.
  */
 void clock_init(void);
 bool clock_is_up(void);
 
-/* Pins as the table in docs/board_bring_up.md says. Gate pins drive low only when TIM1 does; pull-downs hold them. */
+/*
+ * Pins as the table in docs/board_bring_up.md says. Gate pins drive low only when TIM1 does;
+ * pull-downs hold them.
+ */
 void clock_pins(void);
 
 /*
- * Whether a pin has the mode, the function and the resistor that clock_pins() gave it, and its name, such as "PA8". pin: below
- * clock_pin_count(). Context: background.
+ * Whether a pin has the mode, the function and the resistor that clock_pins() gave it, and its
+ * name, such as "PA8". pin: below clock_pin_count(). Context: background.
  */
 uint32_t clock_pin_count(void);
 bool clock_pin_holds(uint32_t pin);
 const char *clock_pin_name(uint32_t pin);
 
-/* Turn the gates' pins into inputs, which the pull-downs hold low whatever the timer does. Context: background. */
+/*
+ * Turn the gates' pins into inputs, which the pull-downs hold low whatever the timer does. Context:
+ * background.
+ */
 void clock_release_gates(void);
 
 /* Waits for 1 to 90000 µs. Context: before the tick guard is started, whose counter it uses. */

@@ -5,7 +5,9 @@
 #ifndef CPU_H
 #define CPU_H
 
-/* Sleep until the next exception has been served. In assembly, thus a barrier for the compiler too. */
+/*
+ * Sleep until the next exception has been served. In assembly, thus a barrier for the compiler too.
+ */
 void cpu_wait(void);
 
 #endif

@@ -51,7 +51,10 @@ static bool wait_until_done(void)
     return reg_wait(FLASH_SR, FLASH_SR_BSY, 0U);
 }
 
-/* A key that comes when it is not asked for blocks the flash until reset. The caches would go on showing what was there. */
+/*
+ * A key that comes when it is not asked for blocks the flash until reset. The caches would go on
+ * showing what was there.
+ */
 static bool unlock(void)
 {
     const bool idle = wait_until_done();

@@ -3,13 +3,13 @@
  * Two guards of the control tick.
  *
  * The tick guard, SysTick, is restarted by each control interrupt when it is entered, and has the
- * higher priority. When one and a half PWM periods have passed without an entry, a tick was skipped, or
- * hangs: the gates open, and the watchdog is never fed again.
+ * higher priority. When one and a half PWM periods have passed without an entry, a tick was
+ * skipped, or hangs: the gates open, and the watchdog is never fed again.
  *
- * The independent watchdog runs from its own oscillator, whatever happens to the rest, and resets the
- * chip after 1 ms (0.9 to 1.2 ms, by the oscillator's 29.5 to 34 kHz) without food. The background feeds it,
- * and only when a control tick has been completed since: so it bites when ticks stop, and when the background
- * does.
+ * The independent watchdog runs from its own oscillator, whatever happens to the rest, and resets
+ * the chip after 1 ms (0.9 to 1.2 ms, by the oscillator's 29.5 to 34 kHz) without food. The
+ * background feeds it, and only when a control tick has been completed since: so it bites when
+ * ticks stop, and when the background does.
  */
 #ifndef GUARD_H
 #define GUARD_H
@@ -27,15 +27,17 @@ bool guard_start(void);
 bool guard_has_bitten(void);
 
 /*
- * Hold the control interrupt back, and let the tick guard rest; then go on from the next conversion. The gates have to be
- * open, and the watchdog has to be fed within its time. Context: background.
+ * Hold the control interrupt back, and let the tick guard rest; then go on from the next
+ * conversion. The gates have to be open, and the watchdog has to be fed within its time. Context:
+ * background.
  */
 void guard_hold_ticks(void);
 void guard_release_ticks(void);
 
 /*
- * Let the watchdog wait for 47 ms and more, for an erase of the flash, and then for its own time again. Both feed it. False
- * when it does not take the time over. Context: background, while ticks are held.
+ * Let the watchdog wait for 47 ms and more, for an erase of the flash, and then for its own time
+ * again. Both feed it. False when it does not take the time over. Context: background, while ticks
+ * are held.
  */
 bool guard_be_patient(void);
 bool guard_be_strict(void);

@@ -59,8 +59,8 @@ const char *hal_g431_start(void)
 }
 
 /*
- * Acknowledges the update, and the break if there was one; an active break input sets its flag again.
- * Only what was seen is cleared, so that a break in between is not lost.
+ * Acknowledges the update, and the break if there was one; an active break input sets its flag
+ * again. Only what was seen is cleared, so that a break in between is not lost.
  */
 static uint16_t take_flags(hal_t *hal)
 {
@@ -76,9 +76,10 @@ static uint16_t take_flags(hal_t *hal)
 }
 
 /*
- * A regular conversion is started only here: right behind the injected sequence it has ended long before the next one. Where
- * the two meet, channel 0 can be converted in place of a shunt (sensing.c). Behind a late tick the next sequence may be
- * near, and the temperature waits. The interrupt counts each tick, so that it meets each phase.
+ * A regular conversion is started only here: right behind the injected sequence it has ended long
+ * before the next one. Where the two meet, channel 0 can be converted in place of a shunt
+ * (sensing.c). Behind a late tick the next sequence may be near, and the temperature waits. The
+ * interrupt counts each tick, so that it meets each phase.
  */
 static void follow_temperature(hal_t *hal)
 {
@@ -109,8 +110,8 @@ void hal_sample(hal_t *hal, drive_in_t *in)
 }
 
 /*
- * The output is enabled once, when it is asked for: if a break has opened the gates meanwhile, they stay
- * open until the drive has seen it and asks again.
+ * The output is enabled once, when it is asked for: if a break has opened the gates meanwhile, they
+ * stay open until the drive has seen it and asks again.
  */
 static void set_gates(hal_t *hal, bool enable)
 {
@@ -128,7 +129,9 @@ static void set_gates(hal_t *hal, bool enable)
     }
 }
 
-/* Too late once the next update has come, or is so close that the three values could be torn apart. */
+/*
+ * Too late once the next update has come, or is so close that the three values could be torn apart.
+ */
 static bool is_late(uint32_t elapsed)
 {
     const bool close = elapsed > ((2U * BOARD.timer_counts) - WRITE_TICKS);

@@ -2,10 +2,10 @@
 /*
  * The binding of hal.h to the STM32G431.
  *
- * Order in a control tick: hal_sample() acknowledges the interrupt, restarts the tick guard and puts a
- * rest duty into the preload registers; hal_apply() replaces it by the drive's demand. So a tick that
- * ends too late leaves the rest duty behind, and not the demand of a tick before. Such a tick is counted,
- * and the next frame says so.
+ * Order in a control tick: hal_sample() acknowledges the interrupt, restarts the tick guard and
+ * puts a rest duty into the preload registers; hal_apply() replaces it by the drive's demand. So a
+ * tick that ends too late leaves the rest duty behind, and not the demand of a tick before. Such a
+ * tick is counted, and the next frame says so.
  */
 #ifndef HAL_G431_H
 #define HAL_G431_H
@@ -38,8 +38,8 @@ const char *hal_g431_init(hal_t *hal);
 const char *hal_g431_start(void);
 
 /*
- * The chip is not what it should be: the gates open by both ways and stay open until a reset, and the drive sees a break in each
- * frame. `why` outlives the call. Context: background.
+ * The chip is not what it should be: the gates open by both ways and stay open until a reset, and
+ * the drive sees a break in each frame. `why` outlives the call. Context: background.
  */
 void hal_g431_bar(hal_t *hal, const char *why);
 

@@ -26,7 +26,9 @@ static void begin_round(void)
     next_word = 0U;
 }
 
-/* The seal is read as a register is: what the build wrote there is not known when this is compiled. */
+/*
+ * The seal is read as a register is: what the build wrote there is not known when this is compiled.
+ */
 static uint32_t words(void)
 {
     const volatile image_seal_t *const seal = &image_seal;

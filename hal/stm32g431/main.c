@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The image for the B-G431B-ESC1: brings the chip up, then lets the control interrupt work while the
- * background serves the serial line, LED and watchdog, once a tick.
+ * The image for the B-G431B-ESC1: brings the chip up, then lets the control interrupt work while
+ * the background serves the serial line, LED and watchdog, once a tick.
  */
 #include "app.h"
 #include "board.h"
@@ -104,7 +104,10 @@ static const char *bring_up(void)
     return why;
 }
 
-/* The gates are open, no control interrupt runs. The console tells why, so the watchdog is fed if it runs. */
+/*
+ * The gates are open, no control interrupt runs. The console tells why, so the watchdog is fed if
+ * it runs.
+ */
 static void stay(const char *why)
 {
     link_say(&serial, "cannot start:");

@@ -19,8 +19,8 @@
 #define SPAN_MAX \
     ((EDGES * (BOARD_CLOCK_HZ / OSCILLATOR_MIN_HZ) * (HUNDRED + CLOCK_OFF_PCT)) / HUNDRED)
 #define COUNTER_MASK (0xFFFFU)
-#define WRONG_MAX \
-    (4U) /* in a row. One can be wrong: a capture between the look at the flag and at the count */
+/* in a row. One can be wrong: a capture between the look at the flag and at the count */
+#define WRONG_MAX (4U)
 #define SILENCE_SHARE (10U) /* of a second */
 
 typedef struct {

@@ -33,8 +33,9 @@ static bool counting_down(void)
 }
 
 /*
- * With a repetition count of 0 there is an update at both ends. Written behind the one at the bottom,
- * a count of 1 is taken over at the one at the peak, and from then on every second end, each peak, counts.
+ * With a repetition count of 0 there is an update at both ends. Written behind the one at the
+ * bottom, a count of 1 is taken over at the one at the peak, and from then on every second end,
+ * each peak, counts.
  */
 bool pwm_start(void)
 {

@@ -3,13 +3,13 @@
  * TIM1: centre-aligned complementary PWM on three half bridges. RM0440 28.3.
  *
  * PWM mode 1: the high side is on while the counter is below the compare value, thus the low side
- * around the counter's peak. The update event comes once a period, at the peak: it loads the compare
- * values, and as TRGO2 it starts the converters. So the instant of sampling is the instant of loading,
- * the middle of the low sides' on-time.
+ * around the counter's peak. The update event comes once a period, at the peak: it loads the
+ * compare values, and as TRGO2 it starts the converters. So the instant of sampling is the instant
+ * of loading, the middle of the low sides' on-time.
  *
- * Break. The comparators of trip.h clear the main output enable (MOE) without the core; then all six
- * outputs are low. The same do a lockup of the core, a wrong parity of the RAM and a supply that sinks. Dead
- * time, break and idle levels are locked until reset.
+ * Break. The comparators of trip.h clear the main output enable (MOE) without the core; then all
+ * six outputs are low. The same do a lockup of the core, a wrong parity of the RAM and a supply
+ * that sinks. Dead time, break and idle levels are locked until reset.
  */
 #ifndef PWM_H
 #define PWM_H
@@ -27,13 +27,16 @@
 /* All but the outputs and the counter's start; gates open. */
 void pwm_init(void);
 
-/* The outputs to the gates, which stay open. Call when the trip has been tried: until then nothing that the timer does reaches a gate. */
+/*
+ * The outputs to the gates, which stay open. Call when the trip has been tried: until then nothing
+ * that the timer does reaches a gate.
+ */
 void pwm_connect(void);
 
 /*
- * Start the counter and bring its update event to the peak. Which end of its ramp a timer updates at
- * depends on when the repetition counter was written, and manuals differ in it; so this looks at the
- * direction of counting and leaves nothing to trust. False when the timer does not obey.
+ * Start the counter and bring its update event to the peak. Which end of its ramp a timer updates
+ * at depends on when the repetition counter was written, and manuals differ in it; so this looks at
+ * the direction of counting and leaves nothing to trust. False when the timer does not obey.
  */
 bool pwm_start(void);
 

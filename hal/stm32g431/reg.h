@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Access to memory-mapped registers by their address: the one place that turns a number into a pointer.
+ * Access to memory-mapped registers by their address: the one place that turns a number into a
+ * pointer.
  *
  * All are 32-bit accesses, done in the order in which they are written. Waits are bounded: hardware
  * that does not answer ends in a message and not in a dead loop.
@@ -12,8 +13,9 @@
 #include <stdint.h>
 
 /*
- * Reads that reg_wait() makes before it gives up. A read and its loop take 8 cycles at least: 28 ms and more at up to
- * 170 MHz, longer than an erase of the flash (24.5 ms) and all that a start waits for.
+ * Reads that reg_wait() makes before it gives up. A read and its loop take 8 cycles at least: 28 ms
+ * and more at up to 170 MHz, longer than an erase of the flash (24.5 ms) and all that a start waits
+ * for.
  */
 #define REG_PATIENCE (600000U)
 

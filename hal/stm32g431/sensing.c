@@ -4,7 +4,10 @@
 #include "clock.h"
 #include "settings.h"
 
-/* Data sheet, tables 60 and 74: converter regulator at most 20 µs, wake-up of an amplifier at most 6 µs. */
+/*
+ * Data sheet, tables 60 and 74: converter regulator at most 20 µs, wake-up of an amplifier at most
+ * 6 µs.
+ */
 #define WAKE_US (30U)
 
 /* RM0440 21.4.6, 21.4.8: out of deep power down, and calibrated. */
@@ -35,9 +38,10 @@ static bool convert_once(uint32_t adc)
 }
 
 /*
- * ES0431, "ADC channel 0 converted instead of the required ADC channel" (2.5.8, in later revisions 2.5.10): so can the first
- * conversion behind the enabling, and one of a group that starts while the other group converts. Each converter makes one
- * whose result nobody takes; a later one that follows within 1 ms is right (2.5.9).
+ * ES0431, "ADC channel 0 converted instead of the required ADC channel" (2.5.8, in later revisions
+ * 2.5.10): so can the first conversion behind the enabling, and one of a group that starts while
+ * the other group converts. Each converter makes one whose result nobody takes; a later one that
+ * follows within 1 ms is right (2.5.9).
  */
 static bool forget_first(void)
 {

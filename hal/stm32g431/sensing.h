@@ -2,10 +2,11 @@
 /*
  * Shunt amplifiers and converters. RM0440 21.4, 25.3.
  *
- * Both converters start at TIM1's peak: ADC1 takes phase a, then the bus; ADC2 phase b, then phase c.
- * The two first conversions are simultaneous, and phase currents come before anything else. ADC1's
- * sequence is the longer one, so that all four results are there when it ends and its interrupt comes.
- * The temperature is a regular conversion of ADC1, started by the control interrupt behind the injected sequence.
+ * Both converters start at TIM1's peak: ADC1 takes phase a, then the bus; ADC2 phase b, then phase
+ * c. The two first conversions are simultaneous, and phase currents come before anything else.
+ * ADC1's sequence is the longer one, so that all four results are there when it ends and its
+ * interrupt comes. The temperature is a regular conversion of ADC1, started by the control
+ * interrupt behind the injected sequence.
  */
 #ifndef SENSING_H
 #define SENSING_H
@@ -26,31 +27,40 @@
 #define SENSING_COUNT_MAX (4095U)
 #define SENSING_MIDDLE (2048U)
 
-/* All but the interrupt, and a first temperature in raw counts. False when a converter does not become
- * ready. */
+/*
+ * All but the interrupt, and a first temperature in raw counts. False when a converter does not
+ * become ready.
+ */
 bool sensing_init(uint16_t *temperature);
 
-/* From now on the end of each sequence is a control interrupt; what was converted before is forgotten. */
+/*
+ * From now on the end of each sequence is a control interrupt; what was converted before is
+ * forgotten.
+ */
 void sensing_start(void);
 
 /*
- * Start a conversion of the temperature sensor, of 1.5 µs. Bits of the control register that are not meant are
- * written as 0, which changes nothing. Context: control interrupt, right behind its sequence.
+ * Start a conversion of the temperature sensor, of 1.5 µs. Bits of the control register that are
+ * not meant are written as 0, which changes nothing. Context: control interrupt, right behind its
+ * sequence.
  */
 static inline void sensing_start_temperature(void)
 {
     reg_write(ADC1 + ADC_CR, ADC_CR_ADVREGEN | ADC_CR_ADSTART);
 }
 
-/* Raw counts of the conversion that ended last. Context: control interrupt, a tick after its start or later. */
+/*
+ * Raw counts of the conversion that ended last. Context: control interrupt, a tick after its start
+ * or later.
+ */
 static inline uint16_t sensing_temperature(void)
 {
     return (uint16_t)reg_read(ADC1 + ADC_DR);
 }
 
 /*
- * Raw counts of a shunt amplifier to the form that the drive takes: zero current at mid-scale, current
- * into the motor counts up. Clamped to 0…4095.
+ * Raw counts of a shunt amplifier to the form that the drive takes: zero current at mid-scale,
+ * current into the motor counts up. Clamped to 0…4095.
  */
 static inline uint16_t sensing_current(uint32_t raw)
 {

@@ -34,9 +34,9 @@ typedef struct {
 #define BREAK_SOURCES (TIM_AF1_BKCMP1E | TIM_AF1_BKCMP2E | TIM_AF1_BKCMP4E)
 #define BREAK_INVERTED (TIM_AF1_BKCMP1P | TIM_AF1_BKCMP2P | TIM_AF1_BKCMP4P)
 /*
- * The filter. At turn-on the gate's charge and the diode's reverse recovery go through the shunt and make a spike of some
- * tens of ns on its inductance; 47 ns would let it through, 141 ns does not. A real short rises on for as long: with
- * 1 µH at 24 V by 3.4 A.
+ * The filter. At turn-on the gate's charge and the diode's reverse recovery go through the shunt
+ * and make a spike of some tens of ns on its inductance; 47 ns would let it through, 141 ns does
+ * not. A real short rises on for as long: with 1 µH at 24 V by 3.4 A.
  */
 #define BREAK_AND_LOCK \
     (TIM_BDTR_OSSI | TIM_BDTR_OSSR | TIM_BDTR_BKE | TIM_BDTR_BKP | TIM_BDTR_BKF_6_OF_4 | \
@@ -142,9 +142,10 @@ static uint32_t log2_of(uint32_t power)
 }
 
 /*
- * What the amplifiers make of their pins. Behind an external amplifier they follow the plus pin: the comparators, which
- * look there, and the converters then see the same voltage, by the same ways inside the chip as with any other gain.
- * Else the gain is from the difference between plus and minus pin, so that the ground at the shunt counts.
+ * What the amplifiers make of their pins. Behind an external amplifier they follow the plus pin:
+ * the comparators, which look there, and the converters then see the same voltage, by the same ways
+ * inside the chip as with any other gain. Else the gain is from the difference between plus and
+ * minus pin, so that the ground at the shunt counts.
  */
 static uint32_t amplifier_mode(uint32_t gain)
 {

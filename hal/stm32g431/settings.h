@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the registers of this chip hold while the drive works: one table, from which they are written and against which
- * they are read back.
+ * What the registers of this chip hold while the drive works: one table, from which they are
+ * written and against which they are read back.
  *
- * A row has an address, the bits that count, and their value. The start writes whole groups of rows. A register that is
- * brought to its value in steps, as the clock's are, has a row only to be read back. Bits that the chip changes by itself,
- * such as the direction of a counter, are not among those that count.
+ * A row has an address, the bits that count, and their value. The start writes whole groups of
+ * rows. A register that is brought to its value in steps, as the clock's are, has a row only to be
+ * read back. Bits that the chip changes by itself, such as the direction of a counter, are not
+ * among those that count.
  */
 #ifndef SETTINGS_H
 #define SETTINGS_H
@@ -17,7 +18,8 @@
 typedef enum {
     SETTINGS_READ_ONLY, /* none: it is only read back */
     SETTINGS_LEVEL,     /* the trip level's converters, in this order */
-    SETTINGS_TIMER, /* the PWM timer, and what breaks it; the gates' outputs are not connected yet */
+    /* the PWM timer, and what breaks it; the gates' outputs are not connected yet */
+    SETTINGS_TIMER,
     SETTINGS_OUTPUTS, /* the timer's outputs to the gates */
     SETTINGS_AMPLIFIERS,
     SETTINGS_SEQUENCES, /* of the converters */
@@ -35,7 +37,10 @@ uint32_t settings_value(uint32_t address);
 /* The number of rows. */
 uint32_t settings_count(void);
 
-/* Whether the register of a row holds what the row says; row: below settings_count(). Context: background. */
+/*
+ * Whether the register of a row holds what the row says; row: below settings_count(). Context:
+ * background.
+ */
 bool settings_hold(uint32_t row);
 
 /* The register's name as the manual has it, such as "TIM1_BDTR". */

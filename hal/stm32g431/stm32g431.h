@@ -2,9 +2,9 @@
 /*
  * The registers of the STM32G431 that this binding touches, and no others.
  *
- * Facts from the reference manual RM0440 (STM32G4), whose chapter is given with each block, from the
- * STM32G431 data sheet (pins), and from the ARMv7-M architecture manual (core). Names are those of the
- * manual; a bit is written as a mask.
+ * Facts from the reference manual RM0440 (STM32G4), whose chapter is given with each block, from
+ * the STM32G431 data sheet (pins), and from the ARMv7-M architecture manual (core). Names are those
+ * of the manual; a bit is written as a mask.
  */
 #ifndef STM32G431_H
 #define STM32G431_H
@@ -26,8 +26,8 @@
 #define FLASH_KEY_2 (0xCDEF89ABU)
 #define FLASH_SR (0x40022010U)
 #define FLASH_SR_EOP (1UL << 0)
-#define FLASH_SR_ERRORS \
-    (0xC3FAU) /* of operation, programming, protection, alignment, size, sequence, fast programming, options */
+/* of operation, programming, protection, alignment, size, sequence, fast programming, options */
+#define FLASH_SR_ERRORS (0xC3FAU)
 #define FLASH_SR_BSY (1UL << 16)
 #define FLASH_CR (0x40022014U)
 #define FLASH_CR_PG (1UL << 0)
@@ -36,8 +36,8 @@
 #define FLASH_CR_STRT (1UL << 16)
 #define FLASH_CR_LOCK (1UL << 31)
 #define FLASH_ECCR (0x40022018U)
-#define FLASH_ECCR_ECCD \
-    (1UL << 31) /* more wrong bits than can be corrected were read; written as 1 to clear */
+/* more wrong bits than can be corrected were read; written as 1 to clear */
+#define FLASH_ECCR_ECCD (1UL << 31)
 #define FLASH_OPTR (0x40022020U)
 #define FLASH_OPTR_BOR_LEV (7UL << 8) /* a reset below: 0: 1.7 V, 4: 2.8 V */
 #define FLASH_OPTR_BOR_LEV_4 (4UL << 8)
@@ -45,7 +45,10 @@
 #define FLASH_IMAGE (0x08000000U)
 #define FLASH_STORE (0x0801F000U) /* the last two pages, see stm32g431.ld */
 
-/* --- Backup registers, 36.6: they go with the supply, and with no other reset --------------------- */
+/*
+ * --- Backup registers, 36.6: they go with the supply, and with no other reset
+ * ---------------------
+ */
 #define TAMP_BKP0R (0x40002500U)
 
 /* --- Power, 6.4 ------------------------------------------------------------------------------- */
@@ -129,10 +132,11 @@
 
 /* --- System configuration, 10.2 --------------------------------------------------------------- */
 #define SYSCFG_CFGR2 (0x4001001CU)
-#define SYSCFG_CFGR2_CLL (1UL << 0) /* a lockup of the core is a break of the timers, until reset */
+/* a lockup of the core is a break of the timers, until reset */
+#define SYSCFG_CFGR2_CLL (1UL << 0)
 #define SYSCFG_CFGR2_SPL (1UL << 1) /* the same of a wrong parity of the RAM */
-#define SYSCFG_CFGR2_PVDL \
-    (1UL << 2) /* the same of a supply that sinks below the level of PWR_CR2 */
+/* the same of a supply that sinks below the level of PWR_CR2 */
+#define SYSCFG_CFGR2_PVDL (1UL << 2)
 #define SYSCFG_CFGR2_BREAKS (SYSCFG_CFGR2_CLL | SYSCFG_CFGR2_SPL | SYSCFG_CFGR2_PVDL)
 #define SYSCFG_CFGR2_SPF (1UL << 8) /* a wrong parity was read; written as 1 to clear */
 
@@ -231,9 +235,11 @@
 #define TIM_EGR_UG (1UL << 0)
 #define TIM1_CCMR1 (0x40012C18U)
 #define TIM1_CCMR2 (0x40012C1CU)
-#define TIM_CCMR_PWM1_PRELOAD (0x68UL) /* PWM mode 1 with preload, first channel of the register */
+/* PWM mode 1 with preload, first channel of the register */
+#define TIM_CCMR_PWM1_PRELOAD (0x68UL)
 #define TIM1_CCER (0x40012C20U)
-#define TIM_CCER_CH1_AND_N (0x5UL) /* both outputs of a channel, active high; four bits a channel */
+/* both outputs of a channel, active high; four bits a channel */
+#define TIM_CCER_CH1_AND_N (0x5UL)
 #define TIM1_CNT (0x40012C24U)
 #define TIM1_PSC (0x40012C28U)
 #define TIM1_ARR (0x40012C2CU)
@@ -249,8 +255,8 @@
 #define TIM_BDTR_BKE (1UL << 12)
 #define TIM_BDTR_BKP (1UL << 13) /* break is active high */
 #define TIM_BDTR_MOE (1UL << 15)
-#define TIM_BDTR_BKF_6_OF_4 \
-    (6UL << 16) /* 6 equal samples, each 4 clocks apart: 141 ns at 170 MHz */
+/* 6 equal samples, each 4 clocks apart: 141 ns at 170 MHz */
+#define TIM_BDTR_BKF_6_OF_4 (6UL << 16)
 #define TIM1_AF1 (0x40012C60U)
 #define TIM_AF1_BKCMP1E (1UL << 1)
 #define TIM_AF1_BKCMP2E (1UL << 2)

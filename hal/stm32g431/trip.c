@@ -10,7 +10,10 @@
 
 #include <stddef.h>
 
-/* Data sheet, tables 70 and 73: wake-up of this DAC at most 3.5 µs, start-up of a comparator at most 5 µs. */
+/*
+ * Data sheet, tables 70 and 73: wake-up of this DAC at most 3.5 µs, start-up of a comparator at
+ * most 5 µs.
+ */
 #define SETTLING_US (15U)
 
 #define READY (DAC_SR_DAC1RDY | DAC_SR_DAC2RDY)
@@ -52,7 +55,10 @@ bool trip_init(void)
     return are_ready;
 }
 
-/* Only the output of this one reaches the timer. Where a low output is the trip, one that is off would trip: there all stay on. */
+/*
+ * Only the output of this one reaches the timer. Where a low output is the trip, one that is off
+ * would trip: there all stay on.
+ */
 static void isolate(const path_t *path)
 {
     for (uint32_t k = 0U; k < PATHS; k++) {
@@ -80,8 +86,8 @@ static void set_level(const path_t *path, uint32_t level)
 }
 
 /*
- * At rest the shunt's signal lies between the level and the end of the DAC's range that the level is moved to: so the comparator
- * must trip there, and must not where the level belongs.
+ * At rest the shunt's signal lies between the level and the end of the DAC's range that the level
+ * is moved to: so the comparator must trip there, and must not where the level belongs.
  */
 static bool opens_output(const path_t *path)
 {

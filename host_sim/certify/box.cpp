@@ -124,8 +124,8 @@ void add_coulomb(const Config &config, Axes &axes)
 const char *const LEGS_MEASURED =
     "An identification can say no more; an oscilloscope at the leg's output shows both edges at several currents.";
 
-// The drive believes what a leg loses as one time, without a drop; the plant has its drop apart, so the rest is its dead
-// time.
+// The drive believes what a leg loses as one time, without a drop; the plant has its drop apart, so
+// the rest is its dead time.
 void add_dead_time(const Config &config, Axes &axes)
 {
     const MeasuredSettings &m = config.measured;

@@ -46,7 +46,8 @@ struct Axis {
 //   inertia of a load that is added                 0 to 100 % of J
 //   rotor angle at the start                        any
 //
-// A value is drawn evenly: its bar is where it lies in 95 of 100 cases, and all of the bar counts the same.
+// A value is drawn evenly: its bar is where it lies in 95 of 100 cases, and all of the bar counts
+// the same.
 std::vector<Axis> box_of(const Config &config);
 
 // The largest inertia in the box.

@@ -32,12 +32,13 @@ struct Watcher {
     std::function<bool()> stop;           // asked between two runs; may be empty
 };
 
-// The motor, with its board, imperfections and overrides as for load_scenario(), and each of the tunings, without runs.
-// Throws ConfigError for what is wrong whatever the tuning.
+// The motor, with its board, imperfections and overrides as for load_scenario(), and each of the
+// tunings, without runs. Throws ConfigError for what is wrong whatever the tuning.
 Campaign plan(const std::vector<std::string> &tunings, const std::vector<std::string> &with,
               const std::vector<std::string> &set);
 
-// Runs each tuning that is not refused on the same machines. Stopped early, all tunings have the same number of runs.
+// Runs each tuning that is not refused on the same machines. Stopped early, all tunings have the
+// same number of runs.
 void run(Campaign &campaign, int runs, uint64_t seed, const Watcher &watcher = {});
 
 } // namespace nf::certify

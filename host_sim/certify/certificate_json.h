@@ -9,8 +9,9 @@
 namespace nf::certify
 {
 
-// One object: the motor and the board, the box, each tuning with its counts, margins and influences, what is recommended
-// and why, and each run of the recommended tuning with its draw. The same campaign gives the same bytes.
+// One object: the motor and the board, the box, each tuning with its counts, margins and
+// influences, what is recommended and why, and each run of the recommended tuning with its draw.
+// The same campaign gives the same bytes.
 std::string json_of(const Campaign &campaign, const Judgement &judgement);
 
 } // namespace nf::certify

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// A certificate as one page of HTML with a map. It needs no other file and asks for nothing elsewhere.
+// A certificate as one page of HTML with a map. It needs no other file and asks for nothing
+// elsewhere.
 #pragma once
 
 #include "judge.h"

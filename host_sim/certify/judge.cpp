@@ -161,7 +161,8 @@ struct Comparison {
     std::string why;
 };
 
-// On the same machines: by those that are good with one only, then by the margin that 95 of 100 have.
+// On the same machines: by those that are good with one only, then by the margin that 95 of 100
+// have.
 Comparison compare(const Campaign &campaign, const std::vector<Summary> &all, std::size_t first,
                    std::size_t second)
 {
@@ -193,7 +194,8 @@ Comparison compare(const Campaign &campaign, const std::vector<Summary> &all, st
                                       name(false), name(true))};
 }
 
-// The first that no other beats. In a circle, of which chance is the cause, the one that was named first.
+// The first that no other beats. In a circle, of which chance is the cause, the one that was named
+// first.
 std::size_t best_of(const Campaign &campaign, const std::vector<Summary> &all,
                     const std::vector<std::size_t> &possible)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// What the runs of a campaign say: which tuning to take, how much room is left, and what it depends on.
+// What the runs of a campaign say: which tuning to take, how much room is left, and what it depends
+// on.
 #pragma once
 
 #include "campaign.h"
@@ -39,7 +40,8 @@ struct Bound {
     int runs;     // below it
 };
 
-// What chance alone may make of the largest share: with 20 axes more than that in one of 20 campaigns.
+// What chance alone may make of the largest share: with 20 axes more than that in one of 20
+// campaigns.
 double share_by_chance(int runs);
 
 struct Summary {
@@ -72,8 +74,9 @@ struct Judgement {
     std::vector<Summary> summaries; // one a tuning, in the order of the campaign
     std::size_t best = 0;           // the recommended one
     std::string why;                // against each of the others
-    // Of the values that can be known better the one that the worst margin of the best tuning depends on most. Empty where
-    // none stands out: chance may explain as much of the margin, or the margin hardly changes.
+    // Of the values that can be known better the one that the worst margin of the best tuning
+    // depends on most. Empty where none stands out: chance may explain as much of the margin, or
+    // the margin hardly changes.
     std::optional<std::size_t> limiting;
     // Where the failures of the best tuning depend on what the machine is used for.
     std::optional<Bound> bound;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// How far a run stays from its limits, looked at tick by tick. A margin is 1 where nothing is used of a limit, 0 at it, and
-// below 0 beyond it.
+// How far a run stays from its limits, looked at tick by tick. A margin is 1 where nothing is used
+// of a limit, 0 at it, and below 0 beyond it.
 #pragma once
 
 #include "tick.h"
@@ -16,7 +16,8 @@ struct Margins {
     double speed =
         0; // mean square of the speed error as in `locked`, its root over 5 % of rated speed
     double angle = 0; // largest angle error over 90 degrees
-    // Mean speed at the end of the load, and at the end of the reversal, as a share of the command: the lower one.
+    // Mean speed at the end of the load, and at the end of the reversal, as a share of the command:
+    // the lower one.
     double reached = 0;
     double highest_rpm = 0; // either way
 

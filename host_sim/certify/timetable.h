@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// What happens in each run of a certificate: start, half and rated speed, load on and off, reversal to half of rated speed.
+// What happens in each run of a certificate: start, half and rated speed, load on and off, reversal
+// to half of rated speed.
 #pragma once
 
 #include "config.h"
@@ -20,7 +21,8 @@ struct Window {
     }
 };
 
-// Where the speeds are judged: at the end of the load at rated speed, and at the end of the reversal.
+// Where the speeds are judged: at the end of the load at rated speed, and at the end of the
+// reversal.
 struct Windows {
     Window loaded;
     Window reversed;

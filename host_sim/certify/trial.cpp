@@ -25,7 +25,8 @@ zoo::Draw draw_of(uint64_t seed, int run)
     return zoo::Draw(fmt::format("certify:{}@{}", run, seed));
 }
 
-// The plant follows no knee that is too small; such a leg is as good as an ideal one, and the least knee is the nearest.
+// The plant follows no knee that is too small; such a leg is as good as an ideal one, and the least
+// knee is the nearest.
 void keep_knee(Config &real, const drive_cfg_t &drive)
 {
     constexpr double reserve = 1.05;

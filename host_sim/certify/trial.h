@@ -40,7 +40,8 @@ struct Trial {
     double worst() const;
 };
 
-// Machine number `run` of a seed. It depends on these and the axis alone: another axis, or more runs, leave it as it is.
+// Machine number `run` of a seed. It depends on these and the axis alone: another axis, or more
+// runs, leave it as it is.
 Point draw_point(const std::vector<Axis> &box, uint64_t seed, int run);
 
 // Of that machine, for the noise of its sensors.

@@ -11,7 +11,8 @@
 namespace nf::commands
 {
 
-// `-` is a pipe, also where a person types; so is "" where standard input is no terminal. Returns the exit status.
+// `-` is a pipe, also where a person types; so is "" where standard input is no terminal. Returns
+// the exit status.
 int converse(debug::Session &session, const std::string &script);
 
 void describe_script(CLI::App &command, std::string &script);

@@ -7,7 +7,8 @@
 namespace nf::commands
 {
 
-// Exit status: what was asked for holds or was done, or it does not hold. program.h has that of wrong input.
+// Exit status: what was asked for holds or was done, or it does not hold. program.h has that of
+// wrong input.
 constexpr int LIMITS_HOLD = 0;
 constexpr int LIMIT_BROKEN = 1;
 

@@ -88,8 +88,8 @@ void show_phase(const std::string &line)
 // So that a fault may come at any time of it.
 constexpr const char *LONGEST_IDENTIFICATION = "scenario.duration_s=130";
 
-// The drive commands itself, and its shaft is free. Faults act, from power-up on; what else the scenario's file has is of its
-// run.
+// The drive commands itself, and its shaft is free. Faults act, from power-up on; what else the
+// scenario's file has is of its run.
 void check_measurable(const std::vector<std::string> &set)
 {
     for (const char *const list : {"command", "load", "request", "load_scale", "mode"}) {

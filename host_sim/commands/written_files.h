@@ -23,7 +23,8 @@ struct NamedFile {
 };
 using NamedFiles = std::vector<NamedFile>;
 
-// Nothing is written over what was read, by the configuration or as one of `inputs`, nor twice to the same file. Throws FileError.
+// Nothing is written over what was read, by the configuration or as one of `inputs`, nor twice to
+// the same file. Throws FileError.
 void check_outputs(const Config &config, const NamedFiles &outputs, const NamedFiles &inputs = {});
 
 // Refuses a file that is there already, unless it may be replaced.

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// The parts of about_t as a header has them, which a configuration block and the identity of a board have too.
+// The parts of about_t as a header has them, which a configuration block and the identity of a
+// board have too.
 #pragma once
 
 #include "configuration.h"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// The rows of cfg.def as a table: whoever shows, asks or writes settings of the firmware by name goes through it.
+// The rows of cfg.def as a table: whoever shows, asks or writes settings of the firmware by name
+// goes through it.
 #pragma once
 
 #include "quantity.h"

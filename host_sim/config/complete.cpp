@@ -36,7 +36,8 @@ std::vector<std::string> names_of(const std::vector<const Field *> &fields)
     return names;
 }
 
-// Whether a motor has none of what a name plate does not say; the friction, the last of it, counts neither way.
+// Whether a motor has none of what a name plate does not say; the friction, the last of it, counts
+// neither way.
 bool lacks_what_a_plate_lacks(const std::vector<const Field *> &lacking)
 {
     const std::vector<std::string> names = names_of(lacking);

@@ -266,16 +266,17 @@ void take(const Layer &layer, Config &config)
     }
 }
 
-// What charges between the rails in the measured dead time at the current of the knee: C = i_k·t_d/U.
+// What charges between the rails in the measured dead time at the current of the knee: C =
+// i_k·t_d/U.
 double measured_capacitance_f(const Config &config)
 {
     const MeasuredSettings &m = config.measured;
     return m.knee_a * m.dead_time_s / (m.bus_v > 0 ? m.bus_v : config.board.bus_nominal_v);
 }
 
-// The plant's dead time and drop are the board's, the model's are the plant's, unless they are written; −1 is as
-// if nothing were. A measured dead time is all that the legs lose, the drop with it: the model that takes it has no
-// drop beside it. The plant has what it had.
+// The plant's dead time and drop are the board's, the model's are the plant's, unless they are
+// written; −1 is as if nothing were. A measured dead time is all that the legs lose, the drop with
+// it: the model that takes it has no drop beside it. The plant has what it had.
 void pass_on_dead_time(Config &config)
 {
     const auto take_over = [&](const char *key, double &value, double from) {
@@ -311,7 +312,8 @@ std::vector<const Layer *> scenario_layers(const Sources &sources)
     return all;
 }
 
-// Those whose lines are written for this drive. What a shipped motor, tuning or imperfection set says is for every mode.
+// Those whose lines are written for this drive. What a shipped motor, tuning or imperfection set
+// says is for every mode.
 std::vector<const Layer *> own_layers(const Sources &sources,
                                       const std::map<FileKind, Layer> &homes)
 {

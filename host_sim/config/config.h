@@ -4,9 +4,9 @@
 // Layers, later ones override earlier ones key by key:
 //     motor, board and tuning file; the scenario's own tables; imperfection sets in the order
 //     given; `--set section.key=value` in the order given.
-// Every value is checked on its own in its layer, so a wrong line is named even if it is overridden.
-// Every function here throws ConfigError, and nothing else, for whatever the files hold. A name plate (plate.h) is refused
-// by all but load_plate().
+// Every value is checked on its own in its layer, so a wrong line is named even if it is
+// overridden. Every function here throws ConfigError, and nothing else, for whatever the files
+// hold. A name plate (plate.h) is refused by all but load_plate().
 #pragma once
 
 #include "configuration.h"
@@ -30,7 +30,8 @@ struct ScenarioInfo {
 Config load_scenario(const std::string &id_or_path, const std::vector<std::string> &with = {},
                      const std::vector<std::string> &set = {});
 
-// The tuning of what names none: of scenario `any`, image, certificate, zoo and name plate. Its gains follow from the motor.
+// The tuning of what names none: of scenario `any`, image, certificate, zoo and name plate. Its
+// gains follow from the motor.
 inline constexpr const char *DEFAULT_TUNING = "any";
 
 // Motor, board and tuning alone, each by name or path.
@@ -38,11 +39,13 @@ Config load_parts(const std::string &motor, const std::string &board, const std:
                   const std::vector<std::string> &with = {},
                   const std::vector<std::string> &set = {});
 
-// A motor of which only the name plate is known, with a board and the tuning `any`. The motor file is a name plate: [motor]
-// has name, pole_pairs, max_speed_rpm, max_current_a and continuous_current_a, and no value that has to be measured; these
-// are 0 in `motor`, and typical() of plate.h fills them in. Of a complete motor file the name plate alone is taken: what it
-// says of R, L, φ, J, friction, rated torque and rated speed, and its [measured], are ignored. Overrides as those of
-// load_parts(), also "tuning=NAME". Refuses a file that is neither, and one without a continuous current.
+// A motor of which only the name plate is known, with a board and the tuning `any`. The motor file
+// is a name plate: [motor] has name, pole_pairs, max_speed_rpm, max_current_a and
+// continuous_current_a, and no value that has to be measured; these are 0 in `motor`, and typical()
+// of plate.h fills them in. Of a complete motor file the name plate alone is taken: what it says of
+// R, L, φ, J, friction, rated torque and rated speed, and its [measured], are ignored. Overrides as
+// those of load_parts(), also "tuning=NAME". Refuses a file that is neither, and one without a
+// continuous current.
 Config load_plate(const std::string &motor, const std::string &board,
                   const std::vector<std::string> &with = {},
                   const std::vector<std::string> &set = {});

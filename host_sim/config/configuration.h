@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// A complete configuration: what the files say together, and from which line each value is. config.h reads it.
+// A complete configuration: what the files say together, and from which line each value is.
+// config.h reads it.
 #pragma once
 
 #include "hal_settings.h"
@@ -21,7 +22,8 @@ enum class DriveMode {
     torque
 };
 
-// A command of the user and a load are at most so large, either sign, in a scenario and from a person.
+// A command of the user and a load are at most so large, either sign, in a scenario and from a
+// person.
 constexpr double SPEED_COMMAND_MAX_RPM = 200000;
 constexpr double POSITION_COMMAND_MAX_RAD = 4000; // a command holds it with 50 pole pairs
 constexpr double LOAD_MAX_NM = 10000;
@@ -83,8 +85,8 @@ struct FaultEntry {
     std::optional<double> until_s;
 };
 
-// What the user asks for. RUN is wanted from the start on, until an entry says otherwise; a clear ends
-// the wish unless its entry says run = true.
+// What the user asks for. RUN is wanted from the start on, until an entry says otherwise; a clear
+// ends the wish unless its entry says run = true.
 struct RequestEntry {
     double time_s;
     std::optional<bool> run;

@@ -21,7 +21,8 @@ constexpr double DELTA = 1 / 3.0; // the star that does the same as a triangle
 constexpr double FLUX_PER_LINE = 1 / SQRT_3;
 constexpr double PER_THOUSAND = 1e-3;
 constexpr double FLUX_PER_TORQUE = 1 / 1.5; // T = 1.5·P·φ·i
-// Six-step commutation: the mean of the voltage between two terminals over the 60° for which the two conduct, by its peak.
+// Six-step commutation: the mean of the voltage between two terminals over the 60° for which the
+// two conduct, by its peak.
 constexpr double SIX_STEP = 3 / PI;
 constexpr double KG_M2_PER_G_CM2 = 1e-7;
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-// The numbers without a unit that say what is hard about a drive: motors of any size that share them behave alike.
-// I is the rated current, ω the rated electrical speed, T the PWM period, all of the files; dead time and
-// device drop are the real board's.
+// The numbers without a unit that say what is hard about a drive: motors of any size that share
+// them behave alike. I is the rated current, ω the rated electrical speed, T the PWM period, all of
+// the files; dead time and device drop are the real board's.
 #pragma once
 
 #include "configuration.h"

@@ -12,9 +12,9 @@
 
 #include <fmt/format.h>
 
-// The parser asserts, and in a release build assumes, what some broken texts violate; behind each of
-// these places it reports the error properly, so neither is wanted. It recurses into nested values:
-// their depth is bounded so that no text can exhaust the stack.
+// The parser asserts, and in a release build assumes, what some broken texts violate; behind each
+// of these places it reports the error properly, so neither is wanted. It recurses into nested
+// values: their depth is bounded so that no text can exhaust the stack.
 #undef NDEBUG
 #define TOML_ASSERT(condition) static_cast<void>(0)
 #define TOML_MAX_NESTED_VALUES 16
@@ -161,8 +161,8 @@ bool replace_too_large(std::string &text, const toml::source_position &stopped)
     return too_large;
 }
 
-// The parser refuses a number too large for it as bad syntax. As infinity it gets to where its key is
-// known, and is refused there with the range.
+// The parser refuses a number too large for it as bad syntax. As infinity it gets to where its key
+// is known, and is refused there with the range.
 toml::parse_result parse(std::string text)
 {
     toml::parse_result result = toml::parse(text);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// The lists of a scenario that disturb it and ask for things: [[scenario.fault]], [[scenario.request]].
+// The lists of a scenario that disturb it and ask for things: [[scenario.fault]],
+// [[scenario.request]].
 #pragma once
 
 #include "configuration.h"

@@ -28,14 +28,15 @@ constexpr double G431_CLOCK_HZ = 170e6;
 constexpr int G431_ADC_BITS = 12;
 constexpr double G431_DEAD_TIME_TICKS = 1008;
 constexpr double G431_SAMPLING_NS = 1100;
-// Its oscillator may be off by 1 % (hal/stm32g431/clock.h), and both sides of a line understand each other within 2 %.
+// Its oscillator may be off by 1 % (hal/stm32g431/clock.h), and both sides of a line understand
+// each other within 2 %.
 constexpr double G431_BAUD_ERROR = 0.01;
 // Bytes that its receiver holds. The background takes them once a tick.
 constexpr double G431_FIFO_BYTES = 8;
 constexpr double LINE_BITS = 10; // of a byte
 
-// Half of the shortest time for which a low side is commanded on, around the instant of sampling: the
-// largest duty is 1 − margin/2.
+// Half of the shortest time for which a low side is commanded on, around the instant of sampling:
+// the largest duty is 1 − margin/2.
 double half_low_side_s(const BoardSettings &board)
 {
     return board.duty_margin_pct / 100.0 / 4.0 / board.pwm_frequency_hz;
@@ -56,8 +57,8 @@ void need(bool holds, const Config &config, const std::string &key, double value
     }
 }
 
-// The defaults of the temperature sensor are for simulated power stages, which may also do without comparators;
-// the warning follows from its limit.
+// The defaults of the temperature sensor are for simulated power stages, which may also do without
+// comparators; the warning follows from its limit.
 bool is_needed(const Field &field)
 {
     return (std::strcmp(field.section, "hal") == 0 && field.name() != "hal.chip") ||
@@ -113,7 +114,8 @@ void check_chip(const Config &config)
          fmt::format("at most {:g} ns, 47.5 cycles of its converters", G431_SAMPLING_NS));
 }
 
-// The rate of a whole number of the chip's cycles per bit, over the rate that is asked for, less one.
+// The rate of a whole number of the chip's cycles per bit, over the rate that is asked for, less
+// one.
 double baud_error(double baud)
 {
     return G431_CLOCK_HZ / std::round(G431_CLOCK_HZ / baud) / baud - 1;

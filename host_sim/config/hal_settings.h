@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// [hal] of a board file: what a target's hardware binding has to know beyond [board]. Optional; asked for
-// only when a header for a binding is made.
+// [hal] of a board file: what a target's hardware binding has to know beyond [board]. Optional;
+// asked for only when a header for a binding is made.
 #pragma once
 
 namespace nf

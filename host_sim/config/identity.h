@@ -11,8 +11,9 @@ extern "C" {
 namespace nf
 {
 
-// schema: the rows of cfg.def, each with path, offset in drive_cfg_t, sign and quantity. board: its name and the facts of it
-// that are compiled into an image, those of DRIVE_ABOUT and, where there is a [hal], of hal_config.h. FNV-1a, 32 bits.
+// schema: the rows of cfg.def, each with path, offset in drive_cfg_t, sign and quantity. board: its
+// name and the facts of it that are compiled into an image, those of DRIVE_ABOUT and, where there
+// is a [hal], of hal_config.h. FNV-1a, 32 bits.
 config_identity_t identity_of(const Config &config);
 
 // The schema of this build.

@@ -9,7 +9,8 @@
 namespace nf
 {
 
-// Notes a line in config.scenario.notes for each key of these layers that is in force and does not act.
+// Notes a line in config.scenario.notes for each key of these layers that is in force and does not
+// act.
 void note_idle(const std::vector<const Layer *> &layers, Config &config);
 
 } // namespace nf

@@ -8,8 +8,8 @@
 namespace nf
 {
 
-// Who chose a value, from what serves every drive to what somebody wrote for this one. The files of the data folder are
-// by kind; a file elsewhere and an option are the user's own.
+// Who chose a value, from what serves every drive to what somebody wrote for this one. The files of
+// the data folder are by kind; a file elsewhere and an option are the user's own.
 enum class Author {
     tuning,
     imperfection,

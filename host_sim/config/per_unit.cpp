@@ -73,7 +73,8 @@ drive_cfg_t convert(const MotorSettings &motor, const BoardSettings &board,
     return c;
 }
 
-// Each round moves one end of one rule's range; a rule that is moved this often contradicts the others.
+// Each round moves one end of one rule's range; a rule that is moved this often contradicts the
+// others.
 constexpr int RULE_ROUNDS = 64;
 // A value that its limit was computed for is within it in spite of rounding.
 constexpr double INWARDS = 1e-9;

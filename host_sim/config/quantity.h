@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// What one of an integer of the firmware is: the quantities that the rows of cfg.def and the words of the drive's state name.
+// What one of an integer of the firmware is: the quantities that the rows of cfg.def and the words
+// of the drive's state name.
 #pragma once
 
 #include "bases.h"

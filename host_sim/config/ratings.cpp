@@ -59,7 +59,8 @@ double torque_nm(const MotorSettings &m, const Currents &i)
     return 1.5 * m.pole_pairs * (m.flux_linkage_wb - saliency_h * i.d_a) * i.q_a;
 }
 
-// Of rated torque. Reluctance only saves current, so it is between none and that of the flux linkage alone.
+// Of rated torque. Reluctance only saves current, so it is between none and that of the flux
+// linkage alone.
 Currents rated_currents(const Config &config)
 {
     constexpr int HALVINGS = 50;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// Reads one file or override: what is wrong with it is found here, whether or not another layer overrides it.
+// Reads one file or override: what is wrong with it is found here, whether or not another layer
+// overrides it.
 #pragma once
 
 #include "layer.h"

@@ -53,7 +53,8 @@ std::string with_unit(const std::string &number, const Field &field)
     return number + (*field.unit == '\0' ? "" : " ") + field.unit;
 }
 
-// What to write in place of a value of a file that serves every drive: `limit` is "at most 880 rpm".
+// What to write in place of a value of a file that serves every drive: `limit` is "at most 880
+// rpm".
 std::string instead(const Field &field, const std::string &limit)
 {
     const bool is_tuned = may_hold(FileKind::tuning, field.section);
@@ -177,8 +178,8 @@ Misfit last_limit(Config &config, SettingError error)
     return {error, tried.is_number()};
 }
 
-// By what share of it the limit is another one after `moved` was; a limit that is gone, or gives way to one of that key's
-// own, moved without end.
+// By what share of it the limit is another one after `moved` was; a limit that is gone, or gives
+// way to one of that key's own, moved without end.
 double limit_moved(Config &config, const SettingError &error, const Field &moved)
 {
     const std::optional<SettingError> found = error_of(config);
@@ -195,7 +196,8 @@ double limit_moved(Config &config, const SettingError &error, const Field &moved
 
 constexpr double SHARE = 0.01; // by which a key is moved to see what it does
 
-// How much a key moves the limit, while it stays in its own range. Where a base steps from one power of two to the next, one way only does.
+// How much a key moves the limit, while it stays in its own range. Where a base steps from one
+// power of two to the next, one way only does.
 double weight_of(const Field &field, Config &config, const SettingError &error)
 {
     double weight = HUGE_VAL;
@@ -216,8 +218,8 @@ struct Culprit {
     double weight = 0;
 };
 
-// Whether the user chose `other` rather than `culprit`, or it moves the limit more; of equals the later one: a motor's
-// inertia is easier to change than its flux.
+// Whether the user chose `other` rather than `culprit`, or it moves the limit more; of equals the
+// later one: a motor's inertia is easier to change than its flux.
 bool is_rather(const Culprit &other, const Culprit &culprit)
 {
     constexpr double EQUAL = 0.9;
@@ -225,7 +227,8 @@ bool is_rather(const Culprit &other, const Culprit &culprit)
                                           : other.author > culprit.author;
 }
 
-// Of the keys beside the refused one that `may_be` lets be blamed, the one to blame. Null where none moves the limit.
+// Of the keys beside the refused one that `may_be` lets be blamed, the one to blame. Null where
+// none moves the limit.
 const Field *culprit_of(Config &config, const SettingError &error,
                         const std::function<bool(Author)> &may_be)
 {

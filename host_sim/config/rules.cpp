@@ -15,21 +15,27 @@ namespace nf
 namespace
 {
 
-// The motion loops by what the motor can do: its largest torque T_max = 1.5·P·φ·I_max on its inertia J.
+// The motion loops by what the motor can do: its largest torque T_max = 1.5·P·φ·I_max on its
+// inertia J.
 //
-// Speed: full torque at an error of 1/(2·ζ·4.3) = 12 % of rated speed (ζ = 1). A faster loop turns the ripple of
-// the estimate into torque: with dead time 2 % of ripple is then a fifth of the torque.
+// Speed: full torque at an error of 1/(2·ζ·4.3) = 12 % of rated speed (ζ = 1). A faster loop turns
+// the ripple of the estimate into torque: with dead time 2 % of ripple is then a fifth of the
+// torque.
 constexpr double SPEED_PER_TORQUE = 4.3;
-// And not faster than this many radians of the rotor at rated speed where dead time takes as much voltage as the EMF at
-// the hand-over makes: that ripple of the estimate is not to be followed. In proportion.
+// And not faster than this many radians of the rotor at rated speed where dead time takes as much
+// voltage as the EMF at the hand-over makes: that ripple of the estimate is not to be followed. In
+// proportion.
 constexpr double SPEED_PER_LOSS = 0.15;
-// Nor so fast that its observer exceeds this by ω/X², X = L·I/φ: what is wrong of a current moves the estimate by a share X,
-// and light rotors of large X swing in it. Where X is 0.2, as motor A's, this takes nothing off.
+// Nor so fast that its observer exceeds this by ω/X², X = L·I/φ: what is wrong of a current moves
+// the estimate by a share X, and light rotors of large X swing in it. Where X is 0.2, as motor A's,
+// this takes nothing off.
 constexpr double OBSERVER_PER_REACTANCE = 0.5;
-// But at least this, whatever the dead time and the reactance: a step of half the torque then takes half the rated speed off before the loop
-// has answered. With less the rotor stalls, and exceeds its highest speed when the load goes.
+// But at least this, whatever the dead time and the reactance: a step of half the torque then takes
+// half the rated speed off before the loop has answered. With less the rotor stalls, and exceeds
+// its highest speed when the load goes.
 constexpr double SPEED_PER_TORQUE_LEAST = 1;
-// Torque: from none to the largest in the time of the speed loop, 1/ω of it: neither of the two waits for the other.
+// Torque: from none to the largest in the time of the speed loop, 1/ω of it: neither of the two
+// waits for the other.
 //
 // Ramp and profile leave the rest of the torque to the load.
 constexpr double RAMP_TORQUE = 0.27;
@@ -39,35 +45,41 @@ constexpr double PROFILE_SPEED = 0.5; // of rated
 constexpr double POSITION_SHARE = 1 / 2.8;
 constexpr double SOFTNESS = 0.3;
 
-// The observer by the speed loop that it serves. Its lag is the longest that takes no more than 9.5° of phase from that
-// loop: a faster observer only lets more noise and more of the dead time's ripple through.
+// The observer by the speed loop that it serves. Its lag is the longest that takes no more than
+// 9.5° of phase from that loop: a faster observer only lets more noise and more of the dead time's
+// ripple through.
 constexpr double LAG_PHASE = 0.165;
 // And the ramp may not turn the lag into an error beyond this share of rated speed.
 constexpr double LAG_RAMP = 0.0105;
 // κ_p²/κ: with it the estimate settles without a swing, damping √8.1/2 = 1.4.
 constexpr double OBSERVER_SHAPE = 8.1;
-// The proportional path takes this share of the error in a sample at most, or the samples become visible.
+// The proportional path takes this share of the error in a sample at most, or the samples become
+// visible.
 constexpr double KAPPA_P_MAX = 0.45;
-// It works within a radian of the rotor at rated speed at least, or the angle is lost in a fast change.
+// It works within a radian of the rotor at rated speed at least, or the angle is lost in a fast
+// change.
 constexpr double OBSERVER_RADIAN = 1;
 
-// The published law has no such path. It is damped from 1.5·(ωT)² on; twice as much, or what the paper's motor has.
+// The published law has no such path. It is damped from 1.5·(ωT)² on; twice as much, or what the
+// paper's motor has.
 constexpr double KAPPA_PUBLISHED = 3;
 constexpr double KAPPA_LEAST = 0.025;
 
-// ρ by how many times faster than the rotor turns the proportional path is: what it lets through, ρ amplifies.
+// ρ by how many times faster than the rotor turns the proportional path is: what it lets through, ρ
+// amplifies.
 constexpr double RHO_PER_RATE = 0.1;
 constexpr double RHO_LEAST = 1;
 constexpr double RHO_MOST = 1.25;
 
-// What an error of the network loses in a sample at least. R/L alone damps too little on a fast PWM; much more hides the
-// error that the speed is found by.
+// What an error of the network loses in a sample at least. R/L alone damps too little on a fast
+// PWM; much more hides the error that the speed is found by.
 constexpr double DECAY_LEAST = 0.1;
-// And not more than so many times the rotor's turn at rated speed: the current that shows an angle error is then still a third
-// of what it is without feedback.
+// And not more than so many times the rotor's turn at rated speed: the current that shows an angle
+// error is then still a third of what it is without feedback.
 constexpr double DECAY_PER_RADIAN = 3;
 
-// The current loop has 20 samples in a period of its bandwidth: π/10 rad in one, and as much again in the delay.
+// The current loop has 20 samples in a period of its bandwidth: π/10 rad in one, and as much again
+// in the delay.
 constexpr double CURRENT_SAMPLES = 20;
 
 // The least current in percent, without dead time and for each R·I of its voltage.
@@ -77,16 +89,19 @@ constexpr double FLOOR_MAX_PCT = 50;
 // As i_d > 0 it raises the voltage at rated speed, up to this share of the voltage circle.
 constexpr double FLOOR_VOLTAGE = 0.95;
 
-// The voltage's speed PI: share of φ, as the EMF is φ for 1 rad/s, and its corner, below R/L = 17…30/s. Chosen with motor B:
-// docs/voltage_drive.md has the poles.
+// The voltage's speed PI: share of φ, as the EMF is φ for 1 rad/s, and its corner, below R/L =
+// 17…30/s. Chosen with motor B: docs/voltage_drive.md has the poles.
 constexpr double VOLTAGE_PER_FLUX = 1.5;
 constexpr double VOLTAGE_CORNER_S = 8;
-// The virtual resistance as a share of ω·L at rated speed, and the corner of its mean as a share of ω: docs/voltage_drive.md.
+// The virtual resistance as a share of ω·L at rated speed, and the corner of its mean as a share of
+// ω: docs/voltage_drive.md.
 constexpr double VIRTUAL_DAMPING = 0.45;
 constexpr double VIRTUAL_MEAN_RADIAN = 0.6;
-// In a sample it takes off this share of a change at most: the voltage acts a period and a half later.
+// In a sample it takes off this share of a change at most: the voltage acts a period and a half
+// later.
 constexpr double VIRTUAL_SHARE_MAX = 0.2;
-// The lead of a braking drive stays this share above −atan(R/(ω·L_d)), where more voltage means less torque.
+// The lead of a braking drive stays this share above −atan(R/(ω·L_d)), where more voltage means
+// less torque.
 constexpr double BRAKE_SHARE = 0.8;
 
 using T = TuningSettings;
@@ -221,7 +236,8 @@ double quiet_rate(const Drive &drive, double handover_pct)
     return loss_v > 0 ? SPEED_PER_LOSS * drive.rated_el * emf_v / loss_v : HUGE_VAL;
 }
 
-// The speed loop's own bandwidth in rad/s, by torque, dead time and reactance. The lag of the estimate may limit it further.
+// The speed loop's own bandwidth in rad/s, by torque, dead time and reactance. The lag of the
+// estimate may limit it further.
 double quiet_speed_rate(const Drive &drive, double handover_pct)
 {
     const double reactance =

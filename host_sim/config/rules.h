@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// What a tuning leaves open is filled in by rules, the same for every motor and board: docs/tuning_rules.md.
+// What a tuning leaves open is filled in by rules, the same for every motor and board:
+// docs/tuning_rules.md.
 #pragma once
 
 #include "settings.h"
@@ -23,7 +24,8 @@ TuningSettings by_rules(const TuningSettings &as_written, const MotorSettings &m
                         const BoardSettings &board, const ModelScales &model,
                         const RuleRanges &ranges = {});
 
-// The key of the motor or board file that a rule's value follows from most, or null where `key` is written or has no rule.
+// The key of the motor or board file that a rule's value follows from most, or null where `key` is
+// written or has no rule.
 const char *rule_source(const std::string &key, const TuningSettings &as_written);
 
 } // namespace nf

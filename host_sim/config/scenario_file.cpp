@@ -192,8 +192,8 @@ std::string stated(const std::string &key, double value, const std::string &unit
     return fmt::format("{} = {} {} ({})", key, value, unit, config.origins.at(key).text());
 }
 
-// What is to happen at the end or later never does. A run with a fault or request is made for it; steps of command and
-// load are also those of a scenario that was cut short.
+// What is to happen at the end or later never does. A run with a fault or request is made for it;
+// steps of command and load are also those of a scenario that was cut short.
 void check_in_time(const std::string &list, const Node &node, Config &config)
 {
     const double half_a_tick_s = 0.5 / config.board.pwm_frequency_hz;

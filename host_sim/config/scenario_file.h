@@ -13,8 +13,8 @@ const std::vector<std::string> &scenario_lists();
 // Checks them on their own, with the mode that the file itself states.
 void check_scenario(const Layer &layer);
 
-// Puts those of all layers, the first one first, into the configuration, whose settings are final: motor and mode are
-// needed. Notes in it what will not happen as written.
+// Puts those of all layers, the first one first, into the configuration, whose settings are final:
+// motor and mode are needed. Notes in it what will not happen as written.
 void apply_scenario(const std::vector<const Layer *> &layers, Config &config);
 
 } // namespace nf

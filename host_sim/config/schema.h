@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// The table of every setting: section, key, unit, range, default, place in Config, help and when it acts.
-// Reading, range checks, messages and the list of keys all work from it.
+// The table of every setting: section, key, unit, range, default, place in Config, help and when it
+// acts. Reading, range checks, messages and the list of keys all work from it.
 #pragma once
 
 #include "acts.h"
@@ -70,8 +70,8 @@ void apply_value(const Field &field, const Node &value, Config &config);
 void check_number(const std::string &key, const Node &value, double min, double max,
                   const std::string &allowed);
 
-// Throws the ConfigError that `fields`, one or more, are missing at a place, each with its range. `need` says who needs
-// what is missing, "" for everybody: ", and a hardware binding needs ".
+// Throws the ConfigError that `fields`, one or more, are missing at a place, each with its range.
+// `need` says who needs what is missing, "" for everybody: ", and a hardware binding needs ".
 [[noreturn]] void refuse_missing(const Origin &place, const std::vector<const Field *> &fields,
                                  const std::string &need = "");
 

@@ -17,7 +17,8 @@ std::string nearest(const std::string &wrong, const std::vector<std::string> &kn
 std::vector<std::string> nearest(const std::string &wrong, const std::vector<std::string> &known,
                                  std::size_t count);
 
-// The same, and where it can have meant none: the nearest, however far they are. None for what is too long to be a name.
+// The same, and where it can have meant none: the nearest, however far they are. None for what is
+// too long to be a name.
 std::vector<std::string> nearest_at_all(const std::string &wrong,
                                         const std::vector<std::string> &known, std::size_t count);
 

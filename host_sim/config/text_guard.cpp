@@ -77,8 +77,8 @@ private:
         }
     }
 
-    // The parser reads a number up to a blank, a comma or a closing bracket, also over quotes: what looks like a
-    // string there is none.
+    // The parser reads a number up to a blank, a comma or a closing bracket, also over quotes: what
+    // looks like a string there is none.
     void follow_number(char c)
     {
         const bool ends_value = is_in(" \t\r\n,]}", c);

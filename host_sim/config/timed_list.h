@@ -25,8 +25,8 @@ struct EntryValue {
 };
 const std::vector<EntryValue> &entry_values();
 
-// The lists in SI; what they state as a share is one of this motor's ratings. Both throw ConfigError for whatever a list
-// holds that it must not.
+// The lists in SI; what they state as a share is one of this motor's ratings. Both throw
+// ConfigError for whatever a list holds that it must not.
 std::vector<TimedValue> read_commands(const Node &list, DriveMode mode, const MotorSettings &motor);
 std::vector<TimedValue> read_loads(const Node &list, const MotorSettings &motor);
 

@@ -10,8 +10,8 @@
 namespace nf::debug
 {
 
-// Until `quit` or the end of the input. Answers go to `out`; refusals too when unattended, so that they stand at their
-// command. False when one was refused and nobody was there to see it.
+// Until `quit` or the end of the input. Answers go to `out`; refusals too when unattended, so that
+// they stand at their command. False when one was refused and nobody was there to see it.
 bool converse(Session &session, LineReader &reader, std::FILE *out);
 
 } // namespace nf::debug

@@ -40,7 +40,8 @@ double raw_in(const Word &word, const void *home)
                          : static_cast<double>(bits);
 }
 
-// The words of the table in which `own` departs, in SI units or as they are. A name without a dot is a second one.
+// The words of the table in which `own` departs, in SI units or as they are. A name without a dot
+// is a second one.
 void add_words(Rows &rows, const char *module, Word::Home home, const void *own,
                const void *reference, const Simulation *si)
 {
@@ -71,8 +72,9 @@ void compare_configuration(Rows &rows, const drive_cfg_t &own, const drive_cfg_t
         {"configuration", "bytes as built", "", static_cast<double>(same), sizeof built, 0});
 }
 
-// D: the winding's share times R/L, 3 as below, and the feedback's, whose mantissa is rounded to nearest, that of the corner
-// down to an even number. f/D is rounded to nearest in the configuration, and again of the new D.
+// D: the winding's share times R/L, 3 as below, and the feedback's, whose mantissa is rounded to
+// nearest, that of the corner down to an even number. f/D is rounded to nearest in the
+// configuration, and again of the new D.
 template <typename Word>
 void compare_decay(const Word &word, const nn_observer_cfg_t &own, const nn_observer_cfg_t &from,
                    double ratio)
@@ -91,8 +93,9 @@ void compare_decay(const Word &word, const nn_observer_cfg_t &own, const nn_obse
          is_fed ? 0.5 + 0.5 * from.decay / std::max(own.decay, 1) : 0);
 }
 
-// Configured values times what the drive has found out of R, L and φ, and times the shares of the speed; each ratio that is
-// applied rounds down, and the ratio after it, below 2, doubles that: 1 for one, 3 for two. A share is at most 1: 1 more.
+// Configured values times what the drive has found out of R, L and φ, and times the shares of the
+// speed; each ratio that is applied rounds down, and the ratio after it, below 2, doubles that: 1
+// for one, 3 for two. A share is at most 1: 1 more.
 void compare_model(Rows &rows, const model_t &m, const drive_cfg_t &built)
 {
     const nn_observer_cfg_t &from = built.observer;

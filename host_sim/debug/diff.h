@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 // One tick of the drive, computed again.
 //
-// The instrumented drive computes the tick from the state before it. It is made of the sources of the drive; each call of
-// a control module passes a seam, where the module's twin in double precision computes the same from the same inputs. So a
-// module that computes wrongly shows by its name. What is not a control module's shows too: each word that the tick has
-// left in state and outputs is compared with the same word of the tick computed again.
+// The instrumented drive computes the tick from the state before it. It is made of the sources of
+// the drive; each call of a control module passes a seam, where the module's twin in double
+// precision computes the same from the same inputs. So a module that computes wrongly shows by its
+// name. What is not a control module's shows too: each word that the tick has left in state and
+// outputs is compared with the same word of the tick computed again.
 #pragma once
 
 #include "config.h"
@@ -27,8 +28,8 @@ struct Comparison {
     bool departs() const;
 };
 
-// Steps `drive` as drive_step() does. Returns what the control modules have computed, in the order of their calls. A
-// tolerance is what the roundings of one call can make, each at its worst.
+// Steps `drive` as drive_step() does. Returns what the control modules have computed, in the order
+// of their calls. A tolerance is what the roundings of one call can make, each at its worst.
 std::vector<Comparison> step_beside_twins(drive_t &drive, const drive_in_t &in, drive_out_t &out,
                                           const Bases &bases);
 

@@ -3,9 +3,9 @@
 //
 //     || && ! == != < <= > >= + - * / ( ) numbers, names, abs(x)
 //
-// with the usual precedence. A value is a double; true is 1, and whatever is not 0 counts as true. What is not known in a
-// run is NaN: neither true nor the same as anything, and no comparison but != holds. Comparisons do not chain. Names are
-// the caller's.
+// with the usual precedence. A value is a double; true is 1, and whatever is not 0 counts as true.
+// What is not known in a run is NaN: neither true nor the same as anything, and no comparison but
+// != holds. Comparisons do not chain. Names are the caller's.
 #pragma once
 
 #include "tick.h"

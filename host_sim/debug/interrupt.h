@@ -7,10 +7,12 @@
 namespace nf::debug
 {
 
-// What tells a program to end: a person (SIGINT), the system (SIGTERM), the terminal that is gone (SIGHUP).
+// What tells a program to end: a person (SIGINT), the system (SIGTERM), the terminal that is gone
+// (SIGHUP).
 std::vector<int> ending_signals();
 
-// As long as it lives, its signals are only noted; then they do what they did before. One may live within another.
+// As long as it lives, its signals are only noted; then they do what they did before. One may live
+// within another.
 class InterruptWatch
 {
 public:
@@ -28,7 +30,8 @@ private:
 // Since the last forget_interrupt(); never without a watch.
 bool was_interrupted();
 
-// Of SIGINT alone: another signal is no Ctrl-C that a person means for one command, and stays noted.
+// Of SIGINT alone: another signal is no Ctrl-C that a person means for one command, and stays
+// noted.
 void forget_interrupt();
 
 // By another signal than SIGINT: there will be no more lines.

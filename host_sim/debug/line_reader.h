@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// Where a session's commands come from: a person at a terminal, with editing, history and completion, or a file or pipe.
+// Where a session's commands come from: a person at a terminal, with editing, history and
+// completion, or a file or pipe.
 #pragma once
 
 #include <cstddef>
@@ -32,8 +33,8 @@ std::unique_ptr<LineReader> terminal_reader(const Complete &complete);
 
 constexpr std::size_t LINE_READABLE = 500; // of a command that is echoed
 
-// Echoes prompt and line to `echo`, so that the output reads like a session. Does not own the files.
-// `name`: of the script. next() throws InputError for a line that is too long for a command.
+// Echoes prompt and line to `echo`, so that the output reads like a session. Does not own the
+// files. `name`: of the script. next() throws InputError for a line that is too long for a command.
 std::unique_ptr<LineReader> stream_reader(std::FILE *from, std::FILE *echo,
                                           const std::string &name);
 

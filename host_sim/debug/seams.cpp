@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The seams of the instrumented drive: its calls of seam_f() in place of f() come here, are passed on, and what f() has
-// computed is compared with the twin.
+// The seams of the instrumented drive: its calls of seam_f() in place of f() come here, are passed
+// on, and what f() has computed is compared with the twin.
 #include "diff.h"
 
 #include "observer_roundings.h"
@@ -40,7 +40,8 @@ constexpr double CURRENT_LOOP_LSB = PI_LSB + 1.0 + INTEGRAL_LSB; // and the deco
 constexpr double ROOT_LSB = 1.0;                                 // of the circle
 constexpr double SPEED_LOOP_LSB = PI_LSB + 1.0;                  // and the feed-forward
 constexpr double MIDDLE_LSB = 1.0; // of a range that is not symmetric: a half, and it counts twice
-// α_r is good to 2^-17 turn; g·α_r is rounded down to 2^-32 turn by two shifts, the twin's radians to less.
+// α_r is good to 2^-17 turn; g·α_r is rounded down to 2^-32 turn by two shifts, the twin's radians
+// to less.
 constexpr double CURRENT_ANGLE_STEPS = 32768.0;
 constexpr double FIRING_ANGLE_STEPS = 1.1;
 constexpr double DUTY_LSB = 2.65; // β·√3/2 1.1, α/2 0.5, half the sum 1.05
@@ -163,8 +164,8 @@ void compare_network(const nn_observer_t &before, const nn_observer_t &after,
     const double advance = radians(before.speed_out);
     const Vector state = network_state(before, angle - advance);
     NnObserver twin = observer_twin(before, cfg, state);
-    // What decays is taken from the current as it was stored: rounded, and a little turned where θ̂ was pulled. It is turned
-    // by half a step of the speed at the last refresh.
+    // What decays is taken from the current as it was stored: rounded, and a little turned where θ̂
+    // was pulled. It is turned by half a step of the speed at the last refresh.
     const Vector error = twin.error();
     const double turned = std::abs(before.half_step_q15 / Q15 - advance / 2);
     const double restored = twin.decay().diagonal().maxCoeff() *
@@ -182,7 +183,8 @@ void compare_network(const nn_observer_t &before, const nn_observer_t &after,
     add({"e_d", "e_q"}, "A", si.current(after.error), limited(twin.error(), ERROR_MAX), output);
 }
 
-// e' = (1 − jρ)·(e_d + j·(L_q/L_d)·e_q): each product rounded down, that of e_q rotated again. Then b of (18).
+// e' = (1 − jρ)·(e_d + j·(L_q/L_d)·e_q): each product rounded down, that of e_q rotated again. Then
+// b of (18).
 void compare_gradient(const nn_observer_t &before, const nn_observer_t &after,
                       const nn_observer_cfg_t &cfg)
 {
@@ -222,8 +224,8 @@ twin::SpeedLoop speed_twin(const speed_loop_t &loop, const speed_loop_cfg_t &cfg
     return twin;
 }
 
-// d away from its target in units u, with B = 2^30/braking_inverse and s = √(d/B + c²): d rounded down to a unit makes
-// v_max/(2Bs), at its end v_max/(2Bc), the root v_max·2^-15, 2 steps more.
+// d away from its target in units u, with B = 2^30/braking_inverse and s = √(d/B + c²): d rounded
+// down to a unit makes v_max/(2Bs), at its end v_max/(2Bc), the root v_max·2^-15, 2 steps more.
 double profile_roundings(const position_loop_cfg_t &cfg, int64_t distance_q32)
 {
     const double units = std::abs(static_cast<double>(distance_q32)) * gain(1, cfg.distance_shift);
@@ -250,7 +252,8 @@ Vector integrals(const current_loop_t &loop)
     return Vector(loop.pi_d.integral_q26, loop.pi_q.integral_q26) * (si.bases.voltage_v / Q26);
 }
 
-// Of the dead-time compensation, LSB; drop and product rounded down. Never more than the whole of it, in either direction.
+// Of the dead-time compensation, LSB; drop and product rounded down. Never more than the whole of
+// it, in either direction.
 double compensation_roundings(const modulator_cfg_t &cfg, const Vector &ratio, double loss)
 {
     const double crossing = 2 * PHASE_LSB + 9 * (2 * ratio.norm() * PHASE_LSB + 1);
@@ -337,7 +340,8 @@ decltype(rotor_position_step) *seam_rotor_position_step = [](auto position, auto
         speed * DEG_PER_STEP, DEG_PER_STEP / 2);
 };
 
-// The reference adds the lag to the profile's speed: rounded down to 2^-16 turn, times the gain, and 1.
+// The reference adds the lag to the profile's speed: rounded down to 2^-16 turn, times the gain,
+// and 1.
 decltype(position_loop_step) *seam_position_loop_step = [](auto loop, auto cfg, auto target,
                                                            auto measured, auto ticks) {
     const auto rad = [](int64_t q32) { return radians(static_cast<double>(q32)); };
@@ -427,8 +431,8 @@ decltype(virtual_resistance_step) *seam_virtual_resistance_step = [](auto res, a
     return drop;
 };
 
-// Each product is rounded down and then doubled: one of the low-pass, and in each part of the swing two of the turn and one
-// of the share, which is turned as well.
+// Each product is rounded down and then doubled: one of the low-pass, and in each part of the swing
+// two of the turn and one of the share, which is turned as well.
 decltype(torque_filter_step) *seam_torque_filter_step = [](auto filter, auto cfg, auto i) {
     const double q26 = si.bases.current_a / Q26;
     const auto swing = [&](dq_t z) { return std::complex<double>(z.d, z.q) * q26; };
@@ -464,8 +468,8 @@ decltype(current_loop_model) *seam_current_loop_model = [](auto loop, auto i) {
     return v;
 };
 
-// At the circle the axis that comes second is √(limit² − other²): an error of the other one counts |other/second| times. What
-// the circle takes is given back to the second one's integral.
+// At the circle the axis that comes second is √(limit² − other²): an error of the other one counts
+// |other/second| times. What the circle takes is given back to the second one's integral.
 decltype(current_loop_step) *seam_current_loop_step = [](auto loop, auto cfg, auto reference,
                                                          auto measured, auto limit) {
     si.cfg.current_loop = *cfg;

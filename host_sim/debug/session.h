@@ -36,8 +36,8 @@ public:
     {
     }
 
-    // Forwards until one of the breaks, the condition, an interrupt or the last tick. The reason as a line. After an
-    // interrupt the same call goes on as if there had been none.
+    // Forwards until one of the breaks, the condition, an interrupt or the last tick. The reason as
+    // a line. After an interrupt the same call goes on as if there had been none.
     std::string run_until(const Value &condition, const std::string &text);
 
     // What to say before the position there: nothing, or that an interrupt came before.

@@ -65,7 +65,8 @@ Change force_channel(ScriptedRun::Channel channel, int64_t raw)
             [=](ScriptedRun &run) { run.release_channel(channel); }};
 }
 
-// The drive keeps watch over its configuration: what a person sets is sealed as if it had been built so.
+// The drive keeps watch over its configuration: what a person sets is sealed as if it had been
+// built so.
 void write_configuration(const SignalInfo &signal, int64_t raw, const Seam &seam)
 {
     write_word(signal.word, raw, seam);
@@ -75,7 +76,8 @@ void write_configuration(const SignalInfo &signal, int64_t raw, const Seam &seam
     }
 }
 
-// What the firmware takes for granted: a configuration that it accepts, and of it a state that it can come to.
+// What the firmware takes for granted: a configuration that it accepts, and of it a state that it
+// can come to.
 void check_change(const SignalInfo &signal, int64_t raw, const ScriptedRun &run)
 {
     drive_cfg_t cfg = run.sim().cfg();

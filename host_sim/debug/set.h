@@ -14,8 +14,8 @@ enum class Span {
     for_ever
 };
 
-// "NAME = VALUE" or "NAME.raw = VALUE"; from the present tick on. The answer is a line. Throws std::runtime_error for
-// what cannot be set, or not so.
+// "NAME = VALUE" or "NAME.raw = VALUE"; from the present tick on. The answer is a line. Throws
+// std::runtime_error for what cannot be set, or not so.
 std::string set_signal(Timeline &timeline, const std::string &assignment, Span span);
 
 } // namespace nf::debug

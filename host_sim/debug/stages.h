@@ -16,7 +16,8 @@ struct Stage {
     // A word of which it depends whether a tick has this stage; NULL: each has.
     const char *flag = nullptr;
     bool shown_with = true; // while the flag is not 0, or while it is
-    // Only in these; empty: in each. A table leaves it out, which gcc allows of what has an initialiser.
+    // Only in these; empty: in each. A table leaves it out, which gcc allows of what has an
+    // initialiser.
     std::vector<drive_state_t> states = {}; // NOLINT(readability-redundant-member-init)
 };
 

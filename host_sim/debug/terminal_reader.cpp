@@ -36,7 +36,8 @@ char **attempt(const char *word, int start, int end)
     return rl_completion_matches(word, next_candidate);
 }
 
-// The library's own reading goes on after a signal. An interrupt is let in only while it waits, so that none is missed.
+// The library's own reading goes on after a signal. An interrupt is let in only while it waits, so
+// that none is missed.
 int next_key(std::FILE *from)
 {
     const int file = fileno(from);

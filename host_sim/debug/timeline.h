@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 // A run that can be at any of its ticks, forwards and backwards.
 //
-// At a tick its control interrupt has run: the drive's signals are those of t_k, and so is the truth. Backwards is a
-// snapshot and the ticks from there: a run is its inputs, so it comes to the same bits. Snapshots are thinned out as
-// the run gets longer: there are never more than SNAPSHOTS_MAX, evenly spaced, and a way back runs at most one spacing.
-// Of a run without an end the recent past alone is kept: its snapshots are not thinned out, and what is older is gone.
+// At a tick its control interrupt has run: the drive's signals are those of t_k, and so is the
+// truth. Backwards is a snapshot and the ticks from there: a run is its inputs, so it comes to the
+// same bits. Snapshots are thinned out as the run gets longer: there are never more than
+// SNAPSHOTS_MAX, evenly spaced, and a way back runs at most one spacing. Of a run without an end
+// the recent past alone is kept: its snapshots are not thinned out, and what is older is gone.
 #pragma once
 
 #include "scripted_run.h"
@@ -26,8 +27,8 @@ public:
 
     static constexpr int64_t FOR_EVER = std::numeric_limits<int64_t>::max();
 
-    // At the first tick. Throws ConfigError. The configuration must outlive it. `keep`: at least so many ticks of the past
-    // can be reached.
+    // At the first tick. Throws ConfigError. The configuration must outlive it. `keep`: at least so
+    // many ticks of the past can be reached.
     explicit Timeline(const Config &config, int64_t keep = FOR_EVER);
     explicit Timeline(const RecordedRun &recorded);
 
@@ -60,11 +61,12 @@ public:
 
     // One tick on; false at the last one.
     bool step();
-    // To a tick, first() … last(). Ends at an earlier one, with false, when `stop` says so after some tick.
+    // To a tick, first() … last(). Ends at an earlier one, with false, when `stop` says so after
+    // some tick.
     bool go_to(int64_t tick, bool (*stop)() = nullptr);
 
-    // What is done to the run, after the control interrupt of each tick from the present one to `until`; on the way
-    // again it happens again. `subject` names it for release().
+    // What is done to the run, after the control interrupt of each tick from the present one to
+    // `until`; on the way again it happens again. `subject` names it for release().
     using Act = std::function<void(ScriptedRun &)>;
     void edit(const std::string &subject, const std::string &text, int64_t until, const Act &act,
               const Act &end = {});

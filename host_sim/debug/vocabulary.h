@@ -23,8 +23,8 @@ Named named_signal(const std::string &name);
 // Signals in SI units, their raw values, states and faults as numbers. Throws like named_signal().
 Value named_value(const std::string &name);
 
-// "speed_rpm  999.8 rpm"; a word of the firmware with its raw value and format, and with what a recording
-// has of it.
+// "speed_rpm 999.8 rpm"; a word of the firmware with its raw value and format, and with what a
+// recording has of it.
 std::string signal_line(const Named &named, const Tick &tick);
 
 // All signals, states and faults.

@@ -21,7 +21,8 @@ namespace
 
 constexpr int LINKS_MAX = 40; // in a row; the system follows no more either
 
-// Whether a path leads through /proc to a file that is open already, as /dev/stdout does: others write to it too.
+// Whether a path leads through /proc to a file that is open already, as /dev/stdout does: others
+// write to it too.
 bool is_open_already(fs::path path)
 {
     std::error_code error;

@@ -13,8 +13,8 @@ struct Demands {
     double speed_rpm = 0;         // of the shaft, with its swings
 };
 
-// By the firmware's own rules. plate: as load_plate() has read it. Throws ConfigError where the firmware cannot hold the plate
-// with its board.
+// By the firmware's own rules. plate: as load_plate() has read it. Throws ConfigError where the
+// firmware cannot hold the plate with its board.
 Demands demands_of(const Config &plate);
 
 } // namespace nf::identify

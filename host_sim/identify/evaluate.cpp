@@ -21,7 +21,8 @@ constexpr double SCALE_OFF = 1e-3; // the files' scales and the records' are tho
 // The mean change of a sensor from sample to sample is 2/√π of its standard deviation.
 constexpr double CHANGE_TO_SIGMA = 0.88622692545275801365;
 constexpr double KNEE_SEEN = 1e-3; // of the continuous current: a smaller one is none
-// Of the noise: a converter's steps are no noise of their own where it is small, and the ripple adds to it.
+// Of the noise: a converter's steps are no noise of their own where it is small, and the ripple
+// adds to it.
 constexpr double NOISE_UNSURE_LSB = 0.05;
 constexpr double NOISE_UNSURE = 0.03;
 constexpr double ROUNDING_NOISE_LSB = 0.28867513459481288225; // 1/√12, of a staircase
@@ -55,7 +56,8 @@ double pct(double part, double whole)
     return whole != 0 ? IN_PER_CENT * part / std::abs(whole) : 0;
 }
 
-// 1.5·P²·φ²/J: over L the square of the frequency with which the rotor swings against a current that it induces.
+// 1.5·P²·φ²/J: over L the square of the frequency with which the rotor swings against a current
+// that it induces.
 double rotor_h_s2(const Flux &flux, const Shaft &shaft, int pole_pairs)
 {
     return 1.5 * pole_pairs * pole_pairs * flux.wb.value * flux.wb.value /
@@ -127,8 +129,8 @@ void fill_bars(MeasuredSettings &m, const Legs &legs, const Inductances &l, cons
     }
 }
 
-// How much of a converter's rounding is left in a mean. Noise smooths the staircase: its first harmonic falls with the rms of
-// the noise, here in counts.
+// How much of a converter's rounding is left in a mean. Noise smooths the staircase: its first
+// harmonic falls with the rms of the noise, here in counts.
 double left_of_rounding(double noise_lsb)
 {
     return std::exp(-2 * PI * PI * noise_lsb * noise_lsb);
@@ -173,7 +175,8 @@ void remark_flux(const Flux &flux, std::vector<std::string> &remarks)
     }
 }
 
-// φ is the same at each speed. What R and the legs have wrong makes an error that falls with the speed.
+// φ is the same at each speed. What R and the legs have wrong makes an error that falls with the
+// speed.
 void remark_trend(const Flux &flux, int pole_pairs, std::vector<std::string> &remarks)
 {
     const auto slower = [](const FluxAtSpeed &a, const FluxAtSpeed &b) {
@@ -223,8 +226,9 @@ void add_hidden_lag(const OtherLag &hidden, Legs &legs)
     widen_to(legs.knee_a, hidden.legs.knee_a);
 }
 
-// As sensors without a low pass would have shown the currents. Legs and inductances are found anew of them; what that changes
-// is a bound of what is found, as the correction is good to a part of itself.
+// As sensors without a low pass would have shown the currents. Legs and inductances are found anew
+// of them; what that changes is a bound of what is found, as the correction is good to a part of
+// itself.
 Records undo_lag(const Records &sent, Legs &legs, Inductances &rough, double current_a)
 {
     if (rough.lag.s.value <= 0) {
@@ -276,8 +280,8 @@ void remark_phases(const Phases &phases, std::vector<std::string> &remarks)
     }
 }
 
-// That which turns under the pulses across; 0: as much as in the ramps. With a load beyond LOAD_RATIO_MOST it is no rotor that
-// shows there, and the bar of L_q alone has it.
+// That which turns under the pulses across; 0: as much as in the ramps. With a load beyond
+// LOAD_RATIO_MOST it is no rotor that shows there, and the bar of L_q alone has it.
 double rotor_alone_kg_m2(const Flux &flux, const Shaft &shaft, const Inductances &inductances,
                          int pole_pairs)
 {

@@ -24,8 +24,8 @@ struct Result {
         remarks; // a line each, for a person: what does not fit, what was not seen
 };
 
-// plate: as load_plate() has read it, with the board of the records. temperature_c: of the winding. Throws ConfigError, one
-// line, where the records do not go with the files or end too early.
+// plate: as load_plate() has read it, with the board of the records. temperature_c: of the winding.
+// Throws ConfigError, one line, where the records do not go with the files or end too early.
 Result evaluate(const Records &sent, const Config &plate, double temperature_c);
 
 } // namespace nf::identify

@@ -21,11 +21,12 @@ struct Finding {
 };
 std::vector<Finding> findings_of(const Result &result);
 
-// A table: each value with its error bar, and beside it the true one where the motor is simulated. The bars are
-// those of bar_of().
+// A table: each value with its error bar, and beside it the true one where the motor is simulated.
+// The bars are those of bar_of().
 std::string table_text(const Result &result, const std::optional<Truth> &truth);
 
-// The same as JSON: of each value `value`, `bar` and `truth`, in SI units. duration_s: of the identification.
+// The same as JSON: of each value `value`, `bar` and `truth`, in SI units. duration_s: of the
+// identification.
 std::string json_text(const Result &result, const std::optional<Truth> &truth, double duration_s);
 
 } // namespace nf::identify

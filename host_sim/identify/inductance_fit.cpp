@@ -17,15 +17,16 @@ namespace
 constexpr std::size_t BURSTS_MIN = 6;
 constexpr int SEARCHES = 30;
 constexpr double FOUND = 1e-6;
-// How bursts weigh against each other. What L of the loss is not known: the current ripples, and the edges of the pulses see
-// another current than the mean. Small pulses across let the current of a leg cross zero within a period, where its loss turns
-// over: of second order in the loss, once in a quarter.
+// How bursts weigh against each other. What L of the loss is not known: the current ripples, and
+// the edges of the pulses see another current than the mean. Small pulses across let the current of
+// a leg cross zero within a period, where its loss turns over: of second order in the loss, once in
+// a quarter.
 constexpr double INDUCTANCE_SCALE = 2e-3; // voltage and ripple of the current
 constexpr double LOSS_UNSURE = 0.02;
 constexpr double CROSSING_UNSURE = 2;
-// Bounds of the results: of the voltage's scale and the ripple; of the loss; of a current that crosses zero; of the decay of
-// the current in a period, and of the loss that moves the edges between which it decays. Their sizes were found on simulated
-// motors.
+// Bounds of the results: of the voltage's scale and the ripple; of the loss; of a current that
+// crosses zero; of the decay of the current in a period, and of the loss that moves the edges
+// between which it decays. Their sizes were found on simulated motors.
 constexpr double SCALE_BOUND = 2e-3;
 constexpr double ALONG_LOSS_BOUND = 0.015;
 constexpr double ACROSS_LOSS_BOUND = 0.02;
@@ -34,10 +35,12 @@ constexpr double DECAY_BOUND = 0.04;
 constexpr double DECAY_LOSS_BOUND = 0.2;
 // Added between the currents: what the curves do not follow.
 constexpr double CURVE_BOUND = 2e-3;
-// Of 1/L at the continuous current: what the fourth power makes of it, and what as much current along does.
+// Of 1/L at the continuous current: what the fourth power makes of it, and what as much current
+// along does.
 constexpr double QUARTIC_MOST = 0.03;
 constexpr double SHARED_MOST = 0.1;
-// Of slow over fast pulses: they agree without a low pass of the sensors. Of the loss and the decay in a period likewise.
+// Of slow over fast pulses: they agree without a low pass of the sensors. Of the loss and the decay
+// in a period likewise.
 constexpr double LAG_SCALE = 2e-3;
 constexpr double LAG_LOSS_UNSURE = 0.025;
 constexpr double LAG_DECAY_UNSURE = 0.05;
@@ -80,8 +83,8 @@ double along_a(const Record &r)
     return r.across ? r.i_a.real() : r.current_a;
 }
 
-// Pulses across turn the rotor a little, and over a whole pattern its EMF helps them: with dω/dt = 1.5·P²·φ/J·i the change of
-// the current is larger by a third of 1.5·P²·φ²/J·t²/L in quarters of t.
+// Pulses across turn the rotor a little, and over a whole pattern its EMF helps them: with dω/dt =
+// 1.5·P²·φ/J·i the change of the current is larger by a third of 1.5·P²·φ²/J·t²/L in quarters of t.
 double with_still_rotor(double inductance_h, double quarter_s, double rotor_h_s2)
 {
     return inductance_h + rotor_h_s2 * quarter_s * quarter_s / 3;
@@ -141,8 +144,9 @@ double across_bound(const Burst &burst, double decay)
            decay * (DECAY_BOUND + DECAY_LOSS_BOUND * burst.lost_share);
 }
 
-// L0/L of the bursts over the columns that `row` makes of each, every row by how sure it is. Behind them stand what is known
-// of iron beforehand, column by column: 0, to about so much; 0: nothing is.
+// L0/L of the bursts over the columns that `row` makes of each, every row by how sure it is. Behind
+// them stand what is known of iron beforehand, column by column: 0, to about so much; 0: nothing
+// is.
 Fit fit_inverse(const std::vector<Burst> &bursts, const std::vector<double> &expected,
                 const std::function<std::vector<double>(const Burst &)> &row_of)
 {
@@ -168,7 +172,8 @@ Fit fit_inverse(const std::vector<Burst> &bursts, const std::vector<double> &exp
     return fit_linear(rows, inverse);
 }
 
-// Along: a parabola over the bias. The first value is that at the current `at_a`, and so is its standard deviation.
+// Along: a parabola over the bias. The first value is that at the current `at_a`, and so is its
+// standard deviation.
 Fit fit_along(const std::vector<Burst> &bursts, double scale_a, double at_a)
 {
     const double at = at_a / scale_a;
@@ -178,8 +183,9 @@ Fit fit_along(const std::vector<Burst> &bursts, double scale_a, double at_a)
     });
 }
 
-// Across: over even powers of the pulses' current, and over the current along: at rest some is needed to hold the rotor, and
-// it saturates the iron too. The first value is that for pulses of `at_a` without it.
+// Across: over even powers of the pulses' current, and over the current along: at rest some is
+// needed to hold the rotor, and it saturates the iron too. The first value is that for pulses of
+// `at_a` without it.
 Fit fit_across(const std::vector<Burst> &bursts, double scale_a, double at_a)
 {
     const double at = std::pow(at_a / scale_a, 2);
@@ -314,7 +320,8 @@ std::vector<BurstPair> pairs_along(const Records &records)
     return pairs;
 }
 
-// How much more L the slow ones have of the pairs, as a logarithm: nothing, with the right time constant of the sensors.
+// How much more L the slow ones have of the pairs, as a logarithm: nothing, with the right time
+// constant of the sensors.
 struct SlowOverFast {
     double mean = 0;
     double std = 0;    // of it

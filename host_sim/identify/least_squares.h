@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// Least squares: the parameters for which the sum of the squared residuals is smallest, and how sure they are.
+// Least squares: the parameters for which the sum of the squared residuals is smallest, and how
+// sure they are.
 #pragma once
 
 #include <functional>
@@ -16,10 +17,12 @@ struct Fit {
     double rms = 0;            // of them, over the degrees of freedom
 };
 
-// Of a linear model: rows·x against the measured. More rows than columns, of full rank; else std is 0 or not finite.
+// Of a linear model: rows·x against the measured. More rows than columns, of full rank; else std is
+// 0 or not finite.
 Fit fit_linear(const Eigen::MatrixXd &rows, const Eigen::VectorXd &measured);
 
-// Of a model that is not linear, by Levenberg and Marquardt's method from `start` on, derivatives by differences.
+// Of a model that is not linear, by Levenberg and Marquardt's method from `start` on, derivatives
+// by differences.
 Fit fit_curve(const std::function<Eigen::VectorXd(const Eigen::VectorXd &)> &residuals,
               const Eigen::VectorXd &start);
 

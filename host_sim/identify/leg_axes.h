@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// The axes of the three legs in the frame of one phase, and what of a leg's voltage the winding gets.
+// The axes of the three legs in the frame of one phase, and what of a leg's voltage the winding
+// gets.
 #pragma once
 
 #include <complex>

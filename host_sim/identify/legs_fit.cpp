@@ -14,13 +14,14 @@ namespace
 {
 
 constexpr std::size_t LEVELS_MIN = 12;
-// What is known of the way from the demand to the motor, which scales all voltages: the modulator's reciprocal of the bus is
-// good to 2^-11, the bus converter to half a count of 4096.
+// What is known of the way from the demand to the motor, which scales all voltages: the modulator's
+// reciprocal of the bus is good to 2^-11, the bus converter to half a count of 4096.
 constexpr double VOLTAGE_SCALE = 5e-4;
-// Of the bus voltage: a step of the timer and its rounding, averaged over a window and over the axes.
+// Of the bus voltage: a step of the timer and its rounding, averaged over a window and over the
+// axes.
 constexpr double TIMER_UNSURE = 1.6e-5;
-// Of the decay in a period times the loss, and of its square: the sample is not the mean of a current that decays between two
-// edges. Their sizes were found on simulated motors.
+// Of the decay in a period times the loss, and of its square: the sample is not the mean of a
+// current that decays between two edges. Their sizes were found on simulated motors.
 constexpr double RIPPLE_OF_R = 0.04;
 constexpr double SAMPLE_OF_R = 0.012;
 constexpr double RIPPLE_OF_LOSS = 0.015;
@@ -29,15 +30,18 @@ constexpr double RIPPLE_OF_KNEE = 2e-3;
 constexpr double KNEE_UNSEEN = 2.5e-4;
 constexpr double KNEE_UNSURE = 5e-3;
 constexpr double MISMATCH_UNSURE = 6e-4; // of a gain: the steps of the converter
-// Of the loss: the drop of the devices, which a bus that sags under the current does not change as it changes the dead time's.
+// Of the loss: the drop of the devices, which a bus that sags under the current does not change as
+// it changes the dead time's.
 constexpr double DROP_OF_LOSS = 0.25;
-// Of R: a smaller rise is not told from what differs between the axes, and then half of it is in the bound of R.
+// Of R: a smaller rise is not told from what differs between the axes, and then half of it is in
+// the bound of R.
 constexpr double WARMING_SEEN = 0.01;
 constexpr double WARMING_SIGMAS = 3;
 
-// The loss of a leg whose capacitance is all at the ends of the output's swing, as that of silicon nearly is. Beyond the knee
-// it is that of a constant capacitance, as both swings of a period are symmetric; below, it is as different as it can be.
-// Half of what R moves with it is a bound on what the knee's shape does.
+// The loss of a leg whose capacitance is all at the ends of the output's swing, as that of silicon
+// nearly is. Beyond the knee it is that of a constant capacitance, as both swings of a period are
+// symmetric; below, it is as different as it can be. Half of what R moves with it is a bound on
+// what the knee's shape does.
 double other_share(double z)
 {
     const double size = std::abs(z);
@@ -51,7 +55,8 @@ struct Level {
     double measured_a = 0;
     double voltage_v = 0;
     double bus_share = 1; // of the mean over all levels
-    // What the winding has taken up until the middle of it: 0 at the beginning, 1 at the end of the rest.
+    // What the winding has taken up until the middle of it: 0 at the beginning, 1 at the end of the
+    // rest.
     double heat = 0;
 };
 
@@ -133,8 +138,8 @@ double largest_current(const std::vector<Level> &levels)
     return largest;
 }
 
-// The knee decides into which valley the fit falls: the best of several beginnings. parameters: the last one may be left
-// out, and is 0 then.
+// The knee decides into which valley the fit falls: the best of several beginnings. parameters: the
+// last one may be left out, and is 0 then.
 Fit fit_shape(const std::vector<Level> &levels, double (*shape)(double), Parameter parameters)
 {
     Eigen::MatrixXd rows(static_cast<Eigen::Index>(levels.size()), 2);

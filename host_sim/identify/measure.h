@@ -22,8 +22,9 @@ using Listener = std::function<void(const std::string &)>;
 // Before each control tick: what happens to the machine.
 using Event = std::function<void(Simulation &)>;
 
-// Runs it to its end on the motor of `sim`, from power-up on. It ends by itself within 2 minutes after its start; a drive
-// that has a fault before is refused with the fault's name, and one that has not ended after 130 s is refused too.
+// Runs it to its end on the motor of `sim`, from power-up on. It ends by itself within 2 minutes
+// after its start; a drive that has a fault before is refused with the fault's name, and one that
+// has not ended after 130 s is refused too.
 Measurement measure(Simulation &sim, const Listener &listener = {}, const Event &event = {});
 
 } // namespace nf::identify

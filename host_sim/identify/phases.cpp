@@ -10,7 +10,8 @@ namespace
 {
 
 constexpr double PHASE_SIGMAS = 4;
-// Of an axis: what three like phases may differ by, as the converters' steps and the position of the rotor do not repeat.
+// Of an axis: what three like phases may differ by, as the converters' steps and the position of
+// the rotor do not repeat.
 constexpr double RESISTANCE_ALIKE = 4e-3;
 constexpr double INDUCTANCE_ALIKE = 6e-3;
 
@@ -22,8 +23,8 @@ Value ratio_of(const Value &difference)
     return {(1 + half) / (1 - half) - 1, difference.std * slope, difference.bound * slope};
 }
 
-// Of an axis over the mean, less one, and of its phase over the other two: the axis has half of the phase, and the others half
-// of the rest.
+// Of an axis over the mean, less one, and of its phase over the other two: the axis has half of the
+// phase, and the others half of the rest.
 double of_phase(double axis_share)
 {
     const double phase = 2 * axis_share;

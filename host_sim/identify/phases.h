@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// Whether the three phases of a motor are alike, and what of their difference is one of the current sensors.
+// Whether the three phases of a motor are alike, and what of their difference is one of the current
+// sensors.
 #pragma once
 
 #include "inductance_fit.h"
@@ -16,8 +17,9 @@ struct Phases {
     double inductance_share = 0; // 0: too little to be told
 };
 
-// Along the axis of a phase R and L are the mean of the phase and of all three. The gain of a sensor changes R and L of its
-// axis alike, a contact R only, and a winding of fewer turns R by as many and L by twice as many.
+// Along the axis of a phase R and L are the mean of the phase and of all three. The gain of a
+// sensor changes R and L of its axis alike, a contact R only, and a winding of fewer turns R by as
+// many and L by twice as many.
 Phases fit_phases(const Legs &legs, const Inductances &inductances);
 
 } // namespace nf::identify

@@ -69,7 +69,8 @@ public:
         emf_ = emf;
     }
 
-    // Half of what a leg loses in a period it loses at each of its edges, against the current that it then has.
+    // Half of what a leg loses in a period it loses at each of its edges, against the current that
+    // it then has.
     void run_period(Vector voltage)
     {
         Vector potential = 0;
@@ -95,7 +96,8 @@ private:
         follow(from, duration_s);
     }
 
-    // The low pass of the sensors while the current runs straight, which it nearly does between two edges.
+    // The low pass of the sensors while the current runs straight, which it nearly does between two
+    // edges.
     void follow(Vector from, double duration_s)
     {
         const double way = lag_s_ > 0 ? duration_s / lag_s_ : 0;
@@ -123,7 +125,8 @@ double sign_of_pulse(int tick, int quarter_ticks)
     return part == 1 || part == 2 ? -1 : 1;
 }
 
-// By how much a current in this direction seems larger than it is at the sample, with the voltage that holds it there.
+// By how much a current in this direction seems larger than it is at the sample, with the voltage
+// that holds it there.
 Vector seen_more(const Record &r, const Legs &legs, double inductance_h, double lag_s,
                  Vector direction)
 {
@@ -141,7 +144,8 @@ Vector seen_more(const Record &r, const Legs &legs, double inductance_h, double 
     return (winding.seen() - current) / direction;
 }
 
-// The mean over the directions that a vector passes when it turns: the legs have the same edges in each sixth.
+// The mean over the directions that a vector passes when it turns: the legs have the same edges in
+// each sixth.
 Vector mean_seen_more(const Record &r, const Legs &legs, double inductance_h, double lag_s)
 {
     constexpr int directions = 12;

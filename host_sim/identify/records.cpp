@@ -35,7 +35,8 @@ constexpr std::size_t SCALE_NUMBERS = 5;
 constexpr std::size_t RECORD_NUMBERS = 19;
 const char *const KINDS[] = {"pulse", "catch", "still", "burst", "spin", "ramp", "hold", "coast"};
 
-// What the firmware can have sent: the ranges of the words of probe.h and of a shift; and no motor has more pole pairs.
+// What the firmware can have sent: the ranges of the words of probe.h and of a shift; and no motor
+// has more pole pairs.
 struct Range {
     const char *what;
     double least;
@@ -205,7 +206,8 @@ std::optional<uint32_t> take_checksum(std::string &text)
     return value;
 }
 
-// A logger may put anything in front, so the part begins at the last mark. Nothing where there is none.
+// A logger may put anything in front, so the part begins at the last mark. Nothing where there is
+// none.
 std::optional<Part> part_of(const std::string &line)
 {
     std::size_t from = std::string::npos;
@@ -228,7 +230,8 @@ struct Refusal {
     std::string text;
 };
 
-// Line by line. A new first line begins anew: a log may have several identifications, the last one counts.
+// Line by line. A new first line begins anew: a log may have several identifications, the last one
+// counts.
 class Reader
 {
 public:
@@ -280,8 +283,8 @@ private:
         last_ = part;
     }
 
-    // A log that has each line twice. Without checksums the first line says it, which no identification sends twice: two
-    // records may be alike.
+    // A log that has each line twice. Without checksums the first line says it, which no
+    // identification sends twice: two records may be alike.
     bool is_twice(const Part &part)
     {
         const bool alike = last_ && *last_ == part;

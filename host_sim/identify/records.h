@@ -18,8 +18,8 @@ struct Scales {
     int pole_pairs = 0;
 };
 
-// One window. Vectors are in the frame of the imposed current: real along it, imaginary across. Means over the window,
-// except where another is said.
+// One window. Vectors are in the frame of the imposed current: real along it, imaginary across.
+// Means over the window, except where another is said.
 struct Record {
     std::string kind;      // pulse, catch, still, burst, spin, ramp, hold, coast
     int axis = 0;          // of phase a, b, c: 0, 1, 2
@@ -36,8 +36,8 @@ struct Record {
     std::complex<double>
         change_a; // sum of the current's changes by the pulses, each with the sign of its pulse
     double speed_el_rad_s = 0; // of the vector
-    double torque =
-        0; // sum of power of the EMF over speed, U_b·I_b/Ω_b, two thirds of P·torque in them; V·A·s a tick
+    double torque = 0; // sum of power of the EMF over speed, U_b·I_b/Ω_b, two thirds of P·torque in
+                       // them; V·A·s a tick
 };
 
 struct Records {
@@ -49,12 +49,14 @@ struct Records {
     std::vector<Record> of(const std::string &kind) const;
 };
 
-// Reads the lines of a console's log (log_file.h); of several identifications the last one counts. What a logger puts in
-// front of a line is skipped, and so is what is no record, and a line that the log has twice. Throws ConfigError with one
-// line that names `name`, the line, what was found and what is expected: for a checksum that does not come out, as where a
-// digit was changed or a record is missing; for records that end early; for records of another version, a record before the
-// scales, a number too many or too few, no number or one that the firmware cannot send, an unknown kind; with the drive's own
-// words where it has refused; and for no record at all. Records of version 1, which had no checksums, are read with a remark.
+// Reads the lines of a console's log (log_file.h); of several identifications the last one counts.
+// What a logger puts in front of a line is skipped, and so is what is no record, and a line that
+// the log has twice. Throws ConfigError with one line that names `name`, the line, what was found
+// and what is expected: for a checksum that does not come out, as where a digit was changed or a
+// record is missing; for records that end early; for records of another version, a record before
+// the scales, a number too many or too few, no number or one that the firmware cannot send, an
+// unknown kind; with the drive's own words where it has refused; and for no record at all. Records
+// of version 1, which had no checksums, are read with a remark.
 Records read_records(const std::vector<std::string> &lines, const std::string &name);
 
 // Of a log file. Throws ConfigError, or InputError where it cannot be read.

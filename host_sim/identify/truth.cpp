@@ -23,7 +23,8 @@ double mean_of(const double (&of_phases)[PLANT_LEGS])
     return (of_phases[0] + of_phases[1] + of_phases[2]) / 3;
 }
 
-// What is left of the turns of three windings (windings.h), over all directions of a vector: as in EMF and R, and as in L.
+// What is left of the turns of three windings (windings.h), over all directions of a vector: as in
+// EMF and R, and as in L.
 struct Turns {
     double mean;
     double mean_square;

@@ -27,8 +27,8 @@ struct Truth {
     plant_iron_cfg_t iron{};
 };
 
-// Of the machine of a configuration: its motor times the scales of [plant], its board, saturated iron. Throws ConfigError
-// as make_plant_cfg() does.
+// Of the machine of a configuration: its motor times the scales of [plant], its board, saturated
+// iron. Throws ConfigError as make_plant_cfg() does.
 Truth truth_of(const Config &config);
 
 // L_d for small changes of a current along, without i_q.
@@ -37,7 +37,8 @@ double inductance_d_h(const Truth &truth, double current_a);
 // L_q, flux over current across, without i_d. current_a: above 0.
 double inductance_q_h(const Truth &truth, double current_a);
 
-// What a leg with this dead time and knee loses against a current, as a time, s: the whole dead time far beyond the knee.
+// What a leg with this dead time and knee loses against a current, as a time, s: the whole dead
+// time far beyond the knee.
 double lost_time_s(double dead_time_s, double knee_a, double current_a);
 
 } // namespace nf::identify

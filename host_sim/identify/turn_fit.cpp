@@ -15,8 +15,9 @@ namespace nf::identify
 namespace
 {
 
-// Of the median of the coasting windows: a window that is off by more is of a rotor that was lost or stands. Of φ with
-// current: a coasting that disagrees by so much more than the bars does not count.
+// Of the median of the coasting windows: a window that is off by more is of a rotor that was lost
+// or stands. Of φ with current: a coasting that disagrees by so much more than the bars does not
+// count.
 constexpr double COAST_OFF = 0.1;
 constexpr std::size_t COAST_WINDOWS = 6; // the first of them: later ones are slower
 constexpr double TORQUE_FACTOR = 1.5;
@@ -35,11 +36,12 @@ constexpr double TURN_UNSURE = 0.03; // rad, of the frame's angle at the ends of
 constexpr double TURNING_LOSS_UNSURE = 0.06; // ripple: a leg whose current is smaller loses nothing
 constexpr double ALIKE_UNSURE = 5;         // of friction: windows that follow each other err alike
 constexpr double BOTH_LOSS_UNSURE = 0.024; // of both ways together, found on simulated motors
-// Of one window against another at another speed: of the loss, and of R·i where the rotor swings over its cogging.
+// Of one window against another at another speed: of the loss, and of R·i where the rotor swings
+// over its cogging.
 constexpr double TREND_LOSS_UNSURE = 0.1;
 constexpr double TREND_SWING_UNSURE = 0.02;
-// Of a load that swings: the impulse that is left after a ramp, over the bound of J, and what of it errors explain; of the rest
-// in J; what ramps of unlike steepness are apart,
+// Of a load that swings: the impulse that is left after a ramp, over the bound of J, and what of it
+// errors explain; of the rest in J; what ramps of unlike steepness are apart,
 // over both bars; a time of the swing over that of a window, its angle.
 constexpr double LEFT_SEEN = 6;
 constexpr double SCATTER_SEEN = 3; // of pairs of one steepness, over that bound
@@ -48,7 +50,8 @@ constexpr double LEFT_UNSURE = 2;
 constexpr double INERTIA_UNSURE_MOST = 3; // of a J that is of any use
 constexpr double APART_SEEN = 1.5;
 constexpr double SWING_UNSURE = 8;
-// Windows of one speed and current: their torques are apart by so much of that of the steepest ramps. Of 500 rigid machines one reaches it.
+// Windows of one speed and current: their torques are apart by so much of that of the steepest
+// ramps. Of 500 rigid machines one reaches it.
 constexpr double UNLIKE_SEEN = 0.2;
 constexpr double FRICTION_UNLIKE = 0.15; // of friction, from window to window
 constexpr double HIGHEST = 0.99;
@@ -88,8 +91,9 @@ double scatter_of(const std::vector<double> &values)
     return count > 1 ? std::sqrt(squares / (count - 1) / count) : 0;
 }
 
-// What the rotor, ωL and the legs make of a window: the voltage less R·i. A demand stays in space for a period while the
-// frame turns: the mean of what turns is smaller by a sinc, and so is the demand that holds against it.
+// What the rotor, ωL and the legs make of a window: the voltage less R·i. A demand stays in space
+// for a period while the frame turns: the mean of what turns is smaller by a sinc, and so is the
+// demand that holds against it.
 std::complex<double> without_resistance_v(const Record &r, const Legs &legs)
 {
     const double held = sinc(r.speed_el_rad_s * legs.period_s / 2);
@@ -104,7 +108,8 @@ std::complex<double> induced_v(const Record &r, const Legs &legs)
     return without_resistance_v(r, legs) - lost * r.i_a;
 }
 
-// φ of a window that turns: L_q·i belongs to the voltage whatever the load angle, (L_d − L_q)·i_d to the flux.
+// φ of a window that turns: L_q·i belongs to the voltage whatever the load angle, (L_d − L_q)·i_d
+// to the flux.
 double flux_of(const Record &r, const Legs &legs, const Inductances &l)
 {
     const std::complex<double> j(0, 1);
@@ -131,8 +136,9 @@ std::vector<double> fluxes_beside(const Records &records, const Legs &legs, cons
     return found;
 }
 
-// With another current behind the first one, at the same speed: a line through both says what is there without. The other
-// one is half of the first, or more than that where friction lets the rotor lag.
+// With another current behind the first one, at the same speed: a line through both says what is
+// there without. The other one is half of the first, or more than that where friction lets the
+// rotor lag.
 Value turning_flux(const Records &records, const Legs &legs, const Inductances &l)
 {
     const std::vector<Record> turning = records.of("spin");
@@ -152,8 +158,9 @@ Value turning_flux(const Records &records, const Legs &legs, const Inductances &
             FLUX_SCALE * at_last + TURNING_LOSS_UNSURE * lost};
 }
 
-// The EMF falls, and a small current flows as the control lets it. The legs lose something by it: nothing where the ripple
-// is larger than current and knee, all that fit_legs() says where it is smaller. The mean of both counts, and the bar has both ends.
+// The EMF falls, and a small current flows as the control lets it. The legs lose something by it:
+// nothing where the ripple is larger than current and knee, all that fit_legs() says where it is
+// smaller. The mean of both counts, and the bar has both ends.
 Value coasting_flux(const Record &r, const Legs &legs)
 {
     const double w = std::abs(r.speed_el_rad_s);
@@ -168,7 +175,8 @@ double coasting_wb(const Record &r)
     return std::abs(r.voltage_v) / std::abs(r.speed_el_rad_s);
 }
 
-// The windows in which the frame has found the rotor and no current is left, and that agree with each other.
+// The windows in which the frame has found the rotor and no current is left, and that agree with
+// each other.
 std::vector<Record> settled_coasting(const Records &records)
 {
     std::vector<Record> settled;
@@ -219,8 +227,8 @@ double bar(const Value &value)
     return error_bar(value.std, value.bound);
 }
 
-// Both by the squares of their bars. The bounds are averaged, as both may err the same way. What the two lie apart beyond
-// their bars no bar knows of: half of it is added.
+// Both by the squares of their bars. The bounds are averaged, as both may err the same way. What
+// the two lie apart beyond their bars no bar knows of: half of it is added.
 Value combined(const Value &a, const Value &b, double disagreement)
 {
     const double square_a = a.std * a.std + a.bound * a.bound;
@@ -233,8 +241,8 @@ Value combined(const Value &a, const Value &b, double disagreement)
     return both;
 }
 
-// The windows at the whole current, from a quarter of the speed to the whole. R and the legs make an error that falls with
-// the speed; L makes the same one at each.
+// The windows at the whole current, from a quarter of the speed to the whole. R and the legs make
+// an error that falls with the speed; L makes the same one at each.
 std::vector<FluxAtSpeed> fluxes_over_speed(const Records &records, const Legs &legs,
                                            const Inductances &l)
 {
@@ -269,8 +277,9 @@ bool is_pair(const std::vector<Record> &all, std::size_t at)
            all[at + 3].kind == "hold";
 }
 
-// A ramp down that waits for the bus is late in its window, whose mean speed is above the middle then: by more than that of the
-// ramp up, a share of the change of speed. The end of the ramp may be missing.
+// A ramp down that waits for the bus is late in its window, whose mean speed is above the middle
+// then: by more than that of the ramp up, a share of the change of speed. The end of the ramp may
+// be missing.
 double wait_share(const Pair &pair)
 {
     const double middle = (pair.low->speed_el_rad_s + pair.high->speed_el_rad_s) / 2;
@@ -313,7 +322,8 @@ std::vector<std::vector<Pair>> by_steepness(const std::vector<Pair> &pairs)
     return groups;
 }
 
-// Of a ramp's window what the torque of the constant speeds, between them by the mean speed, does not explain; N·m·s.
+// Of a ramp's window what the torque of the constant speeds, between them by the mean speed, does
+// not explain; N·m·s.
 double impulse(const Record &ramp, const Pair &pair, const Scales &scales)
 {
     const double low = pair.low->torque / pair.low->ticks;
@@ -337,8 +347,8 @@ Value inertia_of(const std::vector<Pair> &pairs, const Scales &scales)
     return {inertia, scatter_of(found), INERTIA_SCALE * inertia};
 }
 
-// The torque of the motor over that which the current can pull: small where the rotor is light, and then errors of the
-// angle count.
+// The torque of the motor over that which the current can pull: small where the rotor is light, and
+// then errors of the angle count.
 double pulled_share(const std::vector<Pair> &pairs, const Flux &flux)
 {
     const Record &up = *pairs.back().up;
@@ -360,7 +370,8 @@ Value bounded_inertia(const std::vector<Pair> &pairs, const Scales &scales, cons
     return inertia;
 }
 
-// The first ramp, much slower than those of the pairs, between two windows of constant speed. Without it: nothing.
+// The first ramp, much slower than those of the pairs, between two windows of constant speed.
+// Without it: nothing.
 std::optional<Pair> slow_ramp(const std::vector<Record> &all)
 {
     for (std::size_t k = 0; k + 2 < all.size(); k++) {
@@ -385,8 +396,9 @@ double friction_a_tick(const Pair &slow, double speed_el_rad_s)
     return low + (torque_a_tick(*slow.high) - low) * share;
 }
 
-// The impulse that the windows after a pair's ramps have more or less than friction takes, over that of a ramp: a rotor with
-// all that it turns has its speed by then, a load on an elastic shaft swings about it.
+// The impulse that the windows after a pair's ramps have more or less than friction takes, over
+// that of a ramp: a rotor with all that it turns has its speed by then, a load on an elastic shaft
+// swings about it.
 double left_share(const std::vector<Pair> &pairs, const Pair &slow)
 {
     double squares = 0;
@@ -402,8 +414,9 @@ double left_share(const std::vector<Pair> &pairs, const Pair &slow)
     return std::sqrt(squares / count) / (ramps / count);
 }
 
-// By how much the torques at the highest speed and one current are apart, over the torque of the ramps: friction is the same in
-// all of these windows, that of a swing is not. Ramps that end in the same phase of a swing each time do not show it.
+// By how much the torques at the highest speed and one current are apart, over the torque of the
+// ramps: friction is the same in all of these windows, that of a swing is not. Ramps that end in
+// the same phase of a swing each time do not show it.
 double unlike_share(const std::vector<Record> &all, const std::vector<Pair> &steepest)
 {
     const Pair &pair = steepest.back();
@@ -431,8 +444,8 @@ struct Steepness {
     bool swings = false;
 };
 
-// What is left beyond what the errors of the torque explain is of a rotor that still swings itself, or of a load that does. It
-// is a bound of J in any case.
+// What is left beyond what the errors of the torque explain is of a rotor that still swings itself,
+// or of a load that does. It is a bound of J in any case.
 Steepness steepness_of(const std::vector<Pair> &pairs, const std::optional<Pair> &slow,
                        const Scales &scales, const Flux &flux)
 {
@@ -447,9 +460,10 @@ Steepness steepness_of(const std::vector<Pair> &pairs, const std::optional<Pair>
     return found;
 }
 
-// Ramps of all steepness have the same J, and the torque after them is that of friction. Where they have not, or it is not,
-// the load swings on an elastic shaft. The impulse that is left then, by the time of a swing in place of that of the window, is
-// missing in J or too much of it; J is that of the ramps which leave the smallest share of theirs.
+// Ramps of all steepness have the same J, and the torque after them is that of friction. Where they
+// have not, or it is not, the load swings on an elastic shaft. The impulse that is left then, by
+// the time of a swing in place of that of the window, is missing in J or too much of it; J is that
+// of the ramps which leave the smallest share of theirs.
 void take_swing(const std::vector<Record> &all, const std::vector<std::vector<Pair>> &groups,
                 const Scales &scales, const Flux &flux, Shaft &shaft)
 {
@@ -503,7 +517,8 @@ void add_held_drags(const std::vector<Pair> &pairs, const Scales &scales, const 
     }
 }
 
-// Without current the friction brakes the rotor. The torque of the current that is left is taken off.
+// Without current the friction brakes the rotor. The torque of the current that is left is taken
+// off.
 void add_coasting_drags(const Records &records, double inertia, const Flux &flux,
                         std::vector<Drag> &drags)
 {
@@ -524,7 +539,8 @@ void add_coasting_drags(const Records &records, double inertia, const Flux &flux
     }
 }
 
-// The drive takes what the legs lose at one bus voltage from the power of the EMF. Braking lifts the bus, and with it the loss.
+// The drive takes what the legs lose at one bus voltage from the power of the EMF. Braking lifts
+// the bus, and with it the loss.
 Records at_one_bus(Records records, const Legs &legs)
 {
     for (Record &r : records.all) {

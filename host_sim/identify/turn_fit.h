@@ -28,14 +28,16 @@ struct Flux {
     bool coasting_counts() const;
 };
 
-// v = R·i + legs + jωL·i + jωφ·e^(−jδ). The L that the whole and half of the current agree upon is used. Throws ConfigError
-// where the rotor was not turned.
+// v = R·i + legs + jωL·i + jωφ·e^(−jδ). The L that the whole and half of the current agree upon is
+// used. Throws ConfigError where the rotor was not turned.
 Flux fit_flux(const Records &records, const Legs &legs, const Inductances &inductances);
 
-// J by the impulse of ramps up and down, friction by the speed of coasting and by the torque at constant speed.
+// J by the impulse of ramps up and down, friction by the speed of coasting and by the torque at
+// constant speed.
 struct Shaft {
     Value inertia_kg_m2;
-    // Ramps of another steepness have another J, or the torque after them or at one speed is not that of friction.
+    // Ramps of another steepness have another J, or the torque after them or at one speed is not
+    // that of friction.
     bool swings = false;
     double swing_kg_m2 = 0; // what a load that swings may add or take; a bound of J where it does
     Value viscous_nm_s;

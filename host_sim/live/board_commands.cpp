@@ -93,8 +93,9 @@ std::string BoardCommands::help()
            "quit";
 }
 
-// What the drive is told. The shadow may be older than the last command of this session; once it is not, it has also what the
-// board has done by itself: a stop when nobody was heard, the words of a measurement.
+// What the drive is told. The shadow may be older than the last command of this session; once it is
+// not, it has also what the board has done by itself: a stop when nobody was heard, the words of a
+// measurement.
 std::optional<drive_command_t> BoardCommands::in_force() const
 {
     const bool newer = commanded_in_ == follower_.connections() &&
@@ -143,7 +144,8 @@ Answer BoardCommands::amend(const std::function<void(drive_command_t &)> &change
     return command(*wanted);
 }
 
-// Also when the command in force is not known, or is a word of a measurement. Then the next one does not build on this one.
+// Also when the command in force is not known, or is a word of a measurement. Then the next one
+// does not build on this one.
 Answer BoardCommands::request(uint8_t what)
 {
     const std::optional<drive_command_t> now = in_force();
@@ -176,7 +178,8 @@ Config BoardCommands::plate(const std::string &file)
     return configuration_.plate(file);
 }
 
-// The shadow does not know of the drive's command at once. A motor that runs would run on with the values of a name plate.
+// The shadow does not know of the drive's command at once. A motor that runs would run on with the
+// values of a name plate.
 Answer BoardCommands::begin_identification(const std::string &file)
 {
     if (runs()) {
@@ -435,7 +438,8 @@ Answer BoardCommands::record_shown(const RecordedRun &run, OutputFile &file)
                             recording.ends_in_fault ? "the last fault" : "the last tick shown"));
 }
 
-// While it is followed the board's ring does not stop at a fault: the ticks that were shown have it.
+// While it is followed the board's ring does not stop at a fault: the ticks that were shown have
+// it.
 Answer BoardCommands::record(const std::string &path)
 {
     constexpr std::size_t TICKS_MIN = 2;
@@ -444,7 +448,8 @@ Answer BoardCommands::record(const std::string &path)
     }
     OutputFile file(path);
     const std::optional<RecordedRun> run = follower_.shadow().run(follower_.kept_s());
-    // A board that sends no ticks because it keeps a recording has what came after those that were shown.
+    // A board that sends no ticks because it keeps a recording has what came after those that were
+    // shown.
     const bool is_shown = follower_.no_stream().empty() && run && run->frames.size() >= TICKS_MIN;
     Answer answer = is_shown ? record_shown(*run, file) : record_ring(file);
     if (answer.outcome == Outcome::done) {

@@ -37,12 +37,13 @@ public:
 
     static std::string help();
 
-    // The name plate of a file on the board that is connected, or, without one, of the motor in force. Throws ConfigError and
-    // LinkError.
+    // The name plate of a file on the board that is connected, or, without one, of the motor in
+    // force. Throws ConfigError and LinkError.
     Config plate(const std::string &file);
 
-    // The drive begins to measure the motor of a name plate, which becomes the configuration in force; without a file that in
-    // force. It goes on while the board is followed. Throws as plate().
+    // The drive begins to measure the motor of a name plate, which becomes the configuration in
+    // force; without a file that in force. It goes on while the board is followed. Throws as
+    // plate().
     debug::Answer begin_identification(const std::string &file);
     // The one that is under way, or has ended and was not taken; NULL: none.
     const Identification *identification() const
@@ -53,14 +54,15 @@ public:
     // Of the one that has ended, or is given up. Throws ConfigError: why nothing was found.
     MeasuredMotor take_identification();
 
-    // The files, and what was set in them, that make the configuration in force. Throws ConfigError where they make another one, and
-    // LinkError.
+    // The files, and what was set in them, that make the configuration in force. Throws ConfigError
+    // where they make another one, and LinkError.
     FileChoice files_in_force();
 
     // That of the motor's largest current, by the configuration in force, N·m. LinkError.
     double torque_max_nm();
 
-    // What the drive is told, without a request to clear; nothing where that is not known. Of a measurement only the request counts.
+    // What the drive is told, without a request to clear; nothing where that is not known. Of a
+    // measurement only the request counts.
     std::optional<drive_command_t> in_force() const;
 
     // The drive is asked to run, as far as that is known.
@@ -109,7 +111,8 @@ private:
     bool dump_ended_ = false;
 };
 
-// "RUN, speed 1500 of 1500 rpm, i_q 1.2 A, bus 24.0 V, load 42 %": what is verified, and what the board says of itself.
+// "RUN, speed 1500 of 1500 rpm, i_q 1.2 A, bus 24.0 V, load 42 %": what is verified, and what the
+// board says of itself.
 std::string status_text(const Follower &follower);
 
 } // namespace nf::live

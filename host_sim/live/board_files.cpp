@@ -58,7 +58,8 @@ std::optional<FileChoice> search_named(const std::string &block_name, const File
                   [&](const Config &config) { return name_in_block(config) == block_name; });
 }
 
-// Whether a block's name ends with these names of board and tuning file, whatever its motor is called.
+// Whether a block's name ends with these names of board and tuning file, whatever its motor is
+// called.
 bool ends_with_names(const std::string &block_name, const Config &config)
 {
     Config nameless = config;
@@ -67,7 +68,8 @@ bool ends_with_names(const std::string &block_name, const Config &config)
     return debug::ends_with(block_name, whole.substr(whole.find(',')));
 }
 
-// Board and tuning of a block whose motor may be nobody's but the user's. The motor of `given` stays.
+// Board and tuning of a block whose motor may be nobody's but the user's. The motor of `given`
+// stays.
 std::optional<FileChoice> search_around_motor(const std::string &block_name,
                                               const FileChoice &given)
 {

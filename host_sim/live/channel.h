@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// Bytes to a board and from it: a serial port, a pseudo-terminal, or a simulated board in the same program.
+// Bytes to a board and from it: a serial port, a pseudo-terminal, or a simulated board in the same
+// program.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +21,8 @@ class Channel
 public:
     virtual ~Channel() = default;
 
-    // What has come in since the last call; waits up to `wait_s` for a first byte. Empty when none came. Throws ChannelError.
+    // What has come in since the last call; waits up to `wait_s` for a first byte. Empty when none
+    // came. Throws ChannelError.
     virtual std::vector<uint8_t> read(double wait_s) = 0;
 
     // Takes all of it. Throws ChannelError.

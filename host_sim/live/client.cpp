@@ -105,7 +105,8 @@ void Client::poll(double wait_s)
     }
 }
 
-// On a line of an adapter that collects bytes, answers come behind the time that they were waited for: the next is waited for longer.
+// On a line of an adapter that collects bytes, answers come behind the time that they were waited
+// for: the next is waited for longer.
 void Client::notice_late(const Message &message)
 {
     constexpr double LONGEST_S = 0.3; // the drive's ring has no more than some tenths

@@ -29,8 +29,8 @@ struct LinkError : std::runtime_error {
 struct Timing {
     double answer_s = 0.05; // until a question is asked again
     unsigned tries = 40;
-    double ring_s =
-        0.02; // the same for one that is asked once: what the ring may lose meanwhile; longer where answers come late
+    double ring_s = 0.02; // the same for one that is asked once: what the ring may lose meanwhile;
+                          // longer where answers come late
 };
 
 struct Identity {
@@ -91,11 +91,13 @@ public:
     // The channel outlives it.
     Client(Channel &channel, const Timing &timing, Listener listener);
 
-    // Takes what comes in; waits up to `wait_s` for a first byte. Throws ChannelError, as all below.
+    // Takes what comes in; waits up to `wait_s` for a first byte. Throws ChannelError, as all
+    // below.
     void poll(double wait_s);
 
-    // All throw LinkError. A verdict is why not, empty when it is done. command() and line() carry the ticket of the last answer, see
-    // commander.h: what the board has done or met since then makes it refuse them.
+    // All throw LinkError. A verdict is why not, empty when it is done. command() and line() carry
+    // the ticket of the last answer, see commander.h: what the board has done or met since then
+    // makes it refuse them.
     Identity hello();
     void bye();
     // Asked once: nothing when no answer comes.
@@ -125,13 +127,14 @@ public:
     };
     Again again(uint32_t segment, uint16_t first, uint8_t entries);
 
-    // The whole block in force, whatever its parts were read from: its CRC says whether they are of one.
+    // The whole block in force, whatever its parts were read from: its CRC says whether they are of
+    // one.
     config_block_t read_block();
     // The whole block, prepared and applied.
     std::string write_block(const config_block_t &block);
 
-    // The rate of the line: the answer to a question that is asked once is waited for as long as it may take, behind a message that
-    // is on its way.
+    // The rate of the line: the answer to a question that is asked once is waited for as long as it
+    // may take, behind a message that is on its way.
     void has_rate(uint32_t baud);
 
     double now_s() const
@@ -173,7 +176,8 @@ private:
         return {type, body, timing_.ring_s, 1, true};
     }
     Bytes ask(const Question &question);
-    // The answer of a question that is asked once; nothing: none came, or it is refused, see refused_.
+    // The answer of a question that is asked once; nothing: none came, or it is refused, see
+    // refused_.
     std::optional<Bytes> ask_once(link_question_t type, const Bytes &body);
     std::string verdict(link_question_t type, const Bytes &body = {});
     void wait_for_answer(const Question &question);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// Lines of commands that never hold up whoever asks for them: of a file, or of a pipe or a terminal on standard input.
+// Lines of commands that never hold up whoever asks for them: of a file, or of a pipe or a terminal
+// on standard input.
 #pragma once
 
 #include "line_reader.h"

@@ -201,7 +201,8 @@ Answer ConfigurationCommands::apply(const config_block_t &block)
     return of_verdict(follower_.change(block));
 }
 
-// Whoever names a motor says that it is the one that is connected: what protects follows from it. A drive that runs stays locked.
+// Whoever names a motor says that it is the one that is connected: what protects follows from it. A
+// drive that runs stays locked.
 Answer ConfigurationCommands::apply_of_another_motor(const config_block_t &block)
 {
     (void)follower_.client().line("unlock");

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// What a person tells a running board about its configuration: keys of files, blocks of files, the one that is stored.
+// What a person tells a running board about its configuration: keys of files, blocks of files, the
+// one that is stored.
 #pragma once
 
 #include "board_files.h"
@@ -18,14 +19,18 @@ public:
     // The follower is connected and outlives it.
     ConfigurationCommands(Follower &follower, FileChoice files);
 
-    // One or several KEY=VALUE, which act together from one tick on. Only settings of the drive that these keys change are
-    // written; a setting that somebody has changed without the files is not changed again, and its path is said.
+    // One or several KEY=VALUE, which act together from one tick on. Only settings of the drive
+    // that these keys change are written; a setting that somebody has changed without the files is
+    // not changed again, and its path is said.
     debug::Answer set(const std::string &assignments);
-    // That of the files; with a motor's, which is the session's from then on. At rest what protects is unlocked for it.
+    // That of the files; with a motor's, which is the session's from then on. At rest what protects
+    // is unlocked for it.
     debug::Answer adopt(const std::string &motor = "");
-    // The name plate of a file on the board that is connected, or, without one, of the motor in force.
+    // The name plate of a file on the board that is connected, or, without one, of the motor in
+    // force.
     Config plate(const std::string &motor);
-    // A name plate becomes what is in force, with typical values (plate.h) for what it does not say. Unlocks as adopt().
+    // A name plate becomes what is in force, with typical values (plate.h) for what it does not
+    // say. Unlocks as adopt().
     debug::Answer take_plate(const Config &plate);
     // That of the image.
     debug::Answer defaults();
@@ -36,7 +41,8 @@ public:
     // The block of a file. One for another motor unlocks as adopt().
     debug::Answer load(const std::string &path);
 
-    // The files, and what was set in them, that make the configuration in force. Refused where they make another one.
+    // The files, and what was set in them, that make the configuration in force. Refused where they
+    // make another one.
     FileChoice files_in_force();
 
 private:

@@ -20,7 +20,8 @@ namespace nf::live
 namespace
 {
 
-// How long messages are: on a line that spoils one in ten they are short, until it spoils less than one in fifty.
+// How long messages are: on a line that spoils one in ten they are short, until it spoils less than
+// one in fifty.
 constexpr uint8_t STREAM_FULL = 1; // as many entries as fit
 constexpr uint8_t STREAM_SHORT = 16;
 constexpr uint8_t STATE_SHORT = 8; // words
@@ -34,7 +35,8 @@ constexpr double SAID_AGAIN_S = 5;
 
 constexpr double S_PER_PS = 1e-12;
 
-// The ring has a segment for the time of so many more, at least: within it the entries have to come.
+// The ring has a segment for the time of so many more, at least: within it the entries have to
+// come.
 constexpr double COME_WITHIN = RECORDER_SEGMENTS - 1;
 constexpr double PINGS_OF_TIMEOUT = 4; // in the time after which the board stops its motor
 
@@ -113,7 +115,8 @@ void Follower::connect()
     overwritten_ = false;
 }
 
-// The stream may be at the oldest segment of the ring, and the shadow has those that it has not taken.
+// The stream may be at the oldest segment of the ring, and the shadow has those that it has not
+// taken.
 double Follower::oldest_s() const
 {
     constexpr double RINGS = 2;
@@ -312,8 +315,8 @@ void Follower::choose_candidate()
     }
 }
 
-// The board keeps a state that was asked for, but not the entries behind it. Where they come so slowly that the ring would
-// overwrite them, they have the line alone.
+// The board keeps a state that was asked for, but not the entries behind it. Where they come so
+// slowly that the ring would overwrite them, they have the line alone.
 bool Follower::entries_hurry(const SegmentInfo &segment) const
 {
     const double segment_s = S_PER_PS * identity_.segment_entries * identity_.tick_ps;

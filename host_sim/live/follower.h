@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// Follows a running board: keeps the line alive, asks for what is missing, and gets into step again after a gap.
+// Follows a running board: keeps the line alive, asks for what is missing, and gets into step again
+// after a gap.
 #pragma once
 
 #include "client.h"
@@ -54,7 +55,8 @@ public:
     // Throws LinkError: no answer; or another schema, version or state, with what to do.
     void connect();
 
-    // One pass: what has come in, one or two questions, what can be computed. Throws LinkError when the board has gone.
+    // One pass: what has come in, one or two questions, what can be computed. Throws LinkError when
+    // the board has gone.
     void step(double wait_s);
 
     // The stream ends, and the line is the console's again.

@@ -96,7 +96,8 @@ private:
 class FrameReader
 {
 public:
-    // Those that are whole with these bytes. Whatever has a wrong CRC, or a length that no message has, is left out.
+    // Those that are whole with these bytes. Whatever has a wrong CRC, or a length that no message
+    // has, is left out.
     std::vector<Message> add(const Bytes &bytes);
 
     uint64_t whole() const

@@ -346,8 +346,9 @@ void LiveRun::follow_to_the_end()
     }
 }
 
-// With a BYE the board does not watch any more whether a PC is there: that is for who ends the session by a command. A terminal
-// that was closed, or a ctrl-C, is a PC that is gone: the time-out of the board goes on.
+// With a BYE the board does not watch any more whether a PC is there: that is for who ends the
+// session by a command. A terminal that was closed, or a ctrl-C, is a PC that is gone: the time-out
+// of the board goes on.
 void LiveRun::leave()
 {
     if (debug::was_interrupted()) {
@@ -363,7 +364,8 @@ void LiveRun::leave()
     }
 }
 
-// What was measured is kept whatever ends it. Of a board that was never followed there is nothing: a file of before stays.
+// What was measured is kept whatever ends it. Of a board that was never followed there is nothing:
+// a file of before stays.
 bool LiveRun::run()
 {
     const debug::InterruptWatch watch(debug::ending_signals());

@@ -25,8 +25,8 @@ struct LiveOptions {
     unsigned baud = 0; // of the port; 0: it has no rate
 };
 
-// Until it is told to end. False: a command was refused and nobody was there to see it, or a hash of the board differed.
-// Throws LinkError, ChannelError, OutputError.
+// Until it is told to end. False: a command was refused and nobody was there to see it, or a hash
+// of the board differed. Throws LinkError, ChannelError, OutputError.
 bool follow(Channel &channel, const LiveOptions &options);
 
 } // namespace nf::live

@@ -11,7 +11,8 @@ namespace nf::live
 class Measurement
 {
 public:
-    // A line of the console. Returns whether it is one of the numbers of the measurement, which nobody needs to see.
+    // A line of the console. Returns whether it is one of the numbers of the measurement, which
+    // nobody needs to see.
     bool take(const std::string &line);
 
     // It is stopped: the board says no more of it.

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// The channel of a board whose time goes slower or faster than this machine's, as in an emulator: all waits are the board's.
+// The channel of a board whose time goes slower or faster than this machine's, as in an emulator:
+// all waits are the board's.
 #pragma once
 
 #include "channel.h"

@@ -14,7 +14,8 @@ namespace nf::live
 class Pty
 {
 public:
-    // `link`, unless empty, becomes a symbolic link to the port; one that is there already is replaced. Throws ChannelError.
+    // `link`, unless empty, becomes a symbolic link to the port; one that is there already is
+    // replaced. Throws ChannelError.
     explicit Pty(const std::string &link = "");
     ~Pty();
     Pty(const Pty &) = delete;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-// Takes the bytes of a file in a thread of its own, as fast as they come: the system keeps some 4000 bytes of a serial port, which is
-// 0.2 s of a board's stream, and whoever works on a command may look away for longer.
+// Takes the bytes of a file in a thread of its own, as fast as they come: the system keeps some
+// 4000 bytes of a serial port, which is 0.2 s of a board's stream, and whoever works on a command
+// may look away for longer.
 #pragma once
 
 #include <condition_variable>

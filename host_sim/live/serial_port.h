@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// A serial port or a pseudo-terminal as a channel: 8 bits, no parity, one stop bit, no flow control, nothing translated.
+// A serial port or a pseudo-terminal as a channel: 8 bits, no parity, one stop bit, no flow
+// control, nothing translated.
 #pragma once
 
 #include "channel.h"
@@ -14,7 +15,8 @@ namespace nf::live
 class SerialPort : public Channel
 {
 public:
-    // Any rate that the hardware can make. Throws ChannelError: "/dev/ttyACM0: cannot open: the system's reason".
+    // Any rate that the hardware can make. Throws ChannelError: "/dev/ttyACM0: cannot open: the
+    // system's reason".
     SerialPort(const std::string &path, unsigned baud);
     ~SerialPort() override;
     SerialPort(const SerialPort &) = delete;

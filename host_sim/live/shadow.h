@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 // The board's drive, computed again on the PC from its inputs, in lock-step.
 //
-// It begins with a state of the board and then takes stretches of its ring. A stretch is computed first without anybody
-// looking. Only when the state behind it has the hash that the board has announced, it is computed once more for those who
-// look: what they see is what the board has computed.
+// It begins with a state of the board and then takes stretches of its ring. A stretch is computed
+// first without anybody looking. Only when the state behind it has the hash that the board has
+// announced, it is computed once more for those who look: what they see is what the board has
+// computed.
 #pragma once
 
 #include "recorded_run.h"
@@ -42,7 +43,8 @@ public:
         return sim_ != nullptr;
     }
 
-    // From the state before a segment on. Empty, or why that cannot be the state: then it is not in step.
+    // From the state before a segment on. Empty, or why that cannot be the state: then it is not in
+    // step.
     std::string begin(const SegmentInfo &info, const std::vector<uint32_t> &state);
 
     // The first crc in a stretch whose settings are not known.
@@ -78,8 +80,8 @@ public:
         return compared_;
     }
 
-    // The last `seconds` that were shown, without a gap, as far as they are kept; also when it is not in step any more.
-    // Nothing: none are.
+    // The last `seconds` that were shown, without a gap, as far as they are kept; also when it is
+    // not in step any more. Nothing: none are.
     std::optional<RecordedRun> run(double seconds) const;
 
 private:

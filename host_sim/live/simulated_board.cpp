@@ -54,8 +54,8 @@ about_t about_of(const Config &config, const std::string &name)
     return about;
 }
 
-// Of a segment. A board whose RAM is small has a ring that is overwritten before a PC has read a state over a slow line; here
-// there is room.
+// Of a segment. A board whose RAM is small has a ring that is overwritten before a PC has read a
+// state over a slow line; here there is room.
 uint32_t segment_entries(const BoardSettings &board)
 {
     return std::max(recorder_segment_entries(board), recorder_segment_entries({}));
@@ -100,8 +100,9 @@ void SimulatedBoard::greet()
     link_say(&link_, "");
 }
 
-// What is taken back of the script's requests is so before the line is heard: whatever is posted then is a user's. A post puts the
-// other slot in force; two of them have the same one, and another command.
+// What is taken back of the script's requests is so before the line is heard: whatever is posted
+// then is a user's. A post puts the other slot in force; two of them have the same one, and another
+// command.
 void SimulatedBoard::background()
 {
     app_t &app = run_.sim().app();

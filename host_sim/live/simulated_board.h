@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-// A whole board in this program: the firmware with flight recorder, store, console and link, on the motor of a scenario, at
-// a serial line of the board's baud rate.
+// A whole board in this program: the firmware with flight recorder, store, console and link, on the
+// motor of a scenario, at a serial line of the board's baud rate.
 //
-// A tick is the control interrupt, one pass of the background, and a PWM period of the plant and of the line. So all that happens
-// depends on the configuration and on the bytes that come in, and on the ticks in which they do.
+// A tick is the control interrupt, one pass of the background, and a PWM period of the plant and of
+// the line. So all that happens depends on the configuration and on the bytes that come in, and on
+// the ticks in which they do.
 //
-// The scenario's script commands the drive until the console or the link does; its load and its faults go on.
+// The scenario's script commands the drive until the console or the link does; its load and its
+// faults go on.
 #pragma once
 
 #include "channel.h"
@@ -25,9 +27,9 @@ namespace nf::live
 class SimulatedBoard
 {
 public:
-    // The ring of the recorder has at least the entries of board.recorder_entries where no file says it.
-    // With an erased flash, or with a copy of one: as another start of the board that left it so. The configuration outlives the
-    // board. Throws ConfigError.
+    // The ring of the recorder has at least the entries of board.recorder_entries where no file
+    // says it. With an erased flash, or with a copy of one: as another start of the board that left
+    // it so. The configuration outlives the board. Throws ConfigError.
     explicit SimulatedBoard(const Config &config, const hal_host_flash_t *flash = nullptr);
     // Drive, line and background keep places of each other.
     SimulatedBoard(const SimulatedBoard &) = delete;
@@ -90,7 +92,8 @@ private:
     std::vector<uint8_t> waiting_; // for room on the line
 };
 
-// Its line, for a client in the same program. Its clock is the board's, and reading lets the board run.
+// Its line, for a client in the same program. Its clock is the board's, and reading lets the board
+// run.
 class BoardChannel : public Channel
 {
 public:

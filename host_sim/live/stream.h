@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 // The segments of the board's ring, put together of what the line brings.
 //
-// A segment counts as a whole or not at all: only the hash behind it says whether it is right. A stretch is a segment whose
-// begin was announced, and those behind it whose announcements the line has lost, up to the next announced one.
+// A segment counts as a whole or not at all: only the hash behind it says whether it is right. A
+// stretch is a segment whose begin was announced, and those behind it whose announcements the line
+// has lost, up to the next announced one.
 //
 // The board's numbers count from 1 on and begin again behind the largest one, as 0 is none. So each
 // has a place here, which counts on: of all places with this number, the one nearest to the newest
@@ -48,15 +49,18 @@ public:
 
     // What to ask for next, of the oldest segment first; nothing while all that was sent has come.
     std::optional<Missing> missing() const;
-    // Nothing came for a question that was answered: there is no entry from here on in a segment that is complete.
+    // Nothing came for a question that was answered: there is no entry from here on in a segment
+    // that is complete.
     void ends_before(const Missing &missing);
 
-    // The next whole stretch from the segment `first` on, which was announced; it is forgotten here with all before it.
+    // The next whole stretch from the segment `first` on, which was announced; it is forgotten here
+    // with all before it.
     std::optional<Stretch> take(uint32_t first);
 
     // The newest announced segment, if it is newer than `than`; 0: than none.
     std::optional<SegmentInfo> newest_after(uint32_t than) const;
-    // What the ring has no more of is not waited for: whether some of a segment, or of one from `first` on, will not come.
+    // What the ring has no more of is not waited for: whether some of a segment, or of one from
+    // `first` on, will not come.
     bool has_lost(uint32_t segment) const;
     bool is_lost(uint32_t first) const;
     // How much of a segment has come, 0…1; 1: all of it.

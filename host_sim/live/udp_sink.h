@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// Ticks as JSON datagrams, one object each, as PlotJuggler's UDP streaming reads them with its JSON protocol:
+// Ticks as JSON datagrams, one object each, as PlotJuggler's UDP streaming reads them with its JSON
+// protocol:
 //
 //     {"timestamp":1.2345,"state":9,"fault":0,"speed":{"command_rpm":…},"current":{"q_a":…},…}
 //

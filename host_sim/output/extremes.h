@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// The smallest and the largest value that each intermediate of the drive has in a run: the words of its signals and of
-// its output frame.
+// The smallest and the largest value that each intermediate of the drive has in a run: the words of
+// its signals and of its output frame.
 #pragma once
 
 #include "signals.h"
@@ -19,7 +19,8 @@ public:
 
     void add(const Tick &tick) override;
 
-    // After a tick. A list: name, raw min and max, and what makes SI of them, (raw − zero) · one in a unit.
+    // After a tick. A list: name, raw min and max, and what makes SI of them, (raw − zero) · one in
+    // a unit.
     std::string json_text() const;
 
 private:

@@ -25,10 +25,10 @@ std::vector<ResultRow> result_rows(const Config &config, const RunResult &result
 std::vector<std::string> notes_of(const Config &config, const RunResult &result);
 
 // One flat object, each number in the unit at the end of its key; a figure that does not apply is
-// null. `state_final` and `gates_enabled_final` say how the run ended: FAULT with the gates open is a
-// drive that gave up safely. `saturations` holds the ticks at the end of their range of each signal
-// (saturation.h). Where the scenario has limits for this run, `accepted` says whether all hold and
-// `failed_limits` names those that do not.
+// null. `state_final` and `gates_enabled_final` say how the run ended: FAULT with the gates open is
+// a drive that gave up safely. `saturations` holds the ticks at the end of their range of each
+// signal (saturation.h). Where the scenario has limits for this run, `accepted` says whether all
+// hold and `failed_limits` names those that do not.
 std::string json_text(const Config &config, const RunResult &result);
 
 // One line a figure: value, limit, whether it holds. Figures that do not apply are left out.

@@ -114,7 +114,8 @@ SignalInfo word(const char *name, Quantity quantity, Word::Home home, std::size_
             nullptr};
 }
 
-// A member's name, place and type are one thing: only the preprocessor can tell all three from one mention.
+// A member's name, place and type are one thing: only the preprocessor can tell all three from one
+// mention.
 #define WORD(name, home, type, member, quantity) \
     word<std::remove_reference_t<decltype(std::declval<type &>().member)>>( \
         name, Quantity::quantity, Word::Home::home, offsetof(type, member), #member)

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-// Every signal of a run by its name: what the motor does, what the drive believes, each word of the drive's state and
-// configuration. One table for traces, for the debugger and for whoever asks by name.
+// Every signal of a run by its name: what the motor does, what the drive believes, each word of the
+// drive's state and configuration. One table for traces, for the debugger and for whoever asks by
+// name.
 //
-// Names without a dot are quantities of the run, their unit at the end, and read as they are. Names with a dot are
-// words of the firmware, named as there: in., out., drive., cfg. Such a word has a raw value, the format that
-// says what one of it means, and the SI value that this makes.
+// Names without a dot are quantities of the run, their unit at the end, and read as they are. Names
+// with a dot are words of the firmware, named as there: in., out., drive., cfg. Such a word has a
+// raw value, the format that says what one of it means, and the SI value that this makes.
 #pragma once
 
 #include "cfg_rows.h"
@@ -40,7 +41,8 @@ struct SignalInfo {
     double (*value)(const Tick &); // NULL for a word
     Word word;
     const CfgRow *row; // of a word of the configuration, else NULL
-    // Whether the drive knows it now; NULL: always. What it does not know is what it was when driving ended.
+    // Whether the drive knows it now; NULL: always. What it does not know is what it was when
+    // driving ended.
     bool (*known)(const drive_t &drive) = nullptr;
 };
 
@@ -49,7 +51,8 @@ const std::vector<SignalInfo> &all_signals();
 // NULL when there is none of this name.
 const SignalInfo *find_signal(const std::string &name);
 
-// For an unknown name: those it may have meant or else the least unlike, the nearest first, at most `count`.
+// For an unknown name: those it may have meant or else the least unlike, the nearest first, at most
+// `count`.
 std::vector<std::string> near_signals(const std::string &name, std::size_t count);
 
 // SI = (raw − zero) · one.
@@ -63,9 +66,11 @@ struct Scale {
 Scale word_scale(const SignalInfo &signal, const Simulation &sim);
 const char *home_text(Word::Home home);
 
-// NaN where nobody knows it: what the motor does in a recording, and the drive's estimate while its gates are open.
+// NaN where nobody knows it: what the motor does in a recording, and the drive's estimate while its
+// gates are open.
 double si_value(const SignalInfo &signal, const Tick &tick);
-// Whether the tick has it, be it known to the drive at this instant or not: what the motor does is not in a recording.
+// Whether the tick has it, be it known to the drive at this instant or not: what the motor does is
+// not in a recording.
 bool is_told(const SignalInfo &signal, const Tick &tick);
 std::optional<int64_t> raw_value(const SignalInfo &signal, const Tick &tick);
 // What a recording has of it: of the drive's outputs, in a run of a recording.

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-// The signals of a part of a run as a value change dump (IEEE 1364), for GTKWave, Surfer and the like.
+// The signals of a part of a run as a value change dump (IEEE 1364), for GTKWave, Surfer and the
+// like.
 //
-// The numbers of the trace as reals and the states as integers, changing at the tick's instant; the six switches of the
-// inverter as wires, changing when they do: at the edges of the PWM pattern, dead time included, in steps of 1 ns. Time
-// 0 is t = 0 of the scenario, or the beginning of the window where that is earlier. A comparator of the power stage
-// that opens the gates within a period shows at the end of it.
+// The numbers of the trace as reals and the states as integers, changing at the tick's instant; the
+// six switches of the inverter as wires, changing when they do: at the edges of the PWM pattern,
+// dead time included, in steps of 1 ns. Time 0 is t = 0 of the scenario, or the beginning of the
+// window where that is earlier. A comparator of the power stage that opens the gates within a
+// period shows at the end of it.
 #pragma once
 
 #include "output_file.h"
@@ -38,7 +40,8 @@ public:
     Vcd(const std::string &path, const TimeWindow &window);
 
     void add(const Tick &tick) override;
-    // Call after the last tick; without, there is no file. Throws VcdError when no tick was in the window.
+    // Call after the last tick; without, there is no file. Throws VcdError when no tick was in the
+    // window.
     void close();
 
 private:

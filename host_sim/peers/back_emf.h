@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 // The winding with its extended EMF [Chen 2003], and the angle that this EMF shows:
-//     v = R·i + L_d·di/dt − jω(L_d − L_q)·i + e,  e = j·E·exp(jθ),  E = ωφ + (L_d − L_q)·(ω·i_d − di_q/dt)
+//     v = R·i + L_d·di/dt − jω(L_d − L_q)·i + e,
+//     e = j·E·exp(jθ),  E = ωφ + (L_d − L_q)·(ω·i_d − di_q/dt)
 // The inductance is L_d in every direction, so saliency needs no angle here.
 //
-// [Chen 2003] Z. Chen, M. Tomita, S. Doki, S. Okuma: An extended electromotive force model for sensorless control of
-// interior permanent-magnet synchronous motors. IEEE Trans. Ind. Electron. 50 (2), 2003.
+// [Chen 2003] Z. Chen, M. Tomita, S. Doki, S. Okuma: An extended electromotive force model for
+// sensorless control of interior permanent-magnet synchronous motors. IEEE Trans. Ind. Electron. 50
+// (2), 2003.
 #pragma once
 
 #include "estimator.h"
@@ -34,8 +36,8 @@ inline Complex saliency_voltage(const Model &m, double speed_rad_s, Complex curr
     return J * speed_rad_s * (m.inductance_d_h - m.inductance_q_h) * current_a;
 }
 
-// sin(θ − θ̂) by an EMF, whose sign is that of the speed: the course's, where that is not about to change. An EMF too small to
-// show the angle shows less.
+// sin(θ − θ̂) by an EMF, whose sign is that of the speed: the course's, where that is not about to
+// change. An EMF too small to show the angle shows less.
 inline double emf_angle_error(const Model &m, Complex emf_v, const Estimate &now,
                               double course_rad_s)
 {

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-// An estimator of angle and speed that can take the place of the drive's own observer, in double precision and SI units.
+// An estimator of angle and speed that can take the place of the drive's own observer, in double
+// precision and SI units.
 //
-// What it is told is what the drive's observer is told: currents and voltages as sampled, and the motor model in force, with
-// R and L as measured and φ as tracked. All vectors are complex numbers in the stationary frame, α + jβ; angles and speeds are
-// electrical.
+// What it is told is what the drive's observer is told: currents and voltages as sampled, and the
+// motor model in force, with R and L as measured and φ as tracked. All vectors are complex numbers
+// in the stationary frame, α + jβ; angles and speeds are electrical.
 #pragma once
 
 #include <complex>
@@ -30,7 +31,8 @@ struct Model {
 struct Sample {
     Complex current_a;
     Complex voltage_v; // mean since the last instant
-    // A speed whose sign can be trusted: the reference's at low speed, where the estimate may swing.
+    // A speed whose sign can be trusted: the reference's at low speed, where the estimate may
+    // swing.
     double course_rad_s;
 };
 

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-// Extended Kalman filter with four states [Bolognani 1999]: here stator flux linkage λ_α, λ_β, speed and angle. With flux in
-// place of current the prediction needs no rotation and saliency is exact:
+// Extended Kalman filter with four states [Bolognani 1999]: here stator flux linkage λ_α, λ_β,
+// speed and angle. With flux in place of current the prediction needs no rotation and saliency is
+// exact:
 //     λ(k+1) = λ(k) + T·(v − R·i),  ω(k+1) = ω(k),  θ(k+1) = θ(k) + T·ω
 //     i = exp(jθ)·L⁻¹·(exp(−jθ)·λ − φ)                the measurement
 //
-// [Bolognani 1999] S. Bolognani, R. Oboe, M. Zigliotto: Sensorless full-digital PMSM drive with EKF estimation of speed and rotor
-// position. IEEE Trans. Ind. Electron. 46 (1), 1999.
+// [Bolognani 1999] S. Bolognani, R. Oboe, M. Zigliotto: Sensorless full-digital PMSM drive with EKF
+// estimation of speed and rotor position. IEEE Trans. Ind. Electron. 46 (1), 1999.
 #pragma once
 
 #include "estimator.h"
@@ -18,8 +19,8 @@ namespace nf::peers
 class Kalman : public Estimator
 {
 public:
-    // Noise of the states in a sample over that of the measured current, as currents: of the flux over L_d, of the angle times
-    // φ/L_d, of the turn in a sample times φ/L_d.
+    // Noise of the states in a sample over that of the measured current, as currents: of the flux
+    // over L_d, of the angle times φ/L_d, of the turn in a sample times φ/L_d.
     struct Gains {
         double flux;
         double angle;

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-// Luenberger observer of current and extended EMF [Chen 2003] in the stationary frame, and a PLL on the EMF.
+// Luenberger observer of current and extended EMF [Chen 2003] in the stationary frame, and a PLL on
+// the EMF.
 //
-// The EMF is observed as a disturbance that stands still, so that the observer does not depend on the estimated speed. With a and b of
-// the winding (back_emf.h), both poles of its error are p = exp(−bandwidth):
+// The EMF is observed as a disturbance that stands still, so that the observer does not depend on
+// the estimated speed. With a and b of the winding (back_emf.h), both poles of its error are p =
+// exp(−bandwidth):
 //     î(k+1) = a·î + b·(v − ê) + k_1·(i − î),   k_1 = a + 1 − 2p
 //     ê(k+1) = ê + k_2·(i − î),                 k_2 = −(1 − p)²/b
-// An EMF that turns by r = exp(jωT) in a sample shows as r^(3/2)·((1 − p)/(r − p))² of it in ê(k+1). The angle of this factor at
-// the estimated speed is given back.
+// An EMF that turns by r = exp(jωT) in a sample shows as r^(3/2)·((1 − p)/(r − p))² of it in
+// ê(k+1). The angle of this factor at the estimated speed is given back.
 #pragma once
 
 #include "estimator.h"

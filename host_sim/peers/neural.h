@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// The drive's own observer (nn_observer.h), paper A (14) to (23) with proportional path and ρ, once more in double precision:
-// the estimator that the others are compared with, at the same place.
+// The drive's own observer (nn_observer.h), paper A (14) to (23) with proportional path and ρ, once
+// more in double precision: the estimator that the others are compared with, at the same place.
 #pragma once
 
 #include "estimator.h"

@@ -18,7 +18,8 @@
 namespace nf::peers
 {
 
-// All gains are numbers without a unit, by sample: they mean the same for each motor and each period.
+// All gains are numbers without a unit, by sample: they mean the same for each motor and each
+// period.
 struct Gain {
     const char *name;
     double min; // of a file, and where a search looks
@@ -42,8 +43,8 @@ struct Tuned {
     std::unique_ptr<Estimator> estimator;
 };
 
-// The estimator of a file: a name in the folder peers/ of the data folder, or a path. `option` is for messages; throws
-// ConfigError.
+// The estimator of a file: a name in the folder peers/ of the data folder, or a path. `option` is
+// for messages; throws ConfigError.
 Tuned load(const std::string &option, const std::string &reference);
 
 } // namespace nf::peers

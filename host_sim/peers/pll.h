@@ -24,7 +24,8 @@ public:
         now_ = known;
     }
 
-    // `error_rad`: the measured angle less now().angle_rad. Returns the estimate of the next instant.
+    // `error_rad`: the measured angle less now().angle_rad. Returns the estimate of the next
+    // instant.
     Estimate step(const Model &model, double error_rad)
     {
         now_.speed_rad_s = std::clamp(now_.speed_rad_s + integral_ / model.period_s * error_rad,

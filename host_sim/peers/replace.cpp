@@ -43,7 +43,8 @@ private:
     ModelScales belief_;
     Bases bases_;
     std::unique_ptr<Estimator> estimator_;
-    // The drive's, at the end of the last tick: they make the voltage that acts until this one's samples.
+    // The drive's, at the end of the last tick: they make the voltage that acts until this one's
+    // samples.
     ab_t ratio_{};
     int32_t bus_ = 0;
     bool started_ = false;
@@ -54,7 +55,8 @@ double speed_of(const Bases &bases, double step)
     return step / STEPS_PER_RAD / bases.control_period_s;
 }
 
-// Without its adaptation the network leaves the speed as it is told. The check word goes with it: this is no flipped bit.
+// Without its adaptation the network leaves the speed as it is told. The check word goes with it:
+// this is no flipped bit.
 void stop_training(drive_t &drive)
 {
     nn_observer_cfg_t &network = drive.model.observer;

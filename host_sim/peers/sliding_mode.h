@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-// Sliding-mode observer of the current in the stationary frame, a filter for its EMF, and a PLL. A textbook form, for
-// instance of [Chi 2009]: the model's current is driven by z = K·sat((î − i)/δ) in place of the EMF; once it slides, z is the
-// EMF with what switches; a low-pass of first order takes that away, and its lag is given back.
+// Sliding-mode observer of the current in the stationary frame, a filter for its EMF, and a PLL. A
+// textbook form, for instance of [Chi 2009]: the model's current is driven by z = K·sat((î − i)/δ)
+// in place of the EMF; once it slides, z is the EMF with what switches; a low-pass of first order
+// takes that away, and its lag is given back.
 //
-// Within the boundary layer the observer is linear, z(k) = (a − h)·z(k−1) + h·e with h = b·K/δ. The lag of that and of the
-// low-pass at the estimated speed is known exactly and given back together.
+// Within the boundary layer the observer is linear, z(k) = (a − h)·z(k−1) + h·e with h = b·K/δ. The
+// lag of that and of the low-pass at the estimated speed is known exactly and given back together.
 //
-// [Chi 2009] S. Chi, Z. Zhang, L. Xu: Sliding-mode sensorless control of direct-drive PM synchronous motors for washing
-// machine applications. IEEE Trans. Ind. Appl. 45 (2), 2009.
+// [Chi 2009] S. Chi, Z. Zhang, L. Xu: Sliding-mode sensorless control of direct-drive PM
+// synchronous motors for washing machine applications. IEEE Trans. Ind. Appl. 45 (2), 2009.
 #pragma once
 
 #include "estimator.h"

@@ -3,12 +3,16 @@
 
 #include <stddef.h>
 
-/* Events handled in one segment before the rest of it is run without looking for more. A real
- * segment has at most a few; the bound only keeps a degenerate case from going on for ever. */
+/*
+ * Events handled in one segment before the rest of it is run without looking for more. A real
+ * segment has at most a few; the bound only keeps a degenerate case from going on for ever.
+ */
 #define EVENTS_MAX 64
 
-/* Trials to locate an event: two to four for a margin that falls steadily over the step. Every
- * third one bisects, for margins that rise first, so the rest is 2^-16 of the step at worst. */
+/*
+ * Trials to locate an event: two to four for a margin that falls steadily over the step. Every
+ * third one bisects, for margins that rise first, so the rest is 2^-16 of the step at worst.
+ */
 #define LOCATE_MAX 48
 
 const plant_vector_t plant_bridge_axis[PLANT_LEGS] = {
@@ -89,9 +93,11 @@ static void resolve_single(const plant_motor_t *motor, const limits_t *limits, i
     }
 }
 
-/* Without current a star-point potential must exist that keeps all terminals within their limits.
+/*
+ * Without current a star-point potential must exist that keeps all terminals within their limits.
  * Returns its play, negative if there is none; then current starts from leg *source (at its lower
- * limit) to leg *sink (at its upper limit). */
+ * limit) to leg *sink (at its upper limit).
+ */
 static double star_point_play(const plant_motor_t *motor, const limits_t *limits, int *source,
                               int *sink)
 {
@@ -160,8 +166,10 @@ static void step(plant_motor_t *motor, const state_t *state, double step_s)
     }
 }
 
-/* Smallest distance to leaving the conduction state, A or V; negative once it has been left.
- * *leg tells a leg whose current has turned, -1 if it is a potential. */
+/*
+ * Smallest distance to leaving the conduction state, A or V; negative once it has been left.
+ * *leg tells a leg whose current has turned, -1 if it is a potential.
+ */
 static double margin(const plant_motor_t *motor, const limits_t *limits, const state_t *state,
                      int *leg)
 {
@@ -203,8 +211,11 @@ static double aim(const instant_t *low, const instant_t *high)
     return low->time_s + part * (high->time_s - low->time_s);
 }
 
-/* The event lies between from, the beginning of a step, and high, its end. Goes to just beyond it, by false position with the stale end's margin halved (Illinois).
- * Returns the time from the beginning of the step; *leg is the leg whose current has turned, or -1. */
+/*
+ * The event lies between from, the beginning of a step, and high, its end. Goes to just beyond it,
+ * by false position with the stale end's margin halved (Illinois). Returns the time from the
+ * beginning of the step; *leg is the leg whose current has turned, or -1.
+ */
 static double locate(plant_motor_t *motor, const plant_motor_state_t *from, const limits_t *limits,
                      const state_t *state, instant_t high, int *leg)
 {
@@ -251,8 +262,10 @@ static double step_to_event(plant_motor_t *motor, const limits_t *limits, const 
     return gone_s;
 }
 
-/* Current out of the positive rail: of the legs whose high side is closed, and back through the upper
- * diodes of open ones. */
+/*
+ * Current out of the positive rail: of the legs whose high side is closed, and back through the
+ * upper diodes of open ones.
+ */
 static double rail_current(const plant_motor_t *motor, const plant_segment_t *segment,
                            const state_t *state)
 {

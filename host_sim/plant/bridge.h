@@ -46,9 +46,9 @@ typedef struct {
 extern const plant_vector_t plant_bridge_axis[PLANT_LEGS];
 
 /*
- * Runs the motor on the bridge for one segment. Adds the charge that flows out of the positive rail to
- * *charge_c (C), by the trapezoidal rule over the motor's steps: with (rate h)^2 / 12 the error is
- * within 5e-5 of the current's scale. NULL: nobody wants to know.
+ * Runs the motor on the bridge for one segment. Adds the charge that flows out of the positive rail
+ * to *charge_c (C), by the trapezoidal rule over the motor's steps: with (rate h)^2 / 12 the error
+ * is within 5e-5 of the current's scale. NULL: nobody wants to know.
  */
 void plant_bridge_run(plant_motor_t *motor, const plant_segment_t *segment,
                       const plant_rails_t *rails, double *charge_c);

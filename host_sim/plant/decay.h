@@ -12,8 +12,11 @@
 
 #define PLANT_DECAY_SQUARINGS 10
 
-/* Power series of x / 2^10 <= 0.041, squared ten times. The first dropped term is y^8 / 8! <= 2e-16. A squaring
- * doubles the relative error and adds a rounding of 2^-53: in all 2^10 (2e-16 / e^-y + 2^-53) of the result. */
+/*
+ * Power series of x / 2^10 <= 0.041, squared ten times. The first dropped term is y^8 / 8! <=
+ * 2e-16. A squaring doubles the relative error and adds a rounding of 2^-53: in all 2^10 (2e-16 /
+ * e^-y + 2^-53) of the result.
+ */
 static inline double plant_decay(double x)
 {
     if (!(x < PLANT_DECAY_END)) {

@@ -116,8 +116,10 @@ typedef struct {
     double theta; /* from the beginning of the step */
 } point_t;
 
-/* Current slope with the floating terminal at zero, all in the rotor frame of the moment, and the
- * potential that terminal must have for the current along n to stay at zero. */
+/*
+ * Current slope with the floating terminal at zero, all in the rotor frame of the moment, and the
+ * potential that terminal must have for the current along n to stay at zero.
+ */
 static inline double tied_slope(const plant_motor_t *m, const point_t *at, pair_t v, pair_t n,
                                 pair_t *slope)
 {

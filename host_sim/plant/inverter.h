@@ -28,8 +28,10 @@ extern "C" {
 
 #define PLANT_ALL_LEGS 7U
 
-/* A leg changes at most six times in a period: an inherited dead time ends; edge at the start and
- * its dead time; rising edge, falling edge and their dead times, less what they swallow. */
+/*
+ * A leg changes at most six times in a period: an inherited dead time ends; edge at the start and
+ * its dead time; rising edge, falling edge and their dead times, less what they swallow.
+ */
 #define PLANT_SEGMENTS_MAX 19
 
 typedef struct {
@@ -61,17 +63,24 @@ typedef struct {
     uint32_t commanded; /* mask of the legs commanded high at the end of the last period */
 } plant_inverter_t;
 
-/* Returns false and names the offending field in *bad_field when a value is out of range.
- * All legs start low, no dead time running. */
+/*
+ * Returns false and names the offending field in *bad_field when a value is out of range.
+ * All legs start low, no dead time running.
+ */
 bool plant_inverter_init(plant_inverter_t *inverter, const plant_inverter_cfg_t *cfg,
                          const char **bad_field);
 
-/* One period with the given compare values, larger ones taken as timer_counts. The segments cover
- * the period without gaps, none is empty. Advances the dead-time state. */
+/*
+ * One period with the given compare values, larger ones taken as timer_counts. The segments cover
+ * the period without gaps, none is empty. Advances the dead-time state.
+ */
 void plant_inverter_pattern(plant_inverter_t *inverter, const uint32_t compare[PLANT_LEGS],
                             plant_pattern_t *pattern);
 
-/* The timer's clock runs so many times as fast as configured, > 0. The dead time, which it counts too, goes along. */
+/*
+ * The timer's clock runs so many times as fast as configured, > 0. The dead time, which it counts
+ * too, goes along.
+ */
 void plant_inverter_set_clock(plant_inverter_t *inverter, double ratio);
 
 /* All six switches open from now on: the legs come back from the low command, no dead time runs. */

@@ -1,22 +1,26 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Flux maps of saturated iron, from one energy: so reciprocal, dpsi_d/di_q = dpsi_q/di_d, and lossless.
+ * Flux maps of saturated iron, from one energy: so reciprocal, dpsi_d/di_q = dpsi_q/di_d, and
+ * lossless.
  *
- * psi: flux linkage of the currents (less the magnet's), rotor frame. With the current I_s at which saturation is stated,
- * x = psi_d / (L_d I_s), y = psi_q / (L_q I_s), and two thirds of the energy
+ * psi: flux linkage of the currents (less the magnet's), rotor frame. With the current I_s at which
+ * saturation is stated, x = psi_d / (L_d I_s), y = psi_q / (L_q I_s), and two thirds of the energy
  *
- *   W = I_s { L_d I_s [x^2/2 + g_d (x^3 + x^4/4)] + L_q I_s [y^2/2 + g_q y^4/4] + C/2 (x + x^2/2) y^2 }
+ *   W = I_s { L_d I_s [x^2/2 + g_d (x^3 + x^4/4)] + L_q I_s [y^2/2 + g_q y^4/4]
+ *             + C/2 (x + x^2/2) y^2 }
  *
  * the currents are its derivatives:
  *
  *   i_d = I_s [x + g_d (3 x^2 + x^3) + C/(2 L_d I_s) (1 + x) y^2]
  *   i_q = I_s [y + g_q y^3 + C/(L_q I_s) (x + x^2/2) y]
  *
- * The magnet counts for the d axis as one L_d I_s of flux that is there already: the fourth powers are those of 1 + x and
- * y. So L_d falls with i_d > 0, rises with i_d < 0, and L_d, L_q are those without current. Cross-saturation takes flux from
- * the d axis when there is q current. C = s 2 sqrt(g_d g_q L_d L_q) I_s: with s = 1 both axes share their iron.
+ * The magnet counts for the d axis as one L_d I_s of flux that is there already: the fourth powers
+ * are those of 1 + x and y. So L_d falls with i_d > 0, rises with i_d < 0, and L_d, L_q are those
+ * without current. Cross-saturation takes flux from the d axis when there is q current. C = s 2
+ * sqrt(g_d g_q L_d L_q) I_s: with s = 1 both axes share their iron.
  *
- * What is stated is the fall of flux over current of one axis at I_s, without current in the other one:
+ * What is stated is the fall of flux over current of one axis at I_s, without current in the other
+ * one:
  *   g_q = f / (1 - f)^3,   g_d = f / ((1 - f)^2 (4 - f)).
  */
 #ifndef PLANT_IRON_H

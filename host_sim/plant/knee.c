@@ -51,8 +51,11 @@ static double rail_current(const plant_motor_t *motor, const plant_segment_t *se
     return sum;
 }
 
-/* At most so fast does the motor follow the legs, 1/s. Their slope is largest at zero current, half / (2 knee), and falls
- * with the square of the current beyond the knee: what counts is the least that a current can come to by the end. */
+/*
+ * At most so fast does the motor follow the legs, 1/s. Their slope is largest at zero current, half
+ * / (2 knee), and falls with the square of the current beyond the knee: what counts is the least
+ * that a current can come to by the end.
+ */
 static double legs_rate(const plant_motor_t *motor, const plant_soft_legs_t *legs, double bus_v,
                         double duration_s)
 {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The three legs of a bridge: a vector of the plane seen from them, and what a leg loses that commutates softly (knee.h).
+ * The three legs of a bridge: a vector of the plane seen from them, and what a leg loses that
+ * commutates softly (knee.h).
  *
  * Inline: the integration of the motor asks for the loss in each of its stages.
  */

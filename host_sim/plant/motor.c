@@ -11,8 +11,11 @@
 #define HARMONIC_MAX 0.5
 #define COGGING_ORDER_MAX 1000U
 
-/* rate * step of a real motor. The method is of the fourth order: x^5/120 = 8e-8 of what changes at the rate in a step.
- * Twice as much for sines of the angle, which are an effect of some percent: 3e-6 of it. */
+/*
+ * rate * step of a real motor. The method is of the fourth order: x^5/120 = 8e-8 of what changes at
+ * the rate in a step. Twice as much for sines of the angle, which are an effect of some percent:
+ * 3e-6 of it.
+ */
 #define REAL_STEP 0.1
 #define SINE_RATE 0.5
 

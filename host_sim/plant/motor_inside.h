@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the files of the motor share: its state while it is worked on, the ideal motor's currents, dry friction, and the
- * steps of the two kinds of motor.
+ * What the files of the motor share: its state while it is worked on, the ideal motor's currents,
+ * dry friction, and the steps of the two kinds of motor.
  *
- * Ideal (ideal_motor.c): constant inductances, sinusoidal EMF, no cogging, a rigid shaft. Real (real_motor.c): all else that
- * motor.h says, and any motor at a voltage that follows its current. The steps are those of motor.h, by their names there.
+ * Ideal (ideal_motor.c): constant inductances, sinusoidal EMF, no cogging, a rigid shaft. Real
+ * (real_motor.c): all else that motor.h says, and any motor at a voltage that follows its current.
+ * The steps are those of motor.h, by their names there.
  */
 #ifndef PLANT_MOTOR_INSIDE_H
 #define PLANT_MOTOR_INSIDE_H
@@ -80,8 +81,10 @@ typedef struct {
     double drag_nm; /* load and Coulomb torque */
 } shaft_t;
 
-/* Adds dry friction: against the motion, or against the torque net_nm that would start it. A shaft at rest that it can
- * hold sticks. */
+/*
+ * Adds dry friction: against the motion, or against the torque net_nm that would start it. A shaft
+ * at rest that it can hold sticks.
+ */
 static inline void add_friction(const plant_motor_t *m, double net_nm, double omega, shaft_t *shaft)
 {
     const double direction = (omega != 0.0) ? omega : net_nm;
@@ -91,8 +94,11 @@ static inline void add_friction(const plant_motor_t *m, double net_nm, double om
     }
 }
 
-/* Coulomb friction turned against the motion inside a step from speed before to speed after, at whose end net_nm acts: the
- * shaft stops, or leaves zero speed with the friction reversed for what was left of the step. */
+/*
+ * Coulomb friction turned against the motion inside a step from speed before to speed after, at
+ * whose end net_nm acts: the shaft stops, or leaves zero speed with the friction reversed for what
+ * was left of the step.
+ */
 static inline double speed_past_zero(const plant_motor_t *m, double net_nm, double before,
                                      double after, double step_s)
 {

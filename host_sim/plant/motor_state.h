@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A motor's constants and state, and what its terminals are connected to. motor.h says what they mean and what can be done
- * with them; the files of the ideal and of the real motor know no more of it than this.
+ * A motor's constants and state, and what its terminals are connected to. motor.h says what they
+ * mean and what can be done with them; the files of the ideal and of the real motor know no more of
+ * it than this.
  */
 #ifndef PLANT_MOTOR_STATE_H
 #define PLANT_MOTOR_STATE_H
@@ -87,8 +88,10 @@ typedef struct {
 /* A terminal voltage of which a part may follow the phase currents. */
 typedef struct {
     plant_vector_t constant;
-    /* 1/s, of motor and source: plant_motor_rate, or |dv/di| of what follows over the smallest inductance if that is
-     * larger. */
+    /*
+     * 1/s, of motor and source: plant_motor_rate, or |dv/di| of what follows over the smallest
+     * inductance if that is larger.
+     */
     double rate;
     const plant_soft_legs_t *legs; /* add to the constant; NULL: nothing follows */
 } plant_source_t;

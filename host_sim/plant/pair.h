@@ -1,10 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* Vectors of the plane in one register, and their turns: what the steps of the motor are written in. */
+/*
+ * Vectors of the plane in one register, and their turns: what the steps of the motor are written
+ * in.
+ */
 #ifndef PLANT_PAIR_H
 #define PLANT_PAIR_H
 
-/* Two components in one register, d then q or alpha then beta. The vector extension of gcc and
- * clang: half the instructions in the innermost loop, the same bits as component by component. */
+/*
+ * Two components in one register, d then q or alpha then beta. The vector extension of gcc and
+ * clang: half the instructions in the innermost loop, the same bits as component by component.
+ */
 typedef double pair_t __attribute__((vector_size(2 * sizeof(double))));
 
 static inline pair_t swapped(pair_t a)
@@ -18,7 +23,10 @@ static inline double difference(pair_t a)
     return a[1] - a[0];
 }
 
-/* The vector a right angle further on. A product, because gcc builds {-a[1], a[0]} component by component. */
+/*
+ * The vector a right angle further on. A product, because gcc builds {-a[1], a[0]} component by
+ * component.
+ */
 static inline pair_t ahead_of(pair_t a)
 {
     return (pair_t){-1.0, 1.0} * swapped(a);
@@ -35,7 +43,10 @@ static inline pair_t turned_back(pair_t r, pair_t a)
     return r[0] * a - r[1] * ahead_of(a);
 }
 
-/* Cosine and sine of a small angle, |turn| <= about 0.2, by power series up to 3e-14 (turn^10 / 10!). */
+/*
+ * Cosine and sine of a small angle, |turn| <= about 0.2, by power series up to 3e-14 (turn^10 /
+ * 10!).
+ */
 static inline pair_t turn_of(double turn)
 {
     const double y = turn * turn;
@@ -47,8 +58,10 @@ static inline pair_t turn_of(double turn)
     return first * (1.0 - y * (k1 - y * (k2 - y * (k3 - y * k4))));
 }
 
-/* Likewise of an angle given as the sum of three: second, much smaller, to second order; third, smaller
- * still, to first order. The later an angle is known, the fewer operations wait for it. */
+/*
+ * Likewise of an angle given as the sum of three: second, much smaller, to second order; third,
+ * smaller still, to first order. The later an angle is known, the fewer operations wait for it.
+ */
 static inline pair_t small_turn(double turn, double second, double third)
 {
     const pair_t late = {1.0 - 0.5 * second * second, second};

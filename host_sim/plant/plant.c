@@ -10,8 +10,11 @@
 /* Halvings of a segment in which the comparators trip. */
 #define TRIP_HALVINGS 20
 
-/* The low pass of the sensors takes the current for a straight line between two instants. With the motor's rate times
- * the time between them at most this the current leaves the line by less than its square / 8 = 3e-4 of its scale. */
+/*
+ * The low pass of the sensors takes the current for a straight line between two instants. With the
+ * motor's rate times the time between them at most this the current leaves the line by less than
+ * its square / 8 = 3e-4 of its scale.
+ */
 #define FOLLOWED_STEP 0.05
 
 static const char *supply_bad_field(const plant_supply_cfg_t *cfg)
@@ -78,7 +81,10 @@ static double fed_bus_v(const plant_t *plant, double duration_s)
 /* Dead times of a period: two of each leg. */
 #define DEAD_TIMES (2.0 * PLANT_LEGS)
 
-/* A knee so much smaller than what a dead time changes the current by is an ideal diode's, and takes so many steps. */
+/*
+ * A knee so much smaller than what a dead time changes the current by is an ideal diode's, and
+ * takes so many steps.
+ */
 #define KNEE_STEPS_MAX 1000.0
 
 double plant_least_knee(const plant_cfg_t *cfg)
@@ -177,7 +183,10 @@ bool plant_take_trip(plant_t *plant)
     return tripped;
 }
 
-/* A fan alone slows the load as w' = -c/J w^2: over a period its torque is c w^2 / (1 + c w T/J) in the mean. */
+/*
+ * A fan alone slows the load as w' = -c/J w^2: over a period its torque is c w^2 / (1 + c w T/J) in
+ * the mean.
+ */
 static double fan_nm(const plant_t *plant)
 {
     const double w = plant_motor_load_speed(&plant->motor);
@@ -261,7 +270,10 @@ static const plant_vector_t unit_vector[PLANT_ALL_LEGS + 1U] = {
     {0.0, 0.0},
 };
 
-/* What acts in a whole period. A supply without capacitor moves on in it: its voltage in the middle. */
+/*
+ * What acts in a whole period. A supply without capacitor moves on in it: its voltage in the
+ * middle.
+ */
 static double acting_bus_v(const plant_t *plant)
 {
     const double half_s = 0.5 * plant->inverter.period_s;
@@ -292,8 +304,10 @@ static void run_bridge(plant_t *plant, const plant_rails_t *rails, const plant_s
     }
 }
 
-/* Ideal segments go to the motor in runs as long as possible. Adds the charge that the bridge has taken
- * from the capacitor, if there is one, to *charge_c. */
+/*
+ * Ideal segments go to the motor in runs as long as possible. Adds the charge that the bridge has
+ * taken from the capacitor, if there is one, to *charge_c.
+ */
 static void run_unseen(plant_t *plant, const plant_rails_t *rails, unsigned count,
                        const plant_segment_t segments[], double *charge_c)
 {
@@ -383,8 +397,10 @@ static bool is_beyond_trip(const plant_t *plant)
            fabs(current[2]) > plant->trip_a;
 }
 
-/* The comparators trip within a segment that begins like this: the plant goes to the instant at which they
- * do. Returns the time from the beginning. */
+/*
+ * The comparators trip within a segment that begins like this: the plant goes to the instant at
+ * which they do. Returns the time from the beginning.
+ */
 static double run_to_trip(plant_t *plant, const plant_rails_t *rails, const instant_t *from,
                           const plant_segment_t *segment, double *charge_c)
 {
@@ -408,7 +424,9 @@ static double run_to_trip(plant_t *plant, const plant_rails_t *rails, const inst
     return late_s;
 }
 
-/* Up to the instant at which the comparators trip; the rest of the period with all switches open. */
+/*
+ * Up to the instant at which the comparators trip; the rest of the period with all switches open.
+ */
 static void run_watched(plant_t *plant, const plant_rails_t *rails, const plant_pattern_t *pattern,
                         double *charge_c)
 {
@@ -481,8 +499,10 @@ void plant_step(plant_t *plant)
     }
 }
 
-/* From the axis of the phase at leg a on, where the wires turn in the order of their names. Two that are exchanged make the
- * bridge's field turn the other way, which no shift of the angle tells. */
+/*
+ * From the axis of the phase at leg a on, where the wires turn in the order of their names. Two
+ * that are exchanged make the bridge's field turn the other way, which no shift of the angle tells.
+ */
 static double terminal_angle(const plant_t *plant)
 {
     const double theta = plant->motor.now.theta_el_rad;

@@ -10,18 +10,19 @@
  * compare value written at tick k is preloaded and acts from tick k+1 to tick k+2, as in a timer
  * with its preload register on. The gate enable and the load act at once, from the present instant.
  *
- * Supply: s(t) = voltage_v * (1 + ripple_fraction * sin(2 pi ripple_hz * t)). The bus voltage is held
- * for a period. Without a capacitor it is the supply's at the start of the period: stiff both ways,
- * current flowing back does not lift it. With one, at the end of each period of length T
- *   C/2 v^2 -= v * (charge that has left the positive rail)      the energy that the bridge has taken
+ * Supply: s(t) = voltage_v * (1 + ripple_fraction * sin(2 pi ripple_hz * t)). The bus voltage is
+ * held for a period. Without a capacitor it is the supply's at the start of the period: stiff both
+ * ways, current flowing back does not lift it. With one, at the end of each period of length T
+ *   C/2 v^2 -= v * (charge that has left the positive rail)   the energy that the bridge has taken
  *   v = (v + a s) / (1 + a) if v < s, a = T / (R_s C);  v = s for R_s = 0
  * so the rectifier charges like a diode, in backward Euler steps, and energy fed back stays in the
  * capacitor exactly.
  *
- * Comparators: at the instant at which a phase current exceeds trip_a in either direction all six switches open, as
- * by a timer's break input, and stay so until somebody enables them again; the plant remembers that it tripped until
- * it is asked. The instant is that of the first segment between two switchings at whose end the current is beyond,
- * bisected to 2^-20 of the segment; a peak within one segment goes unseen. They have no low pass.
+ * Comparators: at the instant at which a phase current exceeds trip_a in either direction all six
+ * switches open, as by a timer's break input, and stay so until somebody enables them again; the
+ * plant remembers that it tripped until it is asked. The instant is that of the first segment
+ * between two switchings at whose end the current is beyond, bisected to 2^-20 of the segment; a
+ * peak within one segment goes unseen. They have no low pass.
  *
  * A plant is one plain struct without pointers: assigning it is a snapshot, and the copy goes on
  * exactly as the original does. Nothing depends on global state or on the machine's libm (only
@@ -49,10 +50,13 @@ typedef struct {
     double voltage_v;       /* V, > 0, mean */
     double ripple_fraction; /* peak ripple amplitude / voltage_v, 0 ... below 1 */
     double ripple_hz;       /* Hz, >= 0 */
-    double device_drop_v;   /* V, >= 0, of each conducting switch or diode, independent of current;
-                               below half the lowest supply voltage */
-    double
-        commutation_knee_a; /* A, >= 0, of legs that commutate softly while they switch, knee.h; 0: ideal diodes */
+    /*
+     * V, >= 0, of each conducting switch or diode, independent of current; below half the lowest
+     * supply voltage
+     */
+    double device_drop_v;
+    /* A, >= 0, of legs that commutate softly while they switch, knee.h; 0: ideal diodes */
+    double commutation_knee_a;
     double capacitance_f;  /* F, >= 0, of the bus; 0: stiff */
     double resistance_ohm; /* Ohm, >= 0, between supply and capacitor; without one it is not used */
 } plant_supply_cfg_t;
@@ -65,7 +69,10 @@ typedef struct {
     double trip_a; /* A, >= 0, of the comparators; 0: there are none */
     double
         fan_nm_s2; /* N m s2, >= 0: load torque over the square of the load's speed, against it */
-    /* at leg k hangs phase (k + wire[k]) modulo 3 of the motor, each at one leg; zeros: as they are named */
+    /*
+     * at leg k hangs phase (k + wire[k]) modulo 3 of the motor, each at one leg; zeros: as they are
+     * named
+     */
     unsigned wire[PLANT_LEGS];
 } plant_cfg_t;
 
@@ -95,8 +102,11 @@ typedef struct {
 /* The truth at the present instant. */
 typedef struct {
     double time_s;
-    double theta_el_rad; /* electrical, -pi ... pi, from the axis of the phase at leg a on; with two
-                                exchanged wires from that of phase a on */
+    /*
+     * electrical, -pi ... pi, from the axis of the phase at leg a on; with two exchanged wires from
+     * that of phase a on
+     */
+    double theta_el_rad;
     double theta_mech_rad;   /* mechanical, multi-turn */
     double omega_mech_rad_s; /* mechanical */
     double i_d_a;            /* true rotor frame */
@@ -106,34 +116,48 @@ typedef struct {
     double bus_v;               /* at the start of the period */
 } plant_view_t;
 
-/* Sets up a plant at time zero: no current, no load, gates off, all compare values zero. Returns
+/*
+ * Sets up a plant at time zero: no current, no load, gates off, all compare values zero. Returns
  * false and names the first field out of range in *bad_field ("motor.inertia_kg_m2"), else sets it
- * to NULL. On failure the plant must not be used. */
+ * to NULL. On failure the plant must not be used.
+ */
 bool plant_init(plant_t *plant, const plant_cfg_t *cfg, const char **bad_field);
 
-/* Smallest supply.commutation_knee_a other than 0 of a plant whose other fields are in range, A. It takes a dead time,
- * or a drop, to be of any use. */
+/*
+ * Smallest supply.commutation_knee_a other than 0 of a plant whose other fields are in range, A. It
+ * takes a dead time, or a drop, to be of any use.
+ */
 double plant_least_knee(const plant_cfg_t *cfg);
 
-/* Preloads the compare values, 0 ... timer_counts (duty 0 ... 1), larger ones count as
- * timer_counts. In force after the next plant_step. */
+/*
+ * Preloads the compare values, 0 ... timer_counts (duty 0 ... 1), larger ones count as
+ * timer_counts. In force after the next plant_step.
+ */
 void plant_write_compare(plant_t *plant, const uint32_t compare[PLANT_LEGS]);
 
-/* Enables the switches, or opens all six. From the present instant, unless the comparators see to it. */
+/*
+ * Enables the switches, or opens all six. From the present instant, unless the comparators see to
+ * it.
+ */
 void plant_set_gates(plant_t *plant, bool on);
 
 /* Whether the comparators have opened the switches since the last call. */
 bool plant_take_trip(plant_t *plant);
 
-/* Load torque, N m, constant until changed. Positive opposes positive rotation; it is an external
- * torque and does not turn with the speed. That of fan_nm_s2 comes on top. From the present instant. */
+/*
+ * Load torque, N m, constant until changed. Positive opposes positive rotation; it is an external
+ * torque and does not turn with the speed. That of fan_nm_s2 comes on top. From the present
+ * instant.
+ */
 void plant_set_load_torque(plant_t *plant, double torque_nm);
 
 /* Mean supply voltage, V, > 0. From the present instant; a charged capacitor keeps what it has. */
 void plant_set_supply(plant_t *plant, double voltage_v);
 
-/* Opens the wires at the legs in a mask (bit k is leg k), closes the others. From the present
- * instant; the current of a wire that opens is gone at once, with its energy. */
+/*
+ * Opens the wires at the legs in a mask (bit k is leg k), closes the others. From the present
+ * instant; the current of a wire that opens is gone at once, with its energy.
+ */
 void plant_break_phases(plant_t *plant, uint32_t broken);
 
 /* Stops the shaft dead and holds it, or lets it go. From the present instant. */
@@ -151,7 +175,10 @@ void plant_sample(plant_t *plant, plant_adc_t *adc);
 /* Sensors that have failed: see plant_sensors_scale(). */
 void plant_scale_sensors(plant_t *plant, const double current[PLANT_LEGS], double bus);
 
-/* The clock of the timer runs so many times as fast as it should from the next period on; 1 is healthy. */
+/*
+ * The clock of the timer runs so many times as fast as it should from the next period on; 1 is
+ * healthy.
+ */
 void plant_set_clock(plant_t *plant, double ratio);
 
 /* Lets one PWM period pass, then takes over the preloaded compare values. */

@@ -3,13 +3,17 @@
 
 #include <stddef.h>
 
-/* Up to this rate * step x the midpoint method does. In the held frame only R times the current is integrated, of which it
- * misses the share x^2/24 = 2.5e-6. Most steps between two switchings are that short. */
+/*
+ * Up to this rate * step x the midpoint method does. In the held frame only R times the current is
+ * integrated, of which it misses the share x^2/24 = 2.5e-6. Most steps between two switchings are
+ * that short.
+ */
 #define MIDPOINT_STEP 0.0078
 
 /*
- * Runge-Kutta methods. For the length of a step the rotor frame of its beginning is held still, as in ideal_motor.c: a
- * constant voltage is constant there, and the flux linkage obeys psi' = v - R i.
+ * Runge-Kutta methods. For the length of a step the rotor frame of its beginning is held still, as
+ * in ideal_motor.c: a constant voltage is constant there, and the flux linkage obeys psi' = v - R
+ * i.
  */
 typedef struct {
     pair_t flux;  /* held frame, magnet included */
@@ -166,7 +170,10 @@ plant_vector_t plant_real_emf(const plant_motor_t *motor)
     return (plant_vector_t){emf[0], emf[1]};
 }
 
-/* The whole turns, in periods of the cogging less whole ones, exactly: N turns mod P of them, over P. */
+/*
+ * The whole turns, in periods of the cogging less whole ones, exactly: N turns mod P of them, over
+ * P.
+ */
 void plant_real_place_cogging(plant_motor_t *motor)
 {
     const double order = motor->cogging_ratio * motor->pole_pairs;
@@ -258,8 +265,10 @@ static inline pair_t resistive(const plant_motor_t *m, pair_t axis, pair_t curre
     return turned_back(axis, by_matrix(&m->windings.resistance, turned(axis, current)));
 }
 
-/* The potential of the floating terminal that keeps the current along n at zero, for a voltage v without it; v, n in the
- * rotor frame, which is that of the axis. */
+/*
+ * The potential of the floating terminal that keeps the current along n at zero, for a voltage v
+ * without it; v, n in the rotor frame, which is that of the axis.
+ */
 static inline double potential_at(const plant_motor_t *m, const rotor_t *rotor, double omega,
                                   pair_t axis, pair_t v, pair_t n)
 {
@@ -301,7 +310,10 @@ static inline point_t motion_slope(const context_t *c, const rotor_t *rotor, con
     return slope;
 }
 
-/* slope_at where the rotor has not turned yet, every second slope of the midpoint method: nothing has to be turned. */
+/*
+ * slope_at where the rotor has not turned yet, every second slope of the midpoint method: nothing
+ * has to be turned.
+ */
 static inline point_t first_slope(const context_t *c, const point_t *at)
 {
     const pair_t by = {1.0, 0.0};
@@ -312,8 +324,10 @@ static inline point_t first_slope(const context_t *c, const point_t *at)
     return slope;
 }
 
-/* In line, because a call costs a sixth of a run: its points would go through memory, written number by number and read
- * pair by pair, which the processor has to wait for. */
+/*
+ * In line, because a call costs a sixth of a run: its points would go through memory, written
+ * number by number and read pair by pair, which the processor has to wait for.
+ */
 __attribute__((always_inline)) static inline point_t slope_at(const context_t *c, const point_t *at)
 {
     const plant_motor_t *m = c->m;
@@ -378,7 +392,9 @@ static inline pair_t held_from(const core_t *core, plant_vector_t v)
     return turned_back(core->axis, (pair_t){v.alpha, v.beta});
 }
 
-/* Without a voltage yet. Each member is given a value, else the compiler clears all of them first. */
+/*
+ * Without a voltage yet. Each member is given a value, else the compiler clears all of them first.
+ */
 static inline context_t context_of(const plant_motor_t *m, const core_t *core,
                                    const plant_source_t *source)
 {
@@ -404,11 +420,17 @@ static point_t start_of(const plant_motor_t *m, const core_t *core)
     return (point_t){core->flux, core->omega, 0.0, load_now(m)};
 }
 
-/* Newton steps to a current of zero along a phase. A step squares the error: the one from below CLEAR_A is the last. */
+/*
+ * Newton steps to a current of zero along a phase. A step squares the error: the one from below
+ * CLEAR_A is the last.
+ */
 #define CLEAR_MAX 20
 #define CLEAR_A 1.0e-9
 
-/* Flux, rotor frame, without current along n: the impulse of voltage that the terminal has had to give lies along n. */
+/*
+ * Flux, rotor frame, without current along n: the impulse of voltage that the terminal has had to
+ * give lies along n.
+ */
 static pair_t flux_without(const plant_motor_t *m, const waves_t *waves, pair_t flux, pair_t n)
 {
     pair_t cleared = flux;

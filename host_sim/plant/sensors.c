@@ -103,8 +103,9 @@ static double logit(double share)
 }
 
 /*
- * What a thermistor's divider reads beyond an end of its line: its ratio p/(1 - p) goes on as it did between the last two
- * points, so an NTC that is far too cold reads 0 or full scale. A line that ends at an end of the converter stays there.
+ * What a thermistor's divider reads beyond an end of its line: its ratio p/(1 - p) goes on as it
+ * did between the last two points, so an NTC that is far too cold reads 0 or full scale. A line
+ * that ends at an end of the converter stays there.
  */
 static double beyond(const plant_sensor_point_t *from, const plant_sensor_point_t *to, double way)
 {
@@ -144,8 +145,10 @@ uint16_t plant_sensors_angle(const plant_sensors_t *sensors, double angle_mech_r
     return (uint16_t)((uint32_t)told % ANGLE_COUNTS_MAX);
 }
 
-/* y' = rate (u - y) with u from from_a to to_a along a line: y = e y + (1 - e) from + (1 - m) (to - from), with
- * e = exp(-rate t) and its mean m over the time. */
+/*
+ * y' = rate (u - y) with u from from_a to to_a along a line: y = e y + (1 - e) from + (1 - m) (to -
+ * from), with e = exp(-rate t) and its mean m over the time.
+ */
 void plant_sensors_follow(plant_sensors_t *sensors, double duration_s, const double from_a[2],
                           const double to_a[2])
 {

@@ -4,16 +4,18 @@
  *
  *   count = clip(round(x / lsb * (1 + gain_error) + zero + offset + noise), 0, 2^bits - 1)
  *
- * Current channels: lsb = current_full_scale_a / 2^(bits-1), zero = 2^(bits-1). Phase c has no offset and a noise of its own.
+ * Current channels: lsb = current_full_scale_a / 2^(bits-1), zero = 2^(bits-1). Phase c has no
+ * offset and a noise of its own.
  *                   Without a sensor of its own it reads zero.
  * Bus channel:      lsb = bus_full_scale_v / 2^bits,         zero = 0, no gain error, no offset.
- * Temperature:      linear from each of its points to the next, beyond the ends as the divider of a thermistor, no noise: it
- *                   is slow and filtered.
- * Bandwidth:        a first-order low pass in front of each current channel, corner current_bandwidth_hz. Between two
- *                   instants the current runs straight, for which plant_sensors_follow is exact.
+ * Temperature:      linear from each of its points to the next, beyond the ends as the divider of a
+ *                   thermistor, no noise: it is slow and filtered.
+ * Bandwidth:        a first-order low pass in front of each current channel, corner
+ *                   current_bandwidth_hz. Between two instants the current runs straight, for which
+ *                   plant_sensors_follow is exact.
  * Angle:            the shaft's, 2^16 to a turn, in steps of 1 / angle_counts of a turn; no offset.
- * Full scale is the reference of the converter, one LSB above its largest count: what the firmware's
- * bases take it for, which turn counts into per unit by a shift.
+ * Full scale is the reference of the converter, one LSB above its largest count: what the
+ * firmware's bases take it for, which turn counts into per unit by a shift.
  * Rounding is to nearest, halves upwards. Both saturate at the ends of the range.
  * The conversion takes no time: both currents, the bus and the angle are taken at the same instant.
  */
@@ -91,7 +93,10 @@ bool plant_sensors_init(plant_sensors_t *sensors, const plant_sensor_cfg_t *cfg,
 /* The temperature that the conversions to come see, degrees C. */
 void plant_sensors_set_temperature(plant_sensors_t *sensors, double temperature_c);
 
-/* The sensors of the phases a, b, c and of the bus read so many times as much from now on; 1 is healthy. */
+/*
+ * The sensors of the phases a, b, c and of the bus read so many times as much from now on; 1 is
+ * healthy.
+ */
 void plant_sensors_scale(plant_sensors_t *sensors, const double current[3], double bus);
 
 /* What the angle sensor tells of a shaft at an angle, rad, multi-turn. */
@@ -103,7 +108,9 @@ static inline bool plant_sensors_lag(const plant_sensors_t *sensors)
     return sensors->lag_rate > 0.0;
 }
 
-/* Both currents, A, have gone from one pair of values to another in a time: the low passes follow. */
+/*
+ * Both currents, A, have gone from one pair of values to another in a time: the low passes follow.
+ */
 void plant_sensors_follow(plant_sensors_t *sensors, double duration_s, const double from_a[2],
                           const double to_a[2]);
 
@@ -111,8 +118,9 @@ void plant_sensors_follow(plant_sensors_t *sensors, double duration_s, const dou
 void plant_sensors_drift(plant_sensors_t *sensors, double duration_s);
 
 /*
- * One conversion of the currents [A] of a and b, of c where it is measured, of the bus [V] and the temperature. With a low pass
- * the currents are those behind it, not the arguments. With noise it draws three deviates, and one of another source for c.
+ * One conversion of the currents [A] of a and b, of c where it is measured, of the bus [V] and the
+ * temperature. With a low pass the currents are those behind it, not the arguments. With noise it
+ * draws three deviates, and one of another source for c.
  */
 void plant_sensors_convert(plant_sensors_t *sensors, double i_a, double i_b, double bus_v,
                            plant_adc_t *adc);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// How far one tick of the firmware's observer may be from its twin: the roundings of its arithmetic, each at its worst.
+// How far one tick of the firmware's observer may be from its twin: the roundings of its
+// arithmetic, each at its worst.
 #pragma once
 
 #include "twin_params.h"
@@ -7,23 +8,25 @@
 namespace nf::twin
 {
 
-// Sine and cosine enter both products of a rotated axis, each within 2 of 2^15: 1 of its amplitude, 1 of its rounding.
+// Sine and cosine enter both products of a rotated axis, each within 2 of 2^15: 1 of its amplitude,
+// 1 of its rounding.
 inline double turn_error(const Vector &v)
 {
     return 2 * SINE_LSB * v.cwiseAbs().sum();
 }
 
-// Roundings of the firmware's î_d and î_q in A: the state turned into the frame, rounded down to a LSB; i_q scaled by
-// L_d/L_q before that, another.
+// Roundings of the firmware's î_d and î_q in A: the state turned into the frame, rounded down to a
+// LSB; i_q scaled by L_d/L_q before that, another.
 inline Vector output_roundings(const PerUnit &s, const Vector &state)
 {
     const double turned = turn_error(state) + 3 * s.state_base() / Q27;
     return Vector(s.current(1) + turned, 2 * s.current(1) + turned);
 }
 
-// Roundings of one tick of the network, A of x and y, given the error before it. The change of a state is rounded down, 1
-// unit of Q27 in each stationary axis. What decays has the roundings of î, of the share of the measured current, of its turn
-// by h = Δ/2 (h in Q15 from speeds in 2^14 steps, the products rounded down) and of its turn into the stationary frame.
+// Roundings of one tick of the network, A of x and y, given the error before it. The change of a
+// state is rounded down, 1 unit of Q27 in each stationary axis. What decays has the roundings of î,
+// of the share of the measured current, of its turn by h = Δ/2 (h in Q15 from speeds in 2^14 steps,
+// the products rounded down) and of its turn into the stationary frame.
 inline Vector network_roundings(const PerUnit &s, const NnObserver &twin, double speed,
                                 const Vector &state, const Vector &error)
 {
@@ -35,7 +38,8 @@ inline Vector network_roundings(const PerUnit &s, const NnObserver &twin, double
                             turn_error(drop) + 1.4143 * s.state_base() / Q27);
 }
 
-// The drop's turn by half a step, 1 − jh, is h²/2 longer than the exact one and h³/3 off: A in each tick.
+// The drop's turn by half a step, 1 − jh, is h²/2 longer than the exact one and h³/3 off: A in each
+// tick.
 inline double half_turn_error(const PerUnit &s, const NnObserver &twin, double speed,
                               const Vector &state, const Vector &error)
 {
@@ -52,9 +56,9 @@ inline Eigen::RowVector2d effect_on_gradient(const NnObserver::Params &p, double
     return Eigen::RowVector2d(-state.y(), state.x()) * turn;
 }
 
-// Roundings of e_d, e_q, b, ΔW2 and ω_out, in A, A², rad and rad/s. Of b: the error of i_q scaled 1 LSB, turned and
-// added 1 in each axis; b >> gradient_shift; x, y in b turned and rounded down to Q15 of I_x, times the error. ΔW2 rounded down to a
-// step, its momentum to two; ω_out to a step.
+// Roundings of e_d, e_q, b, ΔW2 and ω_out, in A, A², rad and rad/s. Of b: the error of i_q scaled 1
+// LSB, turned and added 1 in each axis; b >> gradient_shift; x, y in b turned and rounded down to
+// Q15 of I_x, times the error. ΔW2 rounded down to a step, its momentum to two; ω_out to a step.
 inline Eigen::Matrix<double, 5, 1> training_roundings(const PerUnit &s, const NnObserver::Params &p,
                                                       double rho, const Vector &state,
                                                       double largest_error)

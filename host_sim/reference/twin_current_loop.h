@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-// Current control in the rotor frame, in A, V and rad/s: PI an axis, decoupling by the motor equations
-// (1), (2) of paper A (the resistance by the reference), voltage limited to a circle with the d axis first.
+// Current control in the rotor frame, in A, V and rad/s: PI an axis, decoupling by the motor
+// equations (1), (2) of paper A (the resistance by the reference), voltage limited to a circle with
+// the d axis first.
 #pragma once
 
 #include "twin_pi.h"

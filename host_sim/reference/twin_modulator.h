@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// Space-vector modulator: phase duties for a voltage on a bus, both in V, and the compensation of dead time and drop by
-// the current, in A.
+// Space-vector modulator: phase duties for a voltage on a bus, both in V, and the compensation of
+// dead time and drop by the current, in A.
 #pragma once
 
 #include "twin_transforms.h"
@@ -38,8 +38,8 @@ public:
         return (share.array() - common + 0.5).cwiseMax(0.0).cwiseMin(1.0);
     }
 
-    // What each leg is compensated by, not cut: nothing below its ripple r = ripple·(s − 9·u²), the share
-    // z·(2 − z) of it above, z = 1 at the end of the edge.
+    // What each leg is compensated by, not cut: nothing below its ripple r = ripple·(s − 9·u²), the
+    // share z·(2 − z) of it above, z = 1 at the end of the edge.
     static Eigen::Vector3d compensation(const Losses &losses, const Vector &voltage_v, double bus_v,
                                         const Vector &current_a)
     {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// Neural-network speed observer, paper A (14)–(22), in SI units and without any limit: with the exact rotation by
-// W2, and as the paper prints it.
+// Neural-network speed observer, paper A (14)–(22), in SI units and without any limit: with the
+// exact rotation by W2, and as the paper prints it.
 #pragma once
 
 #include "twin_transforms.h"
@@ -61,8 +61,9 @@ public:
         return decay() + Eigen::Matrix2d(of_state.asDiagonal());
     }
 
-    // (14)–(16) as ẑ(k) = W·ẑ(k−1) + W3·v + f·i, the weights at speed ω: the state turned through −ω·T, what decays is taken
-    // in the middle of the turn, and there act v and the measured current.
+    // (14)–(16) as ẑ(k) = W·ẑ(k−1) + W3·v + f·i, the weights at speed ω: the state turned through
+    // −ω·T, what decays is taken in the middle of the turn, and there act v and the measured
+    // current.
     Eigen::Matrix2d weights(double speed_rad_s) const
     {
         return rotation(speed_rad_s, 1.0) - rotation(speed_rad_s, 0.5) * error_decay();
@@ -108,7 +109,8 @@ public:
         return paper_weights(speed_rad_s) * state + drive(voltage_v);
     }
 
-    // One tick: currents in A and the voltage of the last interval in V, both in the estimated frame.
+    // One tick: currents in A and the voltage of the last interval in V, both in the estimated
+    // frame.
     void step(const Vector &current_a, const Vector &voltage_v)
     {
         const Vector before = state_;

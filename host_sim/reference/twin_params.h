@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 // What the firmware's integers mean in SI units, and the twins' parameters made of them.
 //
-// A twin gets the parameters that the integers stand for, not those they were rounded from: a comparison
-// then shows the roundings of the arithmetic alone.
+// A twin gets the parameters that the integers stand for, not those they were rounded from: a
+// comparison then shows the roundings of the arithmetic alone.
 #pragma once
 
 #include "firmware.h"
@@ -90,7 +90,8 @@ inline NnObserver::Params observer_params(const PerUnit &s)
     const double base_x = s.state_base();
     const double ld = period / (c.volt_gain * weight) * s.bases.voltage_v / base_x;
     const double flux_current = c.flux_q27 / Q27 * base_x;
-    // From b in A² to steps: b/(I_b·I_x)·2^30/2^gradient_shift·mantissa/2^shift; steps to radians a sample.
+    // From b in A² to steps: b/(I_b·I_x)·2^30/2^gradient_shift·mantissa/2^shift; steps to radians a
+    // sample.
     const double gradient = std::ldexp(1.0, 30 - static_cast<int>(c.gradient_shift)) /
                             (s.bases.current_a * base_x) * TWO_PI / STEPS_PER_TURN;
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// PI controller, paper B (28)–(30), backward difference, with limited output; the integral saturates at ±1 per unit.
+// PI controller, paper B (28)–(30), backward difference, with limited output; the integral
+// saturates at ±1 per unit.
 #pragma once
 
 #include <algorithm>

@@ -144,8 +144,9 @@ private:
     std::size_t place_ = 0;        // the last line of a recording, in the file
 };
 
-// The recording's line in a line of the log, with its mark; empty when there is none. A logger may put anything in front. No
-// digit of base64 is a mark, so it begins at the last one; whether it is one its CRC says.
+// The recording's line in a line of the log, with its mark; empty when there is none. A logger may
+// put anything in front. No digit of base64 is a mark, so it begins at the last one; whether it is
+// one its CRC says.
 std::string_view recorded_part(std::string_view line)
 {
     const std::size_t mark = line.rfind(RECORDER_LINE_MARK);

@@ -10,9 +10,9 @@
 namespace nf::replay
 {
 
-// The last recording in a log (log_file.h) that is whole; text of a console may be before, behind and in between, and what a
-// logger puts in front of each line. Throws RecordingError with what is wrong with the last one when none is, and nothing
-// else, for whatever the bytes are.
+// The last recording in a log (log_file.h) that is whole; text of a console may be before, behind
+// and in between, and what a logger puts in front of each line. Throws RecordingError with what is
+// wrong with the last one when none is, and nothing else, for whatever the bytes are.
 Recording read(std::string_view bytes);
 
 // Of a file, as read_log() takes it. The message begins with its path.

@@ -30,7 +30,8 @@ constexpr std::size_t CRC_WORD = 3; // of a change
 
 using Configurations = std::vector<drive_cfg_t>;
 
-// Of a scale, in its own unit. A board rounds its tick to its timer's counts: wider than the key's range.
+// Of a scale, in its own unit. A board rounds its tick to its timer's counts: wider than the key's
+// range.
 struct Scale {
     const char *name;
     uint32_t value;

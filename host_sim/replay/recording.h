@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// What the flight recorder sends, taken apart: configuration, the state before the first frame, the frames.
+// What the flight recorder sends, taken apart: configuration, the state before the first frame, the
+// frames.
 #pragma once
 
 #include "recorded_run.h"

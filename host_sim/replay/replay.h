@@ -11,7 +11,8 @@
 namespace nf::replay
 {
 
-// Where the drive departs from what was recorded: "tick 4711: out.compare.phase[1], recorded 4250, computed 4251".
+// Where the drive departs from what was recorded: "tick 4711: out.compare.phase[1], recorded 4250,
+// computed 4251".
 struct Difference {
     int64_t tick; // of the run
     std::string signal;

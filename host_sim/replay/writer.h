@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// The flight recorder at a run of the simulator: the firmware's own, fed as its control interrupt feeds it.
+// The flight recorder at a run of the simulator: the firmware's own, fed as its control interrupt
+// feeds it.
 #pragma once
 
 #include "config.h"
@@ -28,7 +29,8 @@ class Writer : public TickSink
 public:
     // With the ring of the board's file.
     explicit Writer(const Config &config);
-    // Where the recording ends: behind the first fault, as on a board that nobody follows, or with the last tick.
+    // Where the recording ends: behind the first fault, as on a board that nobody follows, or with
+    // the last tick.
     enum class Until {
         fault,
         end
@@ -49,7 +51,8 @@ private:
     recorder_about_t about_{};
     std::vector<recorder_entry_t> entries_;
     recorder_t recorder_{};
-    // With the last tick, which the simulation does not outlive; a change puts the next one into the other.
+    // With the last tick, which the simulation does not outlive; a change puts the next one into
+    // the other.
     std::array<drive_cfg_t, 2> cfgs_{};
     std::size_t in_force_ = 0;
     const drive_cfg_t *source_ =

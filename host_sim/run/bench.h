@@ -22,8 +22,8 @@ struct BenchResult {
     double real_time_median = 0;
 };
 
-// One run records what goes between drive and plant; each of the two is then timed on the recording,
-// where it does exactly what it did in the run. One warm-up run is not counted.
+// One run records what goes between drive and plant; each of the two is then timed on the
+// recording, where it does exactly what it did in the run. One warm-up run is not counted.
 BenchResult bench(const Config &config, int runs);
 
 } // namespace nf

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// What goes wrong in a run: [[scenario.fault]] put into the plant, the hardware binding and the drive's
-// memory at its time. Where no fault is listed nothing is touched.
+// What goes wrong in a run: [[scenario.fault]] put into the plant, the hardware binding and the
+// drive's memory at its time. Where no fault is listed nothing is touched.
 #pragma once
 
 #include "sim.h"
@@ -20,7 +20,8 @@ public:
     // Times count from tick `zero`. Faults before tick 0 begin there.
     Injection(const Config &config, double period_s, int64_t zero);
 
-    // Before control() of each tick, which sees it. Call with ticks that rise. True: what lasts was imposed anew.
+    // Before control() of each tick, which sees it. Call with ticks that rise. True: what lasts was
+    // imposed anew.
     bool act(int64_t tick, Simulation &sim)
     {
         const bool due = tick >= next_;
@@ -30,7 +31,8 @@ public:
         return due;
     }
 
-    // A person breaks something: from this tick on, which has not acted yet, as long as such a fault lasts.
+    // A person breaks something: from this tick on, which has not acted yet, as long as such a
+    // fault lasts.
     void begin(const FaultEntry &entry, int64_t tick);
     // What lasts of this kind is over from this tick on.
     void end(FaultKind kind, int64_t tick);

@@ -14,7 +14,8 @@ namespace
 
 constexpr int COGGING_IN_TURN_EL = 6; // of a slot for each pole and phase
 
-// Two masses on a spring: w² = k·(1/J_M + 1/J_L), damping ratio D = d/(2·w)·(1/J_M + 1/J_L). Both are of the inertia in cfg.
+// Two masses on a spring: w² = k·(1/J_M + 1/J_L), damping ratio D = d/(2·w)·(1/J_M + 1/J_L). Both
+// are of the inertia in cfg.
 void share_inertia(plant_motor_cfg_t &cfg, const PlantSettings &real)
 {
     const double w = 2.0 * PI * real.shaft_resonance_hz;

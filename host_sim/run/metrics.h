@@ -5,11 +5,13 @@
 // drive believed about t_k. The evaluation covers every tick from `evaluate_from_s` to the end,
 // transients included.
 //
-// Commanded quantity: the mechanical speed [rpm], in position mode the mechanical angle [rad], in torque mode the torque of the
+// Commanded quantity: the mechanical speed [rpm], in position mode the mechanical angle [rad], in
+// torque mode the torque of the
 //                 air gap [N·m].
-// Step:           the command or the load takes a new value. Steps before the evaluation do not count.
+// Step: the command or the load takes a new value. Steps before the evaluation do not count.
 // Step window:    from a step to the next one (of either kind) or to the end of the run.
-// Settled window: any stretch of the evaluation that begins 0.15 s after the last step, and after the
+// Settled window: any stretch of the evaluation that begins 0.15 s after the last step, and after
+// the
 //                 drive's own reference (speed ramp, position profile) has last moved.
 #pragma once
 
@@ -63,44 +65,48 @@ struct MetricValues {
     // until it stays within 0.5 % of rated speed. The largest and the longest.
     std::optional<double> speed_dip_rpm;
     std::optional<double> recovery_time_s;
-    // Position mode: |command − angle|, mechanical, in the last tick before the next command step or
-    // the end. The largest.
+    // Position mode: |command − angle|, mechanical, in the last tick before the next command step
+    // or the end. The largest.
     std::optional<double> position_error_final_rad;
     // Magnitude of the mean of the true i_d over a settled window. The largest.
     std::optional<double> id_settled_a;
-    // Likewise for the speed error, % of rated speed, in the windows of command steps and of load steps; one of both in a
-    // tick is of the load, whose torque no drive knows.
+    // Likewise for the speed error, % of rated speed, in the windows of command steps and of load
+    // steps; one of both in a tick is of the load, whose torque no drive knows.
     std::optional<double> speed_error_command_pct;
     std::optional<double> speed_error_load_pct;
-    // What the rotor's own turning forces (ripple.h) while nothing from outside changes, neither command nor load nor
-    // by a fault, amplitudes: of the speed, % of rated speed, and of the torque's current, % of that of rated torque.
-    // The largest.
+    // What the rotor's own turning forces (ripple.h) while nothing from outside changes, neither
+    // command nor load nor by a fault, amplitudes: of the speed, % of rated speed, and of the
+    // torque's current, % of that of rated torque. The largest.
     std::optional<double> ripple_speed_pct;
     std::optional<double> ripple_current_pct;
-    // Without that and the supply's ripple, the largest sustained swings (swing.h), likewise. The frequency: the current's, if it swings. A window
-    // is watched from its beginning: what goes on after it has settled began before.
+    // Without that and the supply's ripple, the largest sustained swings (swing.h), likewise. The
+    // frequency: the current's, if it swings. A window is watched from its beginning: what goes on
+    // after it has settled began before.
     std::optional<double> swing_speed_pct;
     std::optional<double> swing_current_pct;
     std::optional<double> swing_hz;
-    // Torque mode: magnitude of the mean of the air gap's torque less the command over a settled window, % of the command; of
-    // rated torque when the command is 0. The largest. While the speed loop decides the torque there is no such
-    // window, and one shorter than 0.15 s does not count.
+    // Torque mode: magnitude of the mean of the air gap's torque less the command over a settled
+    // window, % of the command; of rated torque when the command is 0. The largest. While the speed
+    // loop decides the torque there is no such window, and one shorter than 0.15 s does not count.
     std::optional<double> torque_error_settled_pct;
     // When `locked` was lost.
     std::optional<double> lost_time_s;
-    // Held against rated speed: in every tick the drive runs, without a fault, the angle error is below 90°
-    // electrical, and the mean square of the speed error, through a low-pass of 0.1 s, is below the square
-    // of 5 % of rated speed. A transient may be larger for a while (10 % for 29 ms).
+    // Held against rated speed: in every tick the drive runs, without a fault, the angle error is
+    // below 90° electrical, and the mean square of the speed error, through a low-pass of 0.1 s, is
+    // below the square of 5 % of rated speed. A transient may be larger for a while (10 % for 29
+    // ms).
     bool locked_coarse = false;
-    // That, and what a drive can be built on at any speed. In settled windows with a command the mean
-    // square of the speed error is below the square of a quarter of the command: the estimate is the speed,
-    // not its swing. In closed loop that of the angle error is below the square of 30°: at that angle half
-    // of the current makes no torque. Below, where the current is imposed, the angle is the load's.
+    // That, and what a drive can be built on at any speed. In settled windows with a command the
+    // mean square of the speed error is below the square of a quarter of the command: the estimate
+    // is the speed, not its swing. In closed loop that of the angle error is below the square of
+    // 30°: at that angle half of the current makes no torque. Below, where the current is imposed,
+    // the angle is the load's.
     bool locked = false;
     // One of the swings was found. It may be locked all the same.
     bool limit_cycle = false;
-    // Speed and position mode: before the next command step, or the end, the commanded quantity came within 5 % of the step's
-    // height of each command; of the command, if that was in force before the evaluation.
+    // Speed and position mode: before the next command step, or the end, the commanded quantity
+    // came within 5 % of the step's height of each command; of the command, if that was in force
+    // before the evaluation.
     bool reached = false;
     // The first command that was not reached, and how near it came.
     struct Missed {
@@ -154,12 +160,12 @@ public:
         command_ = command;
         approach_ = {std::abs(command), {}};
     }
-    // A step, before the tick at which it acts; of both in one tick, the command's first. A load step
-    // in the tick of a command step has no dip of its own.
+    // A step, before the tick at which it acts; of both in one tick, the command's first. A load
+    // step in the tick of a command step has no dip of its own.
     void command_step(double command);
     void load_step();
-    // Something else from outside begins or ends, before the tick at which it acts: a fault of the scenario, as a supply that
-    // drops. It ends no window but that of ripple and swings.
+    // Something else from outside begins or ends, before the tick at which it acts: a fault of the
+    // scenario, as a supply that drops. It ends no window but that of ripple and swings.
     void disturbed();
 
     void add(const Instant &now);

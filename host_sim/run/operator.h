@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 // Who asks the drive to run, to stop and to forget a fault: [[scenario.request]].
 //
-// RUN is wanted from the start on and asked for as soon as the drive is READY; entries change the wish.
-// A clear is held until the drive has left FAULT, and has no effect where there is none. It ends the wish
-// to run unless its entry renews it: then the drive is started again once it is READY.
+// RUN is wanted from the start on and asked for as soon as the drive is READY; entries change the
+// wish. A clear is held until the drive has left FAULT, and has no effect where there is none. It
+// ends the wish to run unless its entry renews it: then the drive is started again once it is
+// READY.
 #pragma once
 
 #include "sim.h"

@@ -35,7 +35,8 @@ double Ripple::turned_rad(const Stretch &stretch) const
     return turned;
 }
 
-// The sample by which the rotor has made an electrical turn, either way; the last one where it makes none.
+// The sample by which the rotor has made an electrical turn, either way; the last one where it
+// makes none.
 std::size_t Ripple::turn_end(std::size_t from) const
 {
     double turned = 0;

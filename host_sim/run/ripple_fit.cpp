@@ -20,8 +20,8 @@ constexpr double NEGLIGIBLE = 1e-12; // of a square, where the sums have 16 digi
 
 } // namespace
 
-// The normal equations of a least squares fit. Sums one after the other: a library that adds several at once has other last
-// digits on another processor.
+// The normal equations of a least squares fit. Sums one after the other: a library that adds
+// several at once has other last digits on another processor.
 struct RippleFit::NormalEquations {
     std::array<Terms, TERMS> products{}; // row by row, up to the diagonal
     Fits sums{};
@@ -85,8 +85,8 @@ RippleFit::Fits RippleFit::solved(NormalEquations equations)
     return found;
 }
 
-// An order that makes half a turn or more from tick to tick looks like a lower one, and is left out. Of a supply without
-// ripple there is a constant, which the parabola has already.
+// An order that makes half a turn or more from tick to tick looks like a lower one, and is left
+// out. Of a supply without ripple there is a constant, which the parabola has already.
 RippleFit::Terms RippleFit::terms(double place, const Sample &sample) const
 {
     Terms terms = {1, place, place * place};

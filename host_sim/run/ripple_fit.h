@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// The least squares fit of what goes with the rotor's angle, and with that of the supply's ripple, in two signals (ripple.h).
+// The least squares fit of what goes with the rotor's angle, and with that of the supply's ripple,
+// in two signals (ripple.h).
 #pragma once
 
 #include <array>
@@ -21,7 +22,8 @@ public:
         double supply_rad;
     };
 
-    // Of the samples from `from` to before `to`, in which the rotor makes `turned_rad`, a magnitude.
+    // Of the samples from `from` to before `to`, in which the rotor makes `turned_rad`, a
+    // magnitude.
     RippleFit(const std::vector<Sample> &samples, std::size_t from, std::size_t to,
               double turned_rad);
 

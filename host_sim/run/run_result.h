@@ -17,7 +17,8 @@ namespace nf
 struct RunOptions {
     TickSink *sink = nullptr;             // sees every tick
     std::function<void(double)> progress; // share of the run that is done, now and then
-    // Writes over what the drive knows of the rotor at the next instant, after the control of each tick.
+    // Writes over what the drive knows of the rotor at the next instant, after the control of each
+    // tick.
     std::function<void(drive_t &)> estimate;
     // What the power stage does in place of the drive's demand of this tick.
     std::function<drive_out_t(const Tick &)> power_stage;

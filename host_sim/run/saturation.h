@@ -2,9 +2,9 @@
 // Which of the drive's signals are at the end of their range, counted from outside: after each tick
 // the values that the firmware keeps anyway are compared with the values that it clamps them to.
 //
-// Internal: a value that was clamped because its format ended, so that the arithmetic no longer does
-// what the equations say. Limit: a value that a controller is meant to keep within (torque, voltage
-// circle, duty); running into it is normal in a transient.
+// Internal: a value that was clamped because its format ended, so that the arithmetic no longer
+// does what the equations say. Limit: a value that a controller is meant to keep within (torque,
+// voltage circle, duty); running into it is normal in a transient.
 #pragma once
 
 extern "C" {

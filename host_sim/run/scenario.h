@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 // Runs a configuration from the start of its prelude to its end and judges it.
 //
-// The first tick is at t = −prelude_s, with the rotor as the scenario says and the drive in INIT. RUN
-// is requested as soon as the drive is READY (operator.h); the prelude has to be long enough for that.
-// Steps of command and load, requests and faults act from the tick nearest to their time, before t = 0
-// as well.
+// The first tick is at t = −prelude_s, with the rotor as the scenario says and the drive in INIT.
+// RUN is requested as soon as the drive is READY (operator.h); the prelude has to be long enough
+// for that. Steps of command and load, requests and faults act from the tick nearest to their time,
+// before t = 0 as well.
 #pragma once
 
 #include "run_result.h"
@@ -18,8 +18,9 @@ namespace nf
 
 // Throws ConfigError, and what the sink throws.
 RunResult run_scenario(const Config &config, const RunOptions &options = {});
-// The motor, the board and the script of one configuration, and a drive that believes another one, of a board with the same
-// timer and converters. Figures are shares of what the drive takes the motor to be rated for.
+// The motor, the board and the script of one configuration, and a drive that believes another one,
+// of a board with the same timer and converters. Figures are shares of what the drive takes the
+// motor to be rated for.
 RunResult run_scenario(const Config &real, const Config &believed, const RunOptions &options = {});
 
 constexpr const char *SATURATION_INTERNAL_COUNT = "saturation_internal_count";

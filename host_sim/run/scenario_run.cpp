@@ -191,7 +191,8 @@ void ScenarioRun::note_missed()
     }
 }
 
-// A step of the load that comes while the start still runs is one of the start: no dip, no recovery of RUN.
+// A step of the load that comes while the start still runs is one of the start: no dip, no recovery
+// of RUN.
 void ScenarioRun::note_load(const Tick &tick)
 {
     const drive_state_t state = run_.sim().drive().state;

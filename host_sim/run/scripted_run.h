@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-// A simulation and the script of its scenario: steps of command and load, requests and faults, each from
-// the tick nearest to its time. Or the frames of a recording: then there is no motor, what is true is not known (NaN),
-// and command and requests are the frames'.
+// A simulation and the script of its scenario: steps of command and load, requests and faults, each
+// from the tick nearest to its time. Or the frames of a recording: then there is no motor, what is
+// true is not known (NaN), and command and requests are the frames'.
 //
-// Ticks are those of the drive: of a scenario the first is 0 and begins the prelude, a recording begins at any, and its
-// time is since the drive's tick 0. A tick is control(), then advance(). What a run has become lies in its snapshot
-// alone: the same snapshot goes on in the same way.
+// Ticks are those of the drive: of a scenario the first is 0 and begins the prelude, a recording
+// begins at any, and its time is since the drive's tick 0. A tick is control(), then advance().
+// What a run has become lies in its snapshot alone: the same snapshot goes on in the same way.
 #pragma once
 
 #include "injection.h"
@@ -23,8 +23,8 @@ class ScriptedRun
 public:
     // Throws ConfigError. The configuration must outlive the run.
     explicit ScriptedRun(const Config &config);
-    // The motor and the board of one configuration, and a drive that believes another one (sim.h). The script is of the
-    // first.
+    // The motor and the board of one configuration, and a drive that believes another one (sim.h).
+    // The script is of the first.
     ScriptedRun(const Config &real, const Config &believed);
     // At least one frame, and as many outputs.
     explicit ScriptedRun(const RecordedRun &recorded);
@@ -77,7 +77,8 @@ public:
     // The same with another meaning of the command: rpm, or mechanical rad in position mode.
     void set_command(DriveMode mode, double value);
 
-    // What a person asks for and breaks, from the next control() on, beside what the script does. Not of a recording.
+    // What a person asks for and breaks, from the next control() on, beside what the script does.
+    // Not of a recording.
     void ask(const RequestEntry &request)
     {
         operator_.take(request);
@@ -91,7 +92,8 @@ public:
         injection_.end(kind, tick_ + 1);
     }
 
-    // From now on the script neither commands nor requests anything; its load and its faults go on. Not of a recording.
+    // From now on the script neither commands nor requests anything; its load and its faults go on.
+    // Not of a recording.
     void leave_to_user()
     {
         is_commanded_ = false;
@@ -101,8 +103,8 @@ public:
         return is_commanded_;
     }
 
-    // What the converter or the angle sensor reads from the next control() on, whatever the script says, and the end of
-    // it: the channel is the script's again.
+    // What the converter or the angle sensor reads from the next control() on, whatever the script
+    // says, and the end of it: the channel is the script's again.
     using Channel = hal_host_channel_t hal_host_faults_t::*;
     void force_channel(Channel channel, uint16_t count);
     void release_channel(Channel channel);

@@ -33,7 +33,8 @@ class Simulation
 public:
     // Throws ConfigError when the drive or the plant refuses the configuration.
     explicit Simulation(const Config &config);
-    // The motor and the board of one configuration, and a drive that believes another one, of the same board.
+    // The motor and the board of one configuration, and a drive that believes another one, of the
+    // same board.
     Simulation(const Config &real, const Config &believed);
     // Without a motor: feed() says before each control() what is measured and wanted.
     explicit Simulation(const DriveImage &image);
@@ -41,7 +42,8 @@ public:
     Simulation(const Simulation &) = delete;
     Simulation &operator=(const Simulation &) = delete;
 
-    // All that changes while it runs, as plain values. A copy is good for the simulation it is from.
+    // All that changes while it runs, as plain values. A copy is good for the simulation it is
+    // from.
     struct State {
         std::array<drive_cfg_t, 2> cfgs;
         plant_t plant;
@@ -60,8 +62,8 @@ public:
         control_isr(&app_);
     }
 
-    // The drive takes over another configuration, as the control interrupt does it: before the next control(), which
-    // computes with it. config_check() accepts it.
+    // The drive takes over another configuration, as the control interrupt does it: before the next
+    // control(), which computes with it. config_check() accepts it.
     void change(const drive_cfg_t &cfg);
 
     // Gives the power stage another demand than that of the last control().
@@ -119,8 +121,9 @@ public:
         return hal_;
     }
 
-    // Begins anew with another configuration, which outlives the simulation where it is; the background may put another one in
-    // its place. Throws ConfigError when the drive refuses it. What it is then cannot be saved.
+    // Begins anew with another configuration, which outlives the simulation where it is; the
+    // background may put another one in its place. Throws ConfigError when the drive refuses it.
+    // What it is then cannot be saved.
     void start(const drive_cfg_t &cfg);
 
     const drive_t &drive() const

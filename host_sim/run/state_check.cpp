@@ -30,7 +30,8 @@ template <class Member> int64_t number_of(const Member &member)
     return number;
 }
 
-// What drive_step leaves a state in, whatever it is told; with another number it may compute what no word holds.
+// What drive_step leaves a state in, whatever it is told; with another number it may compute what
+// no word holds.
 std::string range_problem(const drive_t &s)
 {
     struct Range {

@@ -1,17 +1,20 @@
 /* SPDX-License-Identifier: MIT */
-// Finds a swing that does not die out: a limit cycle, a resonance, or a ripple that something but the rotor's turning drives.
+// Finds a swing that does not die out: a limit cycle, a resonance, or a ripple that something but
+// the rotor's turning drives.
 //
-// A swing is sustained when three periods after any half-swing the signal still makes half-swings of at least half its
-// height. A free swing with the damping ζ falls by exp(−2πζ/√(1−ζ²)) in a period, to a half in three of them for
-// ζ = 0.037: what is reported has less damping than that, which is none that anybody designed. What a step sets off and
-// the loop takes away is not reported, whatever its height.
+// A swing is sustained when three periods after any half-swing the signal still makes half-swings
+// of at least half its height. A free swing with the damping ζ falls by exp(−2πζ/√(1−ζ²)) in a
+// period, to a half in three of them for ζ = 0.037: what is reported has less damping than that,
+// which is none that anybody designed. What a step sets off and the loop takes away is not
+// reported, whatever its height.
 //
-// Half-swings are the ways between turning points. The signal turns where it has come back by `least` from its extreme:
-// noise and ripple below that do not end a half-swing, and make none.
+// Half-swings are the ways between turning points. The signal turns where it has come back by
+// `least` from its extreme: noise and ripple below that do not end a half-swing, and make none.
 //
-// What is watched may be a part of a signal: what is left of it once a ripple has been taken off. Taking off what is not
-// there makes a swing that no machine has, one of speed without the torque for it. So the signal itself has to go the same
-// ways, by half of their height in the sum of three periods.
+// What is watched may be a part of a signal: what is left of it once a ripple has been taken off.
+// Taking off what is not there makes a swing that no machine has, one of speed without the torque
+// for it. So the signal itself has to go the same ways, by half of their height in the sum of three
+// periods.
 #pragma once
 
 #include <array>

@@ -25,7 +25,8 @@ struct Tick {
     const drive_out_t *recorded; // what a recording has of this tick; NULL: the run is of none
 };
 
-// What the drive believes about the present instant, before control(); nothing of what is true or wanted.
+// What the drive believes about the present instant, before control(); nothing of what is true or
+// wanted.
 Tick believed_tick(const Simulation &sim, double time_s);
 
 // Where only the frames are known: what they command, and NaN for what is true.

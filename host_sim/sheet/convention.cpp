@@ -200,8 +200,8 @@ std::optional<Convention> convention_of(Needs needs, const std::vector<std::stri
     Hearing heard;
     heard.hear(phrases_of(needs), said);
     const Convention convention = heard.convention();
-    // Six steps are between two terminals: more of that says nothing, and of a phase it is wrong. A phase of a triangle is
-    // its winding, and none of the star.
+    // Six steps are between two terminals: more of that says nothing, and of a phase it is wrong. A
+    // phase of a triangle is its winding, and none of the star.
     const bool is_torn = convention.across == Across::phase &&
                          (convention.sort == Sort::six_step || heard.weak == Across::winding);
     if (!heard.unknown.empty()) {

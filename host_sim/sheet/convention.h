@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// Conventions of data sheets: between what a quantity is measured, and which number stands for a sine.
+// Conventions of data sheets: between what a quantity is measured, and which number stands for a
+// sine.
 #pragma once
 
 #include <optional>
@@ -37,11 +38,13 @@ enum class Needs {
     voltage   // a voltage per speed: peak or rms and across what, or six-step
 };
 
-// The words of a convention, as a refusal names them and a user can type them: "rms phase to phase". "" for none.
+// The words of a convention, as a refusal names them and a user can type them: "rms phase to
+// phase". "" for none.
 std::string words(const Convention &convention);
 
-// The convention that `said`, words in lower case, say of a quantity. Nothing may be unsaid that it needs, nor may a word be left
-// over; else `problem` says what is wrong, which words are allowed, and by which factor they differ, and nothing is returned.
+// The convention that `said`, words in lower case, say of a quantity. Nothing may be unsaid that it
+// needs, nor may a word be left over; else `problem` says what is wrong, which words are allowed,
+// and by which factor they differ, and nothing is returned.
 std::optional<Convention> convention_of(Needs needs, const std::vector<std::string> &said,
                                         std::string &problem);
 

@@ -74,7 +74,8 @@ double torque_factor(Sort sort)
     return factor_of("K_t, N·m per A peak of a phase");
 }
 
-// φ·P of a voltage per rad/s of the shaft. With six-step commutation that is the torque per ampere: power in is power out.
+// φ·P of a voltage per rad/s of the shaft. With six-step commutation that is the torque per ampere:
+// power in is power out.
 double voltage_factor(const Convention &convention)
 {
     if (convention.sort == Sort::six_step) {
@@ -228,7 +229,8 @@ void Maker::friction()
     }
 }
 
-// The torque of the current without load, over its speed. φ·P, of any torque per ampere, needs no pole pairs.
+// The torque of the current without load, over its speed. φ·P, of any torque per ampere, needs no
+// pole pairs.
 void Maker::no_load()
 {
     const std::string option = flux_option(given_);

@@ -30,16 +30,19 @@ struct Made {
     double value() const; // rounded to six digits, as it is written
 };
 
-// All that follows from what is given, in the order in which it is checked. Throws std::runtime_error for what needs more words.
+// All that follows from what is given, in the order in which it is checked. Throws
+// std::runtime_error for what needs more words.
 std::vector<Made> make_all(const Given &given);
 
 // The flux linkage that follows from one option of it, in a convention. The pole pairs are given.
 double flux_of(const Given &given, const std::string &option, const Convention &convention);
 
-// That of the flux linkage which is taken, "" where none is given: the torque constant's, else the EMF constant's, else Kv's.
+// That of the flux linkage which is taken, "" where none is given: the torque constant's, else the
+// EMF constant's, else Kv's.
 std::string flux_option(const Given &given);
 
-// Throws std::runtime_error where a value is out of the range of its key, with the range in the unit that was typed.
+// Throws std::runtime_error where a value is out of the range of its key, with the range in the
+// unit that was typed.
 void check_range(const Made &made);
 
 // The pole pairs, 0 where none are given or none that a motor can have.

@@ -18,7 +18,8 @@ struct MotorArguments {
 
 void describe(CLI::App &command, MotorArguments &arguments);
 
-// Asks on a terminal for what is missing, and writes the motor file. Throws what is to be said in one line.
+// Asks on a terminal for what is missing, and writes the motor file. Throws what is to be said in
+// one line.
 void write_motor(const MotorArguments &arguments);
 
 } // namespace nf::sheet

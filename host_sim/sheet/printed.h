@@ -35,8 +35,8 @@ struct Printed {
     std::string as_typed(const std::string &other_number) const;
 };
 
-// Throws std::runtime_error, one line that names `option`, what was typed and what is allowed. A 0 needs no unit where `quantity`
-// needs no convention.
+// Throws std::runtime_error, one line that names `option`, what was typed and what is allowed. A 0
+// needs no unit where `quantity` needs no convention.
 Printed read_printed(const std::string &option, const Quantity &quantity, const std::string &typed);
 
 // Whether the text begins with a number in one of the quantity's units, whatever comes after it.

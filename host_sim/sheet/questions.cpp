@@ -28,7 +28,8 @@ std::string question(const Alternatives &options)
     return text + ": ";
 }
 
-// The numbers of poles and of pole pairs look alike, and the inductance of both axes that of one: the first is asked for.
+// The numbers of poles and of pole pairs look alike, and the inductance of both axes that of one:
+// the first is asked for.
 Alternatives asked(const Alternatives &group)
 {
     const auto has = [&](const char *name) {

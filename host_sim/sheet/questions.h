@@ -17,8 +17,9 @@ struct Dialogue {
     std::function<std::optional<std::string>()> line;
 };
 
-// Asks for each missing value in turn, with an example. Of alternatives the unit of the answer decides. An answer that cannot be
-// taken is said and asked for again. Ends when the sheet is whole, or with the input.
+// Asks for each missing value in turn, with an example. Of alternatives the unit of the answer
+// decides. An answer that cannot be taken is said and asked for again. Ends when the sheet is
+// whole, or with the input.
 void ask(Sheet &sheet, const Dialogue &dialogue);
 
 // One line that names all that is missing, with an example of each.

@@ -28,8 +28,8 @@ const std::vector<std::vector<std::string>> &needed_options();
 // Options that give the same thing, so that one of them is too much.
 const std::vector<std::vector<std::string>> &rival_options();
 
-// The quantities of an option that has several, in their order, whatever the order in which they were typed. Throws as
-// read_printed().
+// The quantities of an option that has several, in their order, whatever the order in which they
+// were typed. Throws as read_printed().
 std::vector<Printed> read_option(const SheetOption &option, const std::string &typed);
 
 } // namespace nf::sheet

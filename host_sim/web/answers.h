@@ -17,8 +17,8 @@ Json signals_json(const Simulation &sim);
 // Likewise those that are known where only the frames of a run are: not what is true of its motor.
 Json recorded_signals_json(const Simulation &sim);
 
-// A signal at a tick: name, value in its unit, and of a word of the firmware the raw integer as text, as it may be longer than
-// the page's numbers. `word`: the value of a state or a fault.
+// A signal at a tick: name, value in its unit, and of a word of the firmware the raw integer as
+// text, as it may be longer than the page's numbers. `word`: the value of a state or a fault.
 Json signal_json(const SignalInfo &signal, const Tick &tick);
 
 // `measure`: what fault_measure() says of it.

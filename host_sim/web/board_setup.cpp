@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a page does with the board that it follows beyond a line: the drive measures its motor, and a block comes and goes as a
-// file.
+// What a page does with the board that it follows beyond a line: the drive measures its motor, and
+// a block comes and goes as a file.
 #include "calls.h"
 #include "live_board.h"
 

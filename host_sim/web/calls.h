@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// What a page can call. Each part of the bench has a file of its own, whose calls are a table; calls.cpp lists the tables.
-// All calls come from one thread.
+// What a page can call. Each part of the bench has a file of its own, whose calls are a table;
+// calls.cpp lists the tables. All calls come from one thread.
 #pragma once
 
 #include <string>

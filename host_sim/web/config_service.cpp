@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What an editor of motor, board, tuning, scenario and imperfection files asks: the keys there are, what is wrong with a
-// text, what a scenario is made of.
+// What an editor of motor, board, tuning, scenario and imperfection files asks: the keys there are,
+// what is wrong with a text, what a scenario is made of.
 #include "calls.h"
 
 #include "files.h"
@@ -32,7 +32,8 @@ FileKind kind_of(const std::string &name)
     throw std::runtime_error(fmt::format("there is no kind of file {}", name));
 }
 
-// The program's line, and the number of the line of `file` that it names; 0 where it names none of it.
+// The program's line, and the number of the line of `file` that it names; 0 where it names none of
+// it.
 Json problem(const std::string &file, const std::string &text)
 {
     const std::string start = file + ':';

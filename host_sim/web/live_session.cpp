@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A running board at a serial line, as `motorsim live` has it. live.open asks who is there, live.pass follows it for a while, the
-// other calls tell it something. Each call ends within the time that it is given, but for a command that waits.
+// A running board at a serial line, as `motorsim live` has it. live.open asks who is there,
+// live.pass follows it for a while, the other calls tell it something. Each call ends within the
+// time that it is given, but for a command that waits.
 #include "answers.h"
 #include "calls.h"
 #include "live_board.h"
@@ -156,7 +157,8 @@ public:
         pass(seconds * pace_);
     }
 
-    // Of the board's time. A stop that a person asks for does not wait for the command that is under way.
+    // Of the board's time. A stop that a person asks for does not wait for the command that is
+    // under way.
     void pass(double seconds)
     {
         const double until_s = follower_.now_s() + seconds;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A machine without a script, for a person to play with. play.start makes it, play.advance lets time go by, the other calls
-// turn its knobs and break it. All that a person does is an edit of a timeline, so the recent past can be stepped through.
+// A machine without a script, for a person to play with. play.start makes it, play.advance lets
+// time go by, the other calls turn its knobs and break it. All that a person does is an edit of a
+// timeline, so the recent past can be stepped through.
 #include "answers.h"
 #include "calls.h"
 #include "scope.h"
@@ -239,8 +240,8 @@ Json request(const Json &given)
     return knobs_of(s);
 }
 
-// Degrees count from where the rotor was believed to be when positions were first asked for, those of the drive from the zero
-// of the turn that it was in.
+// Degrees count from where the rotor was believed to be when positions were first asked for, those
+// of the drive from the zero of the turn that it was in.
 double position_rad(PlaySession &s, double value_deg)
 {
     const Tick &tick = s.stepper.timeline.tick();

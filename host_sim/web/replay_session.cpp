@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A recording of the flight recorder, run again. replay.open takes a file, replay.columns its curves; step.open steps
-// through it.
+// A recording of the flight recorder, run again. replay.open takes a file, replay.columns its
+// curves; step.open steps through it.
 #include "answers.h"
 #include "calls.h"
 #include "sessions.h"

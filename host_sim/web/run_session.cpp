@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A run in slices. run.start prepares it, run.advance goes on, then run.result and run.column have what it was. Another
-// run.start with other signals runs the same again: a run is a function of its files. With "trace" it writes that file.
+// A run in slices. run.start prepares it, run.advance goes on, then run.result and run.column have
+// what it was. Another run.start with other signals runs the same again: a run is a function of its
+// files. With "trace" it writes that file.
 #include "answers.h"
 #include "calls.h"
 #include "recorded_signals.h"

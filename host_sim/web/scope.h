@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// Chosen signals for a screen: of each bucket of ticks the smallest and the largest value, in the order in which they came. So
-// no peak is lost, however few points are drawn.
+// Chosen signals for a screen: of each bucket of ticks the smallest and the largest value, in the
+// order in which they came. So no peak is lost, however few points are drawn.
 #pragma once
 
 #include "signals.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The stepper of `motorsim debug`, over a scenario, over the recent past of what is played with, and over a recording.
-// step.open chooses, step.execute takes the stepper's own commands, step.look shows the present tick.
+// The stepper of `motorsim debug`, over a scenario, over the recent past of what is played with,
+// and over a recording. step.open chooses, step.execute takes the stepper's own commands, step.look
+// shows the present tick.
 #include "answers.h"
 #include "calls.h"
 #include "sessions.h"
@@ -86,7 +87,8 @@ Json open(const Json &given)
     return {{"name", open_stepper().scenario}, {"recorded", timeline.run().is_recorded()}};
 }
 
-// What is left of a command whose slice is over; empty when it is done. A command that runs on has no target.
+// What is left of a command whose slice is over; empty when it is done. A command that runs on has
+// no target.
 std::string rest_of(const debug::Session &session, const std::string &line)
 {
     if (ticks_left >= 0) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// The line to a board that the page has opened: the worker's `line` (tools/web/src/core/live_session.ts).
+// The line to a board that the page has opened: the worker's `line`
+// (tools/web/src/core/live_session.ts).
 #pragma once
 
 #include "channel.h"

@@ -14,14 +14,16 @@ constexpr double REFERENCE_V = 3.3;
 constexpr double SWING_V = REFERENCE_V / 2; // of the converter, either way
 constexpr Range SHUNT_V = {0.03, 0.2};      // at full scale
 constexpr double SAMPLING_MIN_S = 50e-9;
-// Of the comparators: hysteresis and offset within the first, the data sheet's offset by the second.
+// Of the comparators: hysteresis and offset within the first, the data sheet's offset by the
+// second.
 constexpr double RISE_MIN_V = 0.025;
 constexpr double OFFSET_V = 0.003;
 constexpr double OFFSET_RESERVE = 1.1;
 constexpr double FALLING = 0.3;      // of the boards
 constexpr double FALLING_MAX = 0.95; // of the swing: there is room below the middle
 
-// The comparators look at the pin before the programmable amplifier: the larger its gain, the less they see.
+// The comparators look at the pin before the programmable amplifier: the larger its gain, the less
+// they see.
 std::vector<int> possible_gains(const Specimen &specimen)
 {
     const double volts_per_a = SWING_V / specimen.board.current_full_scale_a;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// Random numbers by name: each is a function of a key and of its own name alone. So one more number leaves the others
-// as they were, and every motor can be drawn by itself, on any specimen.
+// Random numbers by name: each is a function of a key and of its own name alone. So one more number
+// leaves the others as they were, and every motor can be drawn by itself, on any specimen.
 #pragma once
 
 #include <cstddef>

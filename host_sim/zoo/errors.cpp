@@ -6,7 +6,8 @@ namespace nf::zoo
 namespace
 {
 
-// What a leg's output holds: wires and motor cable, and the devices for each ampere that they are made for.
+// What a leg's output holds: wires and motor cable, and the devices for each ampere that they are
+// made for.
 struct Leg {
     Range cable_f;
     Range device_f_per_a;
@@ -39,7 +40,8 @@ Errors draw_errors(const Draw &draw, const Specimen &specimen)
                                           specimen.board.dead_time_s * errors.dead_time_scale);
     errors.coulomb_share = draw.uniform("Coulomb friction", {0, 0.05});
     errors.cogging_pct = draw.uniform("cogging", {0, 3});
-    // The least common multiple of slots and poles is 6 or 12 times the pole pairs of most windings.
+    // The least common multiple of slots and poles is 6 or 12 times the pole pairs of most
+    // windings.
     errors.cogging_order =
         (draw.below("cogging order", 2) == 0 ? 6 : 12) * specimen.motor.pole_pairs;
     errors.emf_5th_pct = draw.uniform("5th harmonic", {-2, 2});

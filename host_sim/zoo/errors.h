@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// How far a real motor and its board are from their files, as users have them, and what disturbs the drive.
+// How far a real motor and its board are from their files, as users have them, and what disturbs
+// the drive.
 #pragma once
 
 #include "specimen.h"

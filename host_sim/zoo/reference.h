@@ -9,7 +9,8 @@
 namespace nf::zoo
 {
 
-// Motor NUMBER of a class. The classes take turns: `zoo:17` is number 17 of class 17 modulo their count.
+// Motor NUMBER of a class. The classes take turns: `zoo:17` is number 17 of class 17 modulo their
+// count.
 struct Reference {
     std::string kind; // of CLASSES
     uint32_t number = 0;

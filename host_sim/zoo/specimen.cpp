@@ -24,10 +24,11 @@ constexpr Range CURRENT_RESERVE = {1.3, 3};   // largest over rated current
 constexpr Range CONVERTER_RESERVE = {1.3, 3}; // full scale over largest current
 constexpr Range PWM_HZ = {8000, 40000};
 constexpr double TURN_MAX_RAD = 0.35; // of the rotor in a PWM period, at the highest speed
-// The current's ripple in a PWM period, u·T/(12·L), is at most this share of the rated current: nobody drives a motor
-// with a PWM that is slower than its winding.
+// The current's ripple in a PWM period, u·T/(12·L), is at most this share of the rated current:
+// nobody drives a motor with a PWM that is slower than its winding.
 constexpr double RIPPLE_MAX = 0.5;
-// Copper loss of 100 W, and how it falls with power: a large motor has more copper for its torque than a small one.
+// Copper loss of 100 W, and how it falls with power: a large motor has more copper for its torque
+// than a small one.
 constexpr double COPPER_LOSS = 0.15;
 constexpr double COPPER_POWER_W = 100;
 constexpr double COPPER_EXPONENT = -0.35;
@@ -36,7 +37,8 @@ constexpr Range FRICTION = {0.005, 0.05}; // at rated speed, of the rated torque
 
 constexpr double TRIP_MAX = 0.97; // of full scale
 
-// A battery's or a small supply's bus has MOSFETs, a mains bus has IGBTs or slower MOSFETs of high voltage.
+// A battery's or a small supply's bus has MOSFETs, a mains bus has IGBTs or slower MOSFETs of high
+// voltage.
 constexpr double HIGH_VOLTAGE = 400;
 constexpr Range DEAD_TIME_LOW_S = {0.2e-6, 1e-6};
 constexpr Range DEAD_TIME_MAINS_S = {0.8e-6, 2e-6};
@@ -46,8 +48,9 @@ constexpr Range DROP_V = {0, 2};         // of an IGBT; a MOSFET has R
 constexpr double ON_TIME_RESERVE = 1.02;
 constexpr Range SETTLING_S = {0.3e-6, 0.8e-6}; // of a shunt's amplifier
 
-// A motor of the file has φ, R and the bus a tenth better than a real one may have them: with half of the rated torque
-// at rated speed this share of the voltage circle holds 1.1·φ on 95 % of the bus.
+// A motor of the file has φ, R and the bus a tenth better than a real one may have them: with half
+// of the rated torque at rated speed this share of the voltage circle holds 1.1·φ on 95 % of the
+// bus.
 constexpr double LOADED_SHARE = 0.85;
 constexpr double EMF_SHARE_MAX = 0.97; // of the circle, at the highest speed
 // The ends of the keys' ranges: wires and terminals have that much too.
@@ -94,7 +97,8 @@ Board draw_stage(const Draw &draw, double bus_v, double max_el)
     return board;
 }
 
-// The comparators see the ripple of the PWM, the converter does not; their level is within its range.
+// The comparators see the ripple of the PWM, the converter does not; their level is within its
+// range.
 void add_sensing(const Draw &draw, const Motor &motor, Board &board)
 {
     const double max_current_a = motor.max_current_a;
@@ -135,7 +139,8 @@ double draw_reactance(const Draw &draw, const Frame &frame)
                             {std::max(REACTANCE.low, ripple / RIPPLE_MAX), REACTANCE.high});
 }
 
-// With rated torque the mechanical power is that of the EMF, and R·I is the copper loss's share of it.
+// With rated torque the mechanical power is that of the EMF, and R·I is the copper loss's share of
+// it.
 Motor draw_motor(const Draw &draw, const Class &kind, const Frame &frame, double acceleration_s)
 {
     const double copper_loss = draw_copper_loss(draw, kind, frame.power_w);

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 // A motor and a board that goes with it, made of the ratios that a designer of motors works with.
 //
-// A class gives power, speed, pole pairs and bus voltage. From them follow, by drawn shares: the flux linkage by the EMF's
-// share of the voltage, R by the copper loss, L by the reactance, J by the time to accelerate with rated torque. The
-// board has a converter somewhat larger than the largest current, and a dead time by its voltage.
+// A class gives power, speed, pole pairs and bus voltage. From them follow, by drawn shares: the
+// flux linkage by the EMF's share of the voltage, R by the copper loss, L by the reactance, J by
+// the time to accelerate with rated torque. The board has a converter somewhat larger than the
+// largest current, and a dead time by its voltage.
 #pragma once
 
 #include "draw.h"

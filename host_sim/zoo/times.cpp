@@ -9,20 +9,22 @@ namespace nf::zoo
 namespace
 {
 
-// The times of a scenario. A drive accelerates with this share of its largest torque at least, and with this one of the rated
-// torque where it imposes the current, up to a tenth of rated speed; the hand-over takes a while.
+// The times of a scenario. A drive accelerates with this share of its largest torque at least, and
+// with this one of the rated torque where it imposes the current, up to a tenth of rated speed; the
+// hand-over takes a while.
 constexpr double RAMP_TORQUE = 0.15;
 constexpr double IMPOSED_TORQUE = 0.05;
 constexpr double IMPOSED_SPEED = 0.1;
 constexpr double HANDOVER_S = 0.2;
-// For the speed to settle and to show whether it swings: the largest torque's time from rest to rated speed is two thirds
-// of a period of the speed loop.
+// For the speed to settle and to show whether it swings: the largest torque's time from rest to
+// rated speed is two thirds of a period of the speed loop.
 constexpr double REST_LOOPS = 3;
 constexpr double REST_S = 0.3;
 // And at the last and lowest speed until ripple and swings can be told apart.
 constexpr double LAST_TURNS = 2.5; // electrical
 constexpr double LAST_SETTLED_S = 0.2;
-// The start-up of a standing rotor in units of 1/ω_n of its swing in the field of the rated current, and ticks.
+// The start-up of a standing rotor in units of 1/ω_n of its swing in the field of the rated
+// current, and ticks.
 constexpr double START_SWINGS = 60;
 constexpr double START_TICKS = 256;
 // From when on that field holds a load.

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// When what happens in a run of any motor: long enough for the slowest drive that its ratings allow.
+// When what happens in a run of any motor: long enough for the slowest drive that its ratings
+// allow.
 #pragma once
 
 #include "specimen.h"

@@ -50,8 +50,8 @@ Specimen specimen_of(const Reference &reference)
     return draw_specimen(Draw(reference.key()), class_of(reference));
 }
 
-// [model] and [plant]: the drive believes the files, the real motor and board are others. Nobody has measured what a leg's
-// output and the cable hold.
+// [model] and [plant]: the drive believes the files, the real motor and board are others. Nobody
+// has measured what a leg's output and the cable hold.
 std::string error_tables(const Errors &errors, const Specimen &specimen)
 {
     const Board &board = specimen.board;

@@ -20,10 +20,11 @@ struct Names {
 // The text of each file, TOML in SI units.
 std::string motor_file(const Reference &reference);
 std::string board_file(const Reference &reference);
-// Start, 55 % and 100 % of rated speed, half of the rated torque on and off, standstill, −10 %: the real motor is what
-// its file says, or a user's, which differs from it.
+// Start, 55 % and 100 % of rated speed, half of the rated torque on and off, standstill, −10 %: the
+// real motor is what its file says, or a user's, which differs from it.
 std::string scenario_file(const Reference &reference, const Names &names);
-// All of them under their names, motor.toml, board.toml, exact.toml and user.toml, which refer to each other.
+// All of them under their names, motor.toml, board.toml, exact.toml and user.toml, which refer to
+// each other.
 struct File {
     const char *name;
     std::string text;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The motor and the power stage of a scenario, tick by tick, for an image in an emulator whose drive the host does not repeat:
+// The motor and the power stage of a scenario, tick by tick, for an image in an emulator whose
+// drive the host does not repeat:
 //
 //     bil_motor SCENARIO [SET...]
 //
-// SET is an override as of `motorsim run --set`. Each order from stdin is answered by what the converters measure then
-// (test_identify.py, little-endian both); the first answer comes unasked. Exit status: 0 the orders end, 2 bad input.
+// SET is an override as of `motorsim run --set`. Each order from stdin is answered by what the
+// converters measure then (test_identify.py, little-endian both); the first answer comes unasked.
+// Exit status: 0 the orders end, 2 bad input.
 #include "config.h"
 #include "machine.h"
 #include "per_unit.h"

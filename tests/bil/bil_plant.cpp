@@ -3,11 +3,11 @@
 //
 //     bil_plant SCENARIO IMPERFECTIONS [SET...]
 //
-// IMPERFECTIONS is a set as of `motorsim run --with`, SET an override as of `motorsim run --set`. Each tick writes to stdout what the image's converters
-// measure and what its user has asked for, and reads from stdin what the image's timer does with it
-// (scenario.py, little-endian both). The host's drive sees the same and must have demanded the same.
-// The table of results goes to stderr. Exit status: 0 all limits hold, 1 one does not or the image and
-// the host differ, 2 bad input.
+// IMPERFECTIONS is a set as of `motorsim run --with`, SET an override as of `motorsim run --set`.
+// Each tick writes to stdout what the image's converters measure and what its user has asked for,
+// and reads from stdin what the image's timer does with it (scenario.py, little-endian both). The
+// host's drive sees the same and must have demanded the same. The table of results goes to stderr.
+// Exit status: 0 all limits hold, 1 one does not or the image and the host differ, 2 bad input.
 #include "report.h"
 #include "scenario.h"
 

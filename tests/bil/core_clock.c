@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What unicorn calls so often that it has to be in C: before each block of instructions the time of the emulated core
- * (core.py), some hundred times in a control tick; at each access to a register, as many see again what the one before
- * them saw; and before a decision of the board's code which way it goes (decisions.py).
+ * What unicorn calls so often that it has to be in C: before each block of instructions the time of
+ * the emulated core (core.py), some hundred times in a control tick; at each access to a register,
+ * as many see again what the one before them saw; and before a decision of the board's code which
+ * way it goes (decisions.py).
  */
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Dead time and sampling time as register codes: never shorter than asked for, and no longer than they have to be. */
+/*
+ * Dead time and sampling time as register codes: never shorter than asked for, and no longer than
+ * they have to be.
+ */
 #include "codes.h"
 
 #include "testing.h"

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The slots of the STM32G431's flash against a model of its controller, RM0440 3.3 and 3.7: keys, errors, a page of 2 KiB,
- * double words of which each is programmed once, and an NMI where one is torn.
+ * The slots of the STM32G431's flash against a model of its controller, RM0440 3.3 and 3.7: keys,
+ * errors, a page of 2 KiB, double words of which each is programmed once, and an NMI where one is
+ * torn.
  */
 #include "flash.h"
 #include "stm32g431.h"

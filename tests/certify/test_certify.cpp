@@ -134,7 +134,8 @@ TEST(test_a_measured_dead_time_is_that_of_the_leg_less_its_drop)
     expect_range(1.4, 1.6, needed_axis(box_of(config), "measured.dead_time_s"));
 }
 
-// The drive believes all of the loss as dead time, the plant has the drop apart: in the middle both lose the same.
+// The drive believes all of the loss as dead time, the plant has the drop apart: in the middle both
+// lose the same.
 TEST(test_in_the_middle_the_legs_lose_what_the_drive_believes)
 {
     const nf::Config believed = nf::load_scenario(

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Real motors, and every key at both ends of its range: what is not accepted is refused by a line that the user wrote.
+// Real motors, and every key at both ends of its range: what is not accepted is refused by a line
+// that the user wrote.
 #include "folder.h"
 
 #include "draw.h"
@@ -121,8 +122,8 @@ bool names_what_is_written(const std::string &refusal, const Lines &set)
     return line.find(after(key, ".")) != std::string::npos && is_number(after(line, "= "), value);
 }
 
-// The key and the limit of "KEY = VALUE: …; allowed: at most LIMIT UNIT: …", or of "…; allowed: write KEY …, at most LIMIT
-// UNIT: …".
+// The key and the limit of "KEY = VALUE: …; allowed: at most LIMIT UNIT: …", or of "…; allowed:
+// write KEY …, at most LIMIT UNIT: …".
 struct Limit {
     std::string key;
     std::string text; // "LIMIT UNIT: …"; empty where none is said
@@ -198,7 +199,8 @@ TEST(a_real_motor_is_accepted)
     }
 }
 
-// All that the shipped board and tunings write stays: what does not go with it is refused by what the user wrote.
+// All that the shipped board and tunings write stays: what does not go with it is refused by what
+// the user wrote.
 TEST(a_real_motor_is_never_refused_by_a_line_of_a_shipped_file)
 {
     int refused = 0;
@@ -283,7 +285,8 @@ TEST(a_limit_that_leaves_another_key_nothing_is_blamed_itself)
                                  refusal_of("robust_motor_a", cold).find("b_g431b_esc1.toml:"));
 }
 
-// 1.25 times the highest speed is a power of two of the speed base's steps: just inside, on it, just outside.
+// 1.25 times the highest speed is a power of two of the speed base's steps: just inside, on it,
+// just outside.
 TEST(a_highest_speed_on_a_step_of_the_speed_base_is_accepted)
 {
     for (const double rpm : {1500 * (1 - 1e-9), 1500.0, 1500 * (1 + 1e-9)}) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The block that nfconfig writes: what the firmware takes of it, what it is known by, and how a bad one is told.
+// The block that nfconfig writes: what the firmware takes of it, what it is known by, and how a bad
+// one is told.
 #include "block.h"
 #include "cfg_rows.h"
 #include "files.h"
@@ -176,7 +177,8 @@ TEST(each_way_to_be_no_good_block_is_told_with_what_was_found_and_expected)
                             damaged.crc, good.crc));
 }
 
-// The schema has to tell what a block means: settings of other names, places or units are another one.
+// The schema has to tell what a block means: settings of other names, places or units are another
+// one.
 TEST(the_schema_is_not_that_of_the_length_alone)
 {
     TEST_ASSERT_NOT_EQUAL(0, nf::schema_hash());

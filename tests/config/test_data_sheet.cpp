@@ -24,10 +24,11 @@ struct Example {
     double in_file;
 };
 
-// Sources: the headers of host_sim/motors/teknic_m2310p.toml and odrive_d5065.toml. K_t = 8.27/270 is 1.5·P·φ of the
-// latter. Values in rms are the same motors', divided by √2 by hand. In a triangle of 3 Ω each two terminals show 3 Ω
-// beside 6 Ω, that is 2 Ω: both lines give the star of 1 Ω. Six steps: K_t·K_v = 60/(2π), as power in is power out; two
-// phases carry the current I over ±30° about the peak of √3·φ·P·ω, so T = √3·φ·P·I·(sin 30° + sin 30°)/(π/3).
+// Sources: the headers of host_sim/motors/teknic_m2310p.toml and odrive_d5065.toml. K_t = 8.27/270
+// is 1.5·P·φ of the latter. Values in rms are the same motors', divided by √2 by hand. In a
+// triangle of 3 Ω each two terminals show 3 Ω beside 6 Ω, that is 2 Ω: both lines give the star of
+// 1 Ω. Six steps: K_t·K_v = 60/(2π), as power in is power out; two phases carry the current I over
+// ±30° about the peak of √3·φ·P·ω, so T = √3·φ·P·I·(sin 30° + sin 30°)/(π/3).
 constexpr Example EXAMPLES[] = {
     {"number of poles", 14, 1, 7},
     {"resistance between two terminals, Ω, star or delta", 0.72, 1, 0.36},

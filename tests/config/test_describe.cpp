@@ -48,7 +48,8 @@ void expect(const nf::Config &config, const std::vector<Expected> &all)
     }
 }
 
-// R 2.125 Ω, L 11.6 mH, φ 0.387 Wb; 10 kHz, slow period 1 ms, supervision every 4 ms; current loops 500 Hz and 50 Hz.
+// R 2.125 Ω, L 11.6 mH, φ 0.387 Wb; 10 kHz, slow period 1 ms, supervision every 4 ms; current loops
+// 500 Hz and 50 Hz.
 TEST(settings_are_what_the_files_say_in_si_units)
 {
     const nf::Config config =

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Every key of the schema, in every mode: another value of it changes what the firmware, the board or the simulated machine
-// is given, or it is refused, or the schema says that the key does not act there and whoever writes it is told so.
+// Every key of the schema, in every mode: another value of it changes what the firmware, the board
+// or the simulated machine is given, or it is refused, or the schema says that the key does not act
+// there and whoever writes it is told so.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -36,7 +37,8 @@ const char *const TUNINGS[] = {"published", "robust_motor_a", "voltage_phase"};
 const char *const SOURCES[] = {"observer", "sensor"};
 const int STARTUPS[] = {0, 100};
 
-// Short, with all that a machine can do: the rotor turns and is loaded, and what the report says of it is judged.
+// Short, with all that a machine can do: the rotor turns and is loaded, and what the report says of
+// it is judged.
 const char *const SCENARIO = R"(motor = "motor_a"
 board = "g431_bench"
 [scenario]
@@ -100,7 +102,8 @@ public:
         return (path_ / (tuning + ".toml")).string();
     }
 
-    // The rough machine is that of the modes with a start-up current: a sensor leaves the start-up out and is run.
+    // The rough machine is that of the modes with a start-up current: a sensor leaves the start-up
+    // out and is run.
     std::vector<Mode> modes() const
     {
         std::vector<Mode> all;
@@ -157,7 +160,8 @@ std::string hal_header(const nf::Config &config)
     }
 }
 
-// A hash of what the drive did to the machine, of the machine, and of the third current, which the background checks.
+// A hash of what the drive did to the machine, of the machine, and of the third current, which the
+// background checks.
 class Watch : public nf::TickSink
 {
 public:
@@ -219,7 +223,8 @@ bool differ(const Outcome &a, const Outcome &b, std::string &run_of_a, bool is_r
     return run_of_a != run(b.config);
 }
 
-// Far ones first; near ones count where those are refused, as what they have to agree with is another key.
+// Far ones first; near ones count where those are refused, as what they have to agree with is
+// another key.
 using Rungs = std::vector<Lines>;
 
 constexpr double FACTORS[][2] = {{0.7, 1.4}, {0.97, 1.03}, {0.999, 1.001}};
@@ -284,7 +289,8 @@ std::string other_word(const nf::Field &field, const nf::Target &target)
     return allowed.substr(quote + 1, allowed.find('"', quote + 1) - quote - 1);
 }
 
-// Other values of a key than the one in force; of a label and a record, which nothing follows from, none.
+// Other values of a key than the one in force; of a label and a record, which nothing follows from,
+// none.
 Rungs others(const nf::Field &field, const nf::Config &config)
 {
     if (field.acting.is_record) {
@@ -448,7 +454,8 @@ TEST(every_key_acts_or_is_noted_or_refused)
     TEST_ASSERT_EQUAL_STRING("", judge.wrong().c_str());
 }
 
-// Of a scenario's file the line is named; what a shipped tuning says is for every scenario, and is not noted.
+// Of a scenario's file the line is named; what a shipped tuning says is for every scenario, and is
+// not noted.
 TEST(a_line_that_does_not_act_is_noted_by_its_place)
 {
     const Scenarios scenarios;

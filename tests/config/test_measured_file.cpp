@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What an identification found: written with the digits that its bars allow, read back, and believed by the drive alone.
+// What an identification found: written with the digits that its bars allow, read back, and
+// believed by the drive alone.
 #include "folder.h"
 
 #include "bars.h"
@@ -132,7 +133,8 @@ nf::Config read_back(const Folder &folder, const std::string &text)
     return nf::load_motor("written");
 }
 
-// Half of the last digit: 1/20 of a bar of two digits that begins with 1, and as much of the bar itself.
+// Half of the last digit: 1/20 of a bar of two digits that begins with 1, and as much of the bar
+// itself.
 constexpr double LOST_OF_BAR = 0.05;
 
 void expect_the_same(nf::Config &expected, nf::Config &found, const nf::Field &field)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The firmware's numbers from SI units by hand, none with the code's own constants: motor A every field, most of them in
-// example_cfg.h of the firmware's own tests with their way of getting there; of motor B what another motor, another tuning
-// and the ends of a range make otherwise.
+// The firmware's numbers from SI units by hand, none with the code's own constants: motor A every
+// field, most of them in example_cfg.h of the firmware's own tests with their way of getting there;
+// of motor B what another motor, another tuning and the ends of a range make otherwise.
 #include "config.h"
 #include "describe.h"
 #include "numbers.h"
@@ -99,9 +99,10 @@ constexpr double ROUNDING = 0.5 + 1e-6;
 constexpr double MANTISSA =
     1e-4; // relative: half a step of a mantissa of 14 bits at least, and counters rounded up
 
-// R 0.405 Ω, L_d 13.5 mH, L_q 23.5 mH, φ 0.375 Wb, P 2, 3.98 N·m, 1200 and 1800 rpm, 6.3 A, J 0.011; 10 kHz, ±20 A,
-// 450 V, 310 V (200…400), over-current 18 A. I_b = 40 A, U_b = 450 V, T = 100 µs, slow 1 ms, supervision every 4 ms.
-// I_c = 3.98/(1.5·2·0.375) = 3.53778 A. A rpm is 2/60/10000·2^32 = 14316.5577 steps.
+// R 0.405 Ω, L_d 13.5 mH, L_q 23.5 mH, φ 0.375 Wb, P 2, 3.98 N·m, 1200 and 1800 rpm, 6.3 A, J
+// 0.011; 10 kHz, ±20 A, 450 V, 310 V (200…400), over-current 18 A. I_b = 40 A, U_b = 450 V, T = 100
+// µs, slow 1 ms, supervision every 4 ms. I_c = 3.98/(1.5·2·0.375) = 3.53778 A. A rpm is
+// 2/60/10000·2^32 = 14316.5577 steps.
 constexpr double CONTINUOUS_Q15 = 3.53778 / 40 * 32768; // 2898.15
 constexpr double STEPS_PER_RPM = 14316.5577;
 
@@ -132,9 +133,9 @@ void expect_integral(double by_hand, const pi_cfg_t &pi)
 }
 
 // Motor A, I_b is 40 A. Three phases within the over-current limit make 2/sqrt(3)·18 A = 20.785 A.
-// With phi/L of 19.095 A the sum is 39.88 A and fits I_b, with 19.31 A it is 40.095 A and takes twice
-// of it. With phi/L_d of 33.4 A it fits 80 A; there the q state is 20.785 A·L_q/L_d: three times
-// L_d/L_q is 62.4 A, and 81 A if the drive may correct it by 30 %.
+// With phi/L of 19.095 A the sum is 39.88 A and fits I_b, with 19.31 A it is 40.095 A and takes
+// twice of it. With phi/L_d of 33.4 A it fits 80 A; there the q state is 20.785 A·L_q/L_d: three
+// times L_d/L_q is 62.4 A, and 81 A if the drive may correct it by 30 %.
 TEST(the_observers_base_holds_the_longest_vector_and_the_largest_saliency)
 {
     const struct {
@@ -169,7 +170,8 @@ TEST(bus_currents)
     expect(1, motor_b({"board.bus_regeneration_max_a=0"}).derating.bus_regeneration_max);
 }
 
-// X = Ω_b·L·I_b/U_b below 4. Where the firmware holds less than the file says, it is told, with what it holds.
+// X = Ω_b·L·I_b/U_b below 4. Where the firmware holds less than the file says, it is told, with
+// what it holds.
 TEST(what_the_firmware_holds_less_of_than_the_file_says_is_told)
 {
     const auto config = [](const char *henry) {
@@ -199,8 +201,8 @@ TEST(what_the_firmware_holds_less_of_than_the_file_says_is_told)
         told(beyond).back().c_str());
 }
 
-// φ/L_d = 27.7778 A; with L −40 %, φ +25 %: 57.87 A; three phases at 18 A make 2/√3·18 = 20.785 A: 78.66 A < 2·40 A.
-// The gains are κ·I_b·I_x/(φ/L_d)²·4/2π·2^12 steps.
+// φ/L_d = 27.7778 A; with L −40 %, φ +25 %: 57.87 A; three phases at 18 A make 2/√3·18 = 20.785 A:
+// 78.66 A < 2·40 A. The gains are κ·I_b·I_x/(φ/L_d)²·4/2π·2^12 steps.
 TEST(observer)
 {
     const nn_observer_cfg_t c = motor_b().observer;
@@ -238,7 +240,8 @@ TEST(the_current_loop_has_the_inductance_of_each_axis)
     expect_integral(omega * 0.0135 * 40 / 450 * omega / 10 * 1e-4, c.pi_d);
 }
 
-// The integral's corner is R/L where that is the faster one: 30/s and 17.2/s beside 20 Hz, a tenth of which is 12.6/s.
+// The integral's corner is R/L where that is the faster one: 30/s and 17.2/s beside 20 Hz, a tenth
+// of which is 12.6/s.
 TEST(a_slow_current_loop_integrates_as_fast_as_the_winding)
 {
     const current_loop_cfg_t c = motor_b({"current_loop.bandwidth_hz=20"}).current_loop;
@@ -261,8 +264,8 @@ TEST(motion)
     expect(115.97727 * 0.3 / (22.0474 / 2.8) / 62.83185 * 32768, c.position_loop.softness_q15);
 }
 
-// An ampere makes 1.5·2²·0.375/0.011 = 204.545 rad/s² electrical; 1 rad/s² is 1e-3·1e-4/2π·2^32 steps
-// a millisecond.
+// An ampere makes 1.5·2²·0.375/0.011 = 204.545 rad/s² electrical; 1 rad/s² is 1e-3·1e-4/2π·2^32
+// steps a millisecond.
 constexpr double STEPS_PER_RAD_S2 = 68.35653;
 
 // J of 0.3 kg·m² takes 1.598 LSB a step of speed, and of these 2^14 are a mantissa.
@@ -315,7 +318,8 @@ TEST(the_angle_of_a_sensor_is_counted_in_pole_pairs)
     TEST_ASSERT_EQUAL_UINT32(2, motor_b({"drive.angle_source=sensor"}).sampling.sensor_pole_pairs);
 }
 
-// 0.5 A: what the converter's noise makes is more than the shares. 5 over 2 Hz are 625 periods of 4 ms.
+// 0.5 A: what the converter's noise makes is more than the shares. 5 over 2 Hz are 625 periods of 4
+// ms.
 TEST(a_weak_motor_is_judged_above_the_noise_and_a_slow_one_late)
 {
     const supervision_cfg_t c =
@@ -327,8 +331,8 @@ TEST(a_weak_motor_is_judged_above_the_noise_and_a_slow_one_late)
     expect(625, c.speed_error_periods);
 }
 
-// K_p = 1.5·φ and K_i = 8/s·K_p of 2·Ω_b/U_b; 240 rpm; 25 % of the continuous current; −0.8·atan(R/(ω·L_d)) at 1200 rpm is −5.446°.
-// 0.45·ω·L of U_b/I_b, and 0.6·ω·T.
+// K_p = 1.5·φ and K_i = 8/s·K_p of 2·Ω_b/U_b; 240 rpm; 25 % of the continuous current;
+// −0.8·atan(R/(ω·L_d)) at 1200 rpm is −5.446°. 0.45·ω·L of U_b/I_b, and 0.6·ω·T.
 TEST(voltage_drive)
 {
     const voltage_drive_cfg_t c = motor_b({}, "voltage_phase").voltage_drive;
@@ -352,7 +356,8 @@ TEST(voltage_drive)
            motor_b({"startup.handover_speed_pct=15"}, "voltage_phase").voltage_drive.speed_min);
 }
 
-// At 1 kHz 200 Hz turn by 72° in a sample, and the band of 100 Hz makes t = tan 18°; 100 Hz make r = 1 − exp(−0.2π).
+// At 1 kHz 200 Hz turn by 72° in a sample, and the band of 100 Hz makes t = tan 18°; 100 Hz make r
+// = 1 − exp(−0.2π).
 TEST(torque_filter)
 {
     const torque_filter_cfg_t none = motor_b().torque_filter;
@@ -365,7 +370,8 @@ TEST(torque_filter)
     expect(0.309016994 * 32768, c.notch_turn.cos);
     expect(2 * 0.324919696 / 1.324919696 * 32768, c.notch_share_q15);
     expect((1 - 0.533488091) * 32768, c.smooth_rate_q15);
-    // The band ends at a quarter of the rate, where t = 1; and at half of the rate a sample turns by half a turn.
+    // The band ends at a quarter of the rate, where t = 1; and at half of the rate a sample turns
+    // by half a turn.
     const torque_filter_cfg_t fast =
         motor_b({"speed_loop.notch_hz=500", "speed_loop.notch_width_pct=100"}).torque_filter;
     TEST_ASSERT_EQUAL_INT32(32767, fast.notch_share_q15);
@@ -389,8 +395,8 @@ TEST(steps_and_rpm_are_turned_into_each_other)
                               b.rpm_from_step(1800 * STEPS_PER_RPM));
 }
 
-// The reluctance takes 0.01 H · 3.53778 A off φ. In the field of 3.53778 A the rotor swings with √(204.545·3.53778·0.905659) =
-// 25.6001 rad/s.
+// The reluctance takes 0.01 H · 3.53778 A off φ. In the field of 3.53778 A the rotor swings with
+// √(204.545·3.53778·0.905659) = 25.6001 rad/s.
 constexpr double ACTIVE_FLUX = 0.375 - 0.01 * 3.53778;
 constexpr double SWING = 25.6001;
 
@@ -407,19 +413,21 @@ TEST(start)
     const double volts = 0.0135 * 0.38 * 1.5 * 3.53778 / 3e-4 * 1.0045;
     expect(volts / 450 * 32768, l.step_voltage);
     expect(volts * 3e-4 / 0.0135 / 40 * 32768, l.step_response);
-    // L_q·1.592 A at 93 V takes 4.02 ticks; in 5 it takes 74.82 V. Four times that is for L_d 4·1.592·23.5/13.5 A.
+    // L_q·1.592 A at 93 V takes 4.02 ticks; in 5 it takes 74.82 V. Four times that is for L_d
+    // 4·1.592·23.5/13.5 A.
     expect(5, l.pulse_ticks);
     const double swing = 0.3 * 1.5 * 3.53778;
     expect(0.0235 * swing / 5e-4 / 450 * 32768, l.pulse_voltage);
     expect(4 * swing * 23.5 / 13.5 / 40 * 32768, l.pulse_response);
-    // 0.15 of the hand-over speed on the vector's ramp; a light rotor is that fast at once, a heavy one not in half of the
-    // time allowed.
+    // 0.15 of the hand-over speed on the vector's ramp; a light rotor is that fast at once, a heavy
+    // one not in half of the time allowed.
     expect(std::floor(0.15 * c.handover_speed / c.ramp), c.settle_periods);
     expect(0, motor_b({"motor.inertia_kg_m2=0.0001"}).startup.settle_periods);
     expect(50, motor_b({"motor.inertia_kg_m2=1"}).startup.settle_periods);
 }
 
-// φ/(L_q − L_d) = 0.375/0.0375 = 10 A, half of it lies between the hold and the largest current; The EMF at 120 rpm is 9.42478 V; three times that over R is 5 A.
+// φ/(L_q − L_d) = 0.375/0.0375 = 10 A, half of it lies between the hold and the largest current;
+// The EMF at 120 rpm is 9.42478 V; three times that over R is 5 A.
 TEST(a_motor_of_much_saliency_or_resistance_is_dragged_with_less_current)
 {
     for (const char *set : {"motor.inductance_q_h=0.051", "motor.resistance_ohm=5.654867"}) {
@@ -452,7 +460,8 @@ TEST(a_smaller_l_q_leaves_the_currents_along_the_flux_to_the_motor)
     expect(6.3 / 40 * 32768, c.current_move);
 }
 
-// A least current of a fifth of the continuous 3.53778 A takes 0.2·3.53778·ΔL of φ = 0.375 Wb: an eighth of it with ΔL = 66.25 mH.
+// A least current of a fifth of the continuous 3.53778 A takes 0.2·3.53778·ΔL of φ = 0.375 Wb: an
+// eighth of it with ΔL = 66.25 mH.
 TEST(a_least_current_that_takes_an_eighth_of_the_flux_falls_at_once)
 {
     const auto fall = [](const char *inductance_q) {
@@ -464,8 +473,8 @@ TEST(a_least_current_that_takes_an_eighth_of_the_flux_falls_at_once)
     expect(16384, fall("motor.inductance_q_h=0.0965"));
 }
 
-// An eighth of the EMF at 120 rpm over ω_n·ψ/(1.4·3.53778 A) = 1.75541 ohm; at most a fifth of the current, and at least 12 counts of
-// 20 A/2048. A winding of 5.654867 ohm keeps 0.6 of them.
+// An eighth of the EMF at 120 rpm over ω_n·ψ/(1.4·3.53778 A) = 1.75541 ohm; at most a fifth of the
+// current, and at least 12 counts of 20 A/2048. A winding of 5.654867 ohm keeps 0.6 of them.
 TEST(a_rotor_rests_with_less_than_a_slip_drives_across)
 {
     const auto swing = [](const std::vector<std::string> &set) {
@@ -487,9 +496,10 @@ TEST(a_start_imposes_what_motor_and_board_bear)
                .startup.current_hold);
 }
 
-// A pulse of 0.315 A turns the rotor by 0.315·L_q/φ, 0.0031418 turn: 46 pauses and the pulse make 0.15. The first fast motor turns by
-// 0.039270 turn, which makes 2, the second by 0.016711, which makes 7; but 24000 rpm are 0.08 turn in a tick, and 4 and one make 0.4.
-// With L_d for L_q it is 0.0018049 turn, which makes 82, and 0.006 turn in a tick make 65.
+// A pulse of 0.315 A turns the rotor by 0.315·L_q/φ, 0.0031418 turn: 46 pauses and the pulse make
+// 0.15. The first fast motor turns by 0.039270 turn, which makes 2, the second by 0.016711, which
+// makes 7; but 24000 rpm are 0.08 turn in a tick, and 4 and one make 0.4. With L_d for L_q it is
+// 0.0018049 turn, which makes 82, and 0.006 turn in a tick make 65.
 TEST(the_pause_of_a_flying_start_makes_a_turn_of_0_15)
 {
     const auto gap = [](const std::vector<std::string> &set) {
@@ -506,7 +516,8 @@ TEST(the_pause_of_a_flying_start_makes_a_turn_of_0_15)
     expect(64, gap({"motor.inductance_q_h=0.0135"}));
 }
 
-// Rated torque takes 521 ms to 1800 rpm: a tenth is more than 256 ticks. With a fifth of the inertia it is 104 ticks, with a hundredth 5.
+// Rated torque takes 521 ms to 1800 rpm: a tenth is more than 256 ticks. With a fifth of the
+// inertia it is 104 ticks, with a hundredth 5.
 TEST(a_pause_of_a_flying_start_is_a_tenth_of_the_time_to_the_highest_speed)
 {
     const auto most = [](const char *inertia) {
@@ -523,7 +534,8 @@ TEST(flying_start)
 {
     const flying_start_cfg_t c = motor_b().startup.flying_start;
     expect(0.315 / 40 * 32768, c.current);
-    // φ/L_q = 15.95745 A, of which R leaves (1 − e^−a)/a = 0.999139 in a tick, a = T·R/L_q = 0.00172340.
+    // φ/L_q = 15.95745 A, of which R leaves (1 − e^−a)/a = 0.999139 in a tick, a = T·R/L_q =
+    // 0.00172340.
     expect_mantissa(15.95745 * 0.999139 / 40 * 32768 / 683565275.6 * 65536, c.emf_current,
                     c.emf_shift);
     expect(0.00172192 * 32768, c.decay_q15);
@@ -617,7 +629,8 @@ TEST(the_magnets_bear_the_current_of_the_largest_torque)
 // Without a start of its own the run's current changes as with one of 100 %.
 TEST(run)
 {
-    // A 32nd of the slope, at least one; a voltage drive takes over from no i_d* at all, so it goes as it came.
+    // A 32nd of the slope, at least one; a voltage drive takes over from no i_d* at all, so it goes
+    // as it came.
     expect(1, motor_b().current_reference.slope_down);
     expect(91 / 32, motor_b({"drive.angle_source=sensor", "motor.inertia_kg_m2=0.00011"})
                         .current_reference.slope_down);
@@ -650,8 +663,8 @@ TEST(a_swing_is_damped_by_no_less_than_its_reactance)
     expect_gain((26.9005 * 0.1 - 0.405) / 11.25, c);
 }
 
-// With L_d of 0.03 H the rotor is stiff up to 0.375/(2*0.07) = 2.67857 A: half of the stiffness at 2.67857/3.53778 of the
-// current leaves ω_n = √(723.637*0.378567). What lags is L_q.
+// With L_d of 0.03 H the rotor is stiff up to 0.375/(2*0.07) = 2.67857 A: half of the stiffness at
+// 2.67857/3.53778 of the current leaves ω_n = √(723.637*0.378567). What lags is L_q.
 TEST(the_reactance_of_a_salient_motor_is_that_of_l_q)
 {
     const pi_cfg_t c =
@@ -659,7 +672,8 @@ TEST(the_reactance_of_a_salient_motor_is_that_of_l_q)
     expect_gain((16.5513 * 0.1 - 0.405) / 11.25, c);
 }
 
-// A heavy rotor asks for little damping. 4/3·(310 V · 5 µs · 10 kHz) of 3.53778 A, and a fifth of it.
+// A heavy rotor asks for little damping. 4/3·(310 V · 5 µs · 10 kHz) of 3.53778 A, and a fifth of
+// it.
 TEST(an_imposed_current_is_controlled_firmly_enough_for_the_dead_time)
 {
     const pi_cfg_t c =
@@ -667,7 +681,8 @@ TEST(an_imposed_current_is_controlled_firmly_enough_for_the_dead_time)
     expect_gain((0.2 * 4 / 3 * 15.5 / 3.53778 - 0.405) / 11.25, c);
 }
 
-// With ten times the resistance K_p takes off what is more than the damping asks for, but 0.4 of it at most.
+// With ten times the resistance K_p takes off what is more than the damping asks for, but 0.4 of it
+// at most.
 TEST(a_large_resistance_is_relieved)
 {
     const pi_cfg_t c = motor_b({"motor.resistance_ohm=4.05"}).hold_loop.pi_q;
@@ -675,7 +690,8 @@ TEST(a_large_resistance_is_relieved)
     expect_integral(0.6 * 4.05 * 0.2 * SWING * 1e-4 / 11.25, c);
 }
 
-// Three and a half knees C·u/t_d of I_b = 40 A. Where the board says nothing: 320 pF and 17 pF for each of the 18 A.
+// Three and a half knees C·u/t_d of I_b = 40 A. Where the board says nothing: 320 pF and 17 pF for
+// each of the 18 A.
 TEST(the_edge_of_the_compensation)
 {
     const struct {
@@ -721,7 +737,8 @@ TEST(the_gains_by_the_speed)
     TEST_ASSERT_EQUAL_INT32(0, sensed.kappa.full_speed);
 }
 
-// RUN with a load down to 3 % of 1200 rpm, ρ from half of it; a load is 15 % of the continuous current.
+// RUN with a load down to 3 % of 1200 rpm, ρ from half of it; a load is 15 % of the continuous
+// current.
 TEST(the_lowest_speed_of_run_with_a_load)
 {
     const drive_cfg_t c = motor_b({"startup.loaded_speed_pct=3"});
@@ -732,8 +749,8 @@ TEST(the_lowest_speed_of_run_with_a_load)
     TEST_ASSERT_EQUAL_INT32(without.hold_speed, without.loaded_speed);
 }
 
-// Flying start 274 ticks, pull and settling 30/ω_n, twice 2^11 ticks of measuring, 16 of the voltage step and 4 times as many
-// of the pulse; the charge on top.
+// Flying start 274 ticks, pull and settling 30/ω_n, twice 2^11 ticks of measuring, 16 of the
+// voltage step and 4 times as many of the pulse; the charge on top.
 // With 1 % of the current ω_n is a tenth.
 TEST(the_time_of_a_start)
 {
@@ -758,7 +775,8 @@ TEST(temperature)
     expect_mantissa(-32768 / (0.16 * 4096), c.gain, c.shift);
 }
 
-// A quarter of the way from the ends of the converter to those of the line, whichever of them is the cold one.
+// A quarter of the way from the ends of the converter to those of the line, whichever of them is
+// the cold one.
 TEST(a_count_that_a_whole_sensor_does_not_have_is_told_where_the_line_leaves_room)
 {
     const derating_cfg_t c =
@@ -780,8 +798,8 @@ TEST(the_supply_gives_what_a_start_imposes)
            motor_b({"board.bus_current_max_a=0.0778"}).derating.bus_current_max);
 }
 
-// Four swings are 77654 ticks of measuring, 24 of them 466145: of a rotor of 0.3 kg·m² in 1 % of the current. One of 10 kg·m²
-// takes more than the counters hold.
+// Four swings are 77654 ticks of measuring, 24 of them 466145: of a rotor of 0.3 kg·m² in 1 % of
+// the current. One of 10 kg·m² takes more than the counters hold.
 TEST(a_slow_rotor_takes_what_the_counters_hold)
 {
     const drive_cfg_t slow = motor_b({"startup.current_pct=1", "motor.inertia_kg_m2=0.3"});
@@ -792,7 +810,8 @@ TEST(a_slow_rotor_takes_what_the_counters_hold)
     TEST_ASSERT_EQUAL_UINT32(60000, slower.supervision.swing_periods);
 }
 
-// 1 to 30 bits behind the point, 15 before it at most: above 16383.5 there is none, and below 2^-15 they stay 30.
+// 1 to 30 bits behind the point, 15 before it at most: above 16383.5 there is none, and below 2^-15
+// they stay 30.
 TEST(a_gain_has_1_to_30_bits_behind_the_point)
 {
     const struct {
@@ -822,7 +841,8 @@ TEST(what_a_field_cannot_hold_is_refused_with_what_it_can)
         const char *limit;            // and the beginning of the reason
         const char *tuning = "robust_motor_a";
     } cases[] = {
-        // The lowest speed of a voltage drive is above the highest speed: the rated one may be at most 1000/0.9.
+        // The lowest speed of a voltage drive is above the highest speed: the rated one may be at
+        // most 1000/0.9.
         {{"motor.rated_speed_rpm=1200", "motor.max_speed_rpm=1000",
           "voltage_loop.speed_min_pct=90"},
          "at most 1111 rpm: the share voltage_loop.speed_min_pct",
@@ -836,7 +856,8 @@ TEST(what_a_field_cannot_hold_is_refused_with_what_it_can)
           "motor.inductance_d_h=0.065", "motor.inductance_q_h=0.255"},
          "at most 84.21 A: half of motor.flux_linkage_wb/"},
         {{"speed_loop.inertia_feed_forward=0.5", "adaptation.inertia_pct=100"}, ""},
-        // phi/L_d, 25 % more over 40 % less, is below 511 times 40 A: with 20 uH phi is up to 0.196224 Wb.
+        // phi/L_d, 25 % more over 40 % less, is below 511 times 40 A: with 20 uH phi is up to
+        // 0.196224 Wb.
         {{"motor.flux_linkage_wb=0.375", "motor.inductance_d_h=2e-5"}, "at most 0.1962 Wb: "},
         // A count from one end is 0.0244 % at 80/50 °C per %, two from the other 0.0488 % at 20/50.
         {{"board.temperature_max_c=99.97", "board.temperature_points_c=[0, 20, 100]",

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A name plate: where it is accepted, what is said elsewhere, and the typical values that the rest of it has.
+// A name plate: where it is accepted, what is said elsewhere, and the typical values that the rest
+// of it has.
 #include "folder.h"
 
 #include "plate.h"

@@ -279,8 +279,9 @@ TEST(what_the_firmware_cannot_hold_is_named_with_its_limit)
     }
 }
 
-// A motor whose φ/L_d of 0.35 A is small against the current range: 32767 steps of 2^-4 a radian are
-// κ_p·(2/π)·I_b·I_x/(φ/L_d)²·2^(4 − 12); with I_b = I_x = 40 A, φ/L_d = 0.35 A that is κ_p = 0.2462.
+// A motor whose φ/L_d of 0.35 A is small against the current range: 32767 steps of 2^-4 a radian
+// are κ_p·(2/π)·I_b·I_x/(φ/L_d)²·2^(4 − 12); with I_b = I_x = 40 A, φ/L_d = 0.35 A that is κ_p =
+// 0.2462.
 TEST(a_gain_beyond_the_observer_is_named_with_what_it_can_be)
 {
     const Folder folder;
@@ -356,7 +357,8 @@ TEST(a_motor_of_little_flux_takes_the_usual_gains)
                      "board.overcurrent_a=13", "observer.kappa=0.01", "observer.kappa_p=0.1"});
 }
 
-// 0.7 rad in 100 µs are 7000 rad/s, 33423 rpm with two pole pairs; the EMF of 0.02 Wb fits the bus there.
+// 0.7 rad in 100 µs are 7000 rad/s, 33423 rpm with two pole pairs; the EMF of 0.02 Wb fits the bus
+// there.
 TEST(a_speed_with_too_large_a_turn_in_a_period_is_named_with_what_is_allowed)
 {
     const std::vector<std::string> fast = {
@@ -422,8 +424,8 @@ void expect_speed(std::vector<std::string> set, const std::string &allowed, cons
     expect_accepted(set);
 }
 
-// Of 0.95·310 V/√3 = 170.03 V the current control keeps 3/256: 168.04 V at 2·0.387 Wb are 217.1 rad/s.
-// With i_d = −2.5 A, 25 % of 10 A, 11.6 mH leave 0.358 Wb: 234.7 rad/s.
+// Of 0.95·310 V/√3 = 170.03 V the current control keeps 3/256: 168.04 V at 2·0.387 Wb are 217.1
+// rad/s. With i_d = −2.5 A, 25 % of 10 A, 11.6 mH leave 0.358 Wb: 234.7 rad/s.
 TEST(a_speed_whose_emf_exceeds_the_bus_is_named_with_what_is_allowed)
 {
     expect_speed({"current_loop.weakening_pct=0"}, "2073",
@@ -441,7 +443,8 @@ TEST(a_speed_whose_emf_exceeds_the_bus_is_named_with_what_is_allowed)
                  "motor.max_current_a");
 }
 
-// With 95 % of 10 A the voltage would bear 2899 rpm. Without a capacitor 400 V/√3 at 1.15·2·0.387 Wb: 259.5 rad/s.
+// With 95 % of 10 A the voltage would bear 2899 rpm. Without a capacitor 400 V/√3 at 1.15·2·0.387
+// Wb: 259.5 rad/s.
 TEST(a_speed_whose_emf_overcharges_the_bus_with_open_gates_is_named_with_what_is_allowed)
 {
     expect_speed({}, "2477",
@@ -460,7 +463,8 @@ TEST(a_voltage_gain_is_not_refused_for_the_integral_that_follows)
     TEST_ASSERT_EQUAL_INT32(32767, cfg.voltage_drive.pi.ki);
 }
 
-// Softness and bandwidth of the position loop follow from the motor and from what is written of the others.
+// Softness and bandwidth of the position loop follow from the motor and from what is written of the
+// others.
 TEST(no_rule_breaks_what_another_key_allows)
 {
     const Folder folder;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// From the motor file to the gains: what a tuning leaves open is filled in by the motor, docs/configuration.md.
+// From the motor file to the gains: what a tuning leaves open is filled in by the motor,
+// docs/configuration.md.
 #include "folder.h"
 #include "motor_model.h"
 #include "startup_units.h"
@@ -52,7 +53,8 @@ void expect_ratio(double expected, double a, double b)
     TEST_ASSERT_DOUBLE_WITHIN(RELATIVE * expected, expected, a / b);
 }
 
-// T_max/J: a motor of twice the inertia gets half the bandwidth, ramp and profile, with the same shape.
+// T_max/J: a motor of twice the inertia gets half the bandwidth, ramp and profile, with the same
+// shape.
 TEST(what_is_left_open_follows_the_torque_over_the_inertia)
 {
     const Folder folder;
@@ -136,7 +138,8 @@ TEST(start_up_current_and_hand_over_are_shares_of_the_motor)
     TEST_ASSERT_TRUE(0 < c.align.current_low && c.align.current_low < c.align.current_high);
 }
 
-// Whatever the motor, the alignment is as long in swings of the rotor: ω_n falls with the root of the inertia.
+// Whatever the motor, the alignment is as long in swings of the rotor: ω_n falls with the root of
+// the inertia.
 TEST(the_alignment_takes_as_many_swings_of_the_rotor_for_every_inertia)
 {
     const Folder folder;
@@ -291,7 +294,8 @@ TEST(rho_is_the_tunings_limit_and_off_by_default)
     TEST_ASSERT_EQUAL_INT32(2 * 8192, built({"observer.rho_max=2"}).observer.rho_max_q13);
 }
 
-// 1.5·2·0.387 N·m/A·5 A; |6.72 A·2.125 Ω + 377·0.387, 377·0.0116·6.72| at 1800 rpm; 3·(2·π·2·2000/60/10000)² = 0.005264.
+// 1.5·2·0.387 N·m/A·5 A; |6.72 A·2.125 Ω + 377·0.387, 377·0.0116·6.72| at 1800 rpm;
+// 3·(2·π·2·2000/60/10000)² = 0.005264.
 TEST(a_rating_that_is_not_reached_is_noted_with_its_line)
 {
     const Folder folder;
@@ -335,7 +339,8 @@ TEST(a_rating_that_is_not_reached_is_noted_with_its_line)
     TEST_ASSERT_TRUE(nf::load_scenario("s", {}, {"speed_loop.notch_hz=40"}).scenario.notes.empty());
 }
 
-// L_q − L_d = 28.4 mH: at 6.3 A 3·(0.387 + 0.0284·2.2)·5.9 = 7.98 N·m, and without its reluctance 7.31 of 7.8 N·m.
+// L_q − L_d = 28.4 mH: at 6.3 A 3·(0.387 + 0.0284·2.2)·5.9 = 7.98 N·m, and without its reluctance
+// 7.31 of 7.8 N·m.
 TEST(reluctance_counts_for_a_rating_where_the_drive_uses_it)
 {
     const Folder folder;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Up to which speed open gates are safe, what the short circuit takes, and the line for each highest speed at which nothing is safe.
+// Up to which speed open gates are safe, what the short circuit takes, and the line for each
+// highest speed at which nothing is safe.
 #include "folder.h"
 
 #include "numbers.h"
@@ -21,7 +22,8 @@ constexpr double RELATIVE = 1e-12; // a few products of doubles
 constexpr double ROUNDING = 0.5;   // of an integer field
 constexpr double ROOT_3 = 1.7320508075688772;
 
-// The motor m: P 2, R 2.125 ohm, L 11.6 mH, 0.387 Wb, 2000 rpm, 10 A. The board b: 200, 310, 400 V, 18 A.
+// The motor m: P 2, R 2.125 ohm, L 11.6 mH, 0.387 Wb, 2000 rpm, 10 A. The board b: 200, 310, 400 V,
+// 18 A.
 nf::Config loaded(const Words &set)
 {
     return nf::load_scenario("s", {}, set);
@@ -49,7 +51,8 @@ TEST(without_a_capacitance_the_emf_stays_below_the_highest_bus)
     expect(400 / (ROOT_3 * 0.387), safe_speed({}));
 }
 
-// 1.5·11.6 mH·(18 A)²/1 mF = 5637.6 V²: from 200 V it is 300 V less 5637.6/400, from 310 V 355 V less 5637.6/180.
+// 1.5·11.6 mH·(18 A)²/1 mF = 5637.6 V²: from 200 V it is 300 V less 5637.6/400, from 310 V 355 V
+// less 5637.6/180.
 TEST(a_capacitor_is_charged_from_the_lowest_bus_by_emf_and_windings)
 {
     const Folder folder;
@@ -58,7 +61,8 @@ TEST(a_capacitor_is_charged_from_the_lowest_bus_by_emf_and_windings)
     expect((355 - 156.6) / (ROOT_3 * 0.387), safe_speed({"board.bus_capacitance_f=2e-4"}));
 }
 
-// The saliency adds up to half of |L_q − L_d|·I to the flux: 0.387 Wb and 5 mH·10 A/2. The larger L has the energy.
+// The saliency adds up to half of |L_q − L_d|·I to the flux: 0.387 Wb and 5 mH·10 A/2. The larger L
+// has the energy.
 TEST(a_salient_motor_gives_the_bus_more_whichever_axis_has_more_inductance)
 {
     const Folder folder;
@@ -84,9 +88,10 @@ Words also(Words a, const Words &b)
     return a;
 }
 
-// A short circuit in time leaves the 400 V less what 18 A charge in two control periods, 3.6 V. From 200 V that leaves 298.2 V less
-// 5637.6/392.8: 423.5 rad/s, 0.04235 rad a tick. 18.9 ticks are 0.8 rad, 296.8 two turns. The short circuit takes
-// 423.5·0.387/√(2.125² + 4.912²) = 30.6 A, of which the sensors see 20 A; over 19 ticks it changes by 2·20·sin 0.4023.
+// A short circuit in time leaves the 400 V less what 18 A charge in two control periods, 3.6 V.
+// From 200 V that leaves 298.2 V less 5637.6/392.8: 423.5 rad/s, 0.04235 rad a tick. 18.9 ticks are
+// 0.8 rad, 296.8 two turns. The short circuit takes 423.5·0.387/√(2.125² + 4.912²) = 30.6 A, of
+// which the sensors see 20 A; over 19 ticks it changes by 2·20·sin 0.4023.
 TEST(the_numbers_of_the_firmware)
 {
     const Folder folder;
@@ -111,7 +116,8 @@ double acting_limit(const Words &set)
     return limit;
 }
 
-// Two control periods of 80 A charge 1 mF by 16 V, of 18 A by 3.6 V. Open gates ask for nothing of it.
+// Two control periods of 80 A charge 1 mF by 16 V, of 18 A by 3.6 V. Open gates ask for nothing of
+// it.
 TEST(a_motor_is_shorted_two_periods_of_charge_below_the_highest_bus)
 {
     const Folder folder;
@@ -120,7 +126,8 @@ TEST(a_motor_is_shorted_two_periods_of_charge_below_the_highest_bus)
     expect(400, acting_limit({"board.trip_a=80"}));
 }
 
-// Of the way from nominal to the fault's limit, 384 V: derating of the braking begins at half of it, and has ended at 3/4 of the rest.
+// Of the way from nominal to the fault's limit, 384 V: derating of the braking begins at half of
+// it, and has ended at 3/4 of the rest.
 TEST(braking_is_derated_before_the_motor_is_shorted)
 {
     const Folder folder;
@@ -139,7 +146,8 @@ TEST(the_short_circuit_current_by_hand)
     // At R/L: φ/(√2·L).
     expect(0.387 / 0.0116 / std::sqrt(2.0),
            nf::short_circuit_current(config.motor, 2.125 / 0.0116));
-    // Without R it is φ/L_d at any speed, and the peak adds the flux of 10 A, hypot(0.387, 0.116), over L.
+    // Without R it is φ/L_d at any speed, and the peak adds the flux of 10 A, hypot(0.387, 0.116),
+    // over L.
     config.motor.resistance_ohm = 0;
     expect(0.387 / 0.0116, nf::short_circuit_current(config.motor, 100));
     const double voltage = 400 * 0.95 / ROOT_3 / nf::safe_open_speed(config.motor, config.board);
@@ -147,7 +155,8 @@ TEST(the_short_circuit_current_by_hand)
     expect((0.387 + voltage) / 0.0116, nf::short_circuit_peak(config.motor, config.board, 100));
 }
 
-// The flux of 10 A stays for half a turn, less what R takes of it over the larger L: it drives most current through the smaller one.
+// The flux of 10 A stays for half a turn, less what R takes of it over the larger L: it drives most
+// current through the smaller one.
 TEST(the_peak_of_a_short_circuit_is_that_of_the_axis_with_less_inductance)
 {
     const Folder folder;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What is typed from a data sheet: each unit against its definition, each convention against a motor that is turned and
-// measured by hand, and what is refused.
+// What is typed from a data sheet: each unit against its definition, each convention against a
+// motor that is turned and measured by hand, and what is refused.
 #include "config.h"
 #include "data_sheet.h"
 #include "made.h"
@@ -64,7 +64,8 @@ void check(const Typed &one)
                                       made_of(one.option, one.typed, one.key), shown.c_str());
 }
 
-// φ of 1 pole pair is K_t/1.5 per A peak of a phase, K_e of the peak of a phase over rad/s, and 1/K_v of it.
+// φ of 1 pole pair is K_t/1.5 per A peak of a phase, K_e of the peak of a phase over rad/s, and
+// 1/K_v of it.
 const std::vector<Typed> UNITS = {
     {"--poles", "2", "pole_pairs", 1},
     {"--pole-pairs", "3", "pole_pairs", 3},
@@ -209,12 +210,13 @@ TEST(a_unit_may_be_spelt_as_sheets_spell_it)
     }
 }
 
-// A motor with φ = 0.2 Wb and one pole pair, turned at 1 rad/s and looked at, or driven with 1 A and held. What its sheet
-// prints is derived here from its sine waves, and gives 0.2 Wb again.
+// A motor with φ = 0.2 Wb and one pole pair, turned at 1 rad/s and looked at, or driven with 1 A
+// and held. What its sheet prints is derived here from its sine waves, and gives 0.2 Wb again.
 constexpr double FLUX_WB = 0.2;
 constexpr int STEPS = 100000;
 
-// The mean of a sine over the 60° about its peak: for so long a pair of phases conducts with six-step commutation.
+// The mean of a sine over the 60° about its peak: for so long a pair of phases conducts with
+// six-step commutation.
 double mean_about_the_peak()
 {
     double sum = 0;
@@ -263,7 +265,8 @@ TEST(each_convention_of_a_voltage_gives_the_motor_that_was_measured)
     }
 }
 
-// Power in is power out: three phases with a current in phase with the EMF, or two terminals with a constant one.
+// Power in is power out: three phases with a current in phase with the EMF, or two terminals with a
+// constant one.
 TEST(each_convention_of_a_torque_constant_gives_the_motor_that_was_measured)
 {
     const double per_peak = 3 * FLUX_WB * rms_of_a_sine() * rms_of_a_sine();
@@ -279,7 +282,8 @@ TEST(each_convention_of_a_torque_constant_gives_the_motor_that_was_measured)
     }
 }
 
-// A star of 0.3 Ω shows twice as much between two terminals. A triangle of 0.9 Ω shows 0.9 Ω beside 1.8 Ω, the same 0.6 Ω.
+// A star of 0.3 Ω shows twice as much between two terminals. A triangle of 0.9 Ω shows 0.9 Ω beside
+// 1.8 Ω, the same 0.6 Ω.
 TEST(each_convention_of_a_winding_gives_the_star_that_does_the_same)
 {
     for (const char *const said :

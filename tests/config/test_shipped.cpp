@@ -38,8 +38,8 @@ extern "C" const about_t *about_generated_motor_b(void);
 namespace
 {
 
-// Each motor for 24 to 48 V has its boards, and each one that weakens its field one that shorts it; the motors of both papers
-// go with every laboratory inverter for 310 V.
+// Each motor for 24 to 48 V has its boards, and each one that weakens its field one that shorts it;
+// the motors of both papers go with every laboratory inverter for 310 V.
 bool go_together(const std::string &motor, const std::string &board)
 {
     const std::multimap<std::string, std::string> own_boards = {
@@ -298,7 +298,8 @@ TEST(a_line_of_two_points_is_straight)
     }
 }
 
-// DS12589, operational amplifiers: 3 mV of offset, 2 % of gain; the bias is made by resistors of 1 %.
+// DS12589, operational amplifiers: 3 mV of offset, 2 % of gain; the bias is made by resistors of 1
+// %.
 TEST(an_offset_within_the_tolerances_of_each_board_of_the_chip_is_accepted)
 {
     const char *const parts[][2] = {{"outrunner_24v", "b_g431b_esc1"}, {"motor_a", "g431_bench"}};

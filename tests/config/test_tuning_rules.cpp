@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The rules of the tuning `any`, each at dimensionless numbers where its value is known: docs/tuning_rules.md.
+// The rules of the tuning `any`, each at dimensionless numbers where its value is known:
+// docs/tuning_rules.md.
 #include "nn_observer_units.h"
 #include "rules.h"
 
@@ -66,7 +67,8 @@ TEST(a_light_rotor_gets_the_speed_loop_and_ramp_that_the_lag_allows)
     expect(0.0105 * 1800 / lag, t.speed_ramp_rpm_s);
 }
 
-// At 3 µs and 310 V a leg loses 12.4 V, and the EMF at a tenth of rated speed is 14.59 V: the loop has 0.15·ω·14.59/12.4.
+// At 3 µs and 310 V a leg loses 12.4 V, and the EMF at a tenth of rated speed is 14.59 V: the loop
+// has 0.15·ω·14.59/12.4.
 TEST(dead_time_slows_the_speed_loop_and_its_observer)
 {
     const double omega = 2 * 2 * nf::PI * 30;
@@ -80,7 +82,8 @@ TEST(dead_time_slows_the_speed_loop_and_its_observer)
            2 * nf::PI * written.speed_bandwidth_hz);
 }
 
-// As above, with a tenth of J: the torque asks for at least 205/s, which is more than dead time allows at the hand-over.
+// As above, with a tenth of J: the torque asks for at least 205/s, which is more than dead time
+// allows at the hand-over.
 TEST(dead_time_slows_the_loop_of_a_light_rotor_at_low_speed_alone)
 {
     const std::vector<std::string> light = {"board.dead_time_s=3e-6", "motor.inertia_kg_m2=0.0003"};
@@ -135,7 +138,8 @@ TEST(an_error_of_the_network_loses_a_tenth_in_a_sample)
     expect(0, ruled({"motor.resistance_ohm=12.75"}).observer_feedback);
 }
 
-// A rotor that turns little in a sample is seen through little feedback: three times its angle, here 0.0226.
+// A rotor that turns little in a sample is seen through little feedback: three times its angle,
+// here 0.0226.
 TEST(the_network_forgets_no_faster_than_three_times_as_the_rotor_turns)
 {
     const double winding = PERIOD_S * 2.125 / 0.0116;
@@ -149,7 +153,8 @@ TEST(the_current_loop_has_twenty_samples_in_its_period)
     expect(1000, ruled({"board.pwm_frequency_hz=20000"}).current_bandwidth_hz);
 }
 
-// Rated current 7.8/(3·0.387) A makes 14.28 V across R. The loss of a leg is 4/3 of 310 V·t_d·10 kHz.
+// Rated current 7.8/(3·0.387) A makes 14.28 V across R. The loss of a leg is 4/3 of 310 V·t_d·10
+// kHz.
 TEST(dead_time_raises_the_least_current)
 {
     const double drop_v = 2.125 * 7.8 / (3 * 0.387);
@@ -158,7 +163,8 @@ TEST(dead_time_raises_the_least_current)
     expect(50, ruled({"board.dead_time_s=3e-6", "board.bus_nominal_v=340"}).current_floor_pct);
 }
 
-// The circle is 0.95·bus/√3; what 0.95 of it leaves above the EMF of 145.9 V drives i_d through ωL = 4.373 Ω at 8.4 A.
+// The circle is 0.95·bus/√3; what 0.95 of it leaves above the EMF of 145.9 V drives i_d through ωL
+// = 4.373 Ω at 8.4 A.
 TEST(the_least_current_leaves_voltage_at_rated_speed)
 {
     const double omega = 2 * 2 * nf::PI * 30;
@@ -168,7 +174,8 @@ TEST(the_least_current_leaves_voltage_at_rated_speed)
     expect(18, ruled({"board.dead_time_s=3e-6", "board.bus_nominal_v=285"}).current_floor_pct);
 }
 
-// 1.5 times the hold's, within the largest current and the room that over-current leaves for a swing.
+// 1.5 times the hold's, within the largest current and the room that over-current leaves for a
+// swing.
 TEST(the_alignment_imposes_more_than_the_hold)
 {
     const std::vector<std::string> room = {"motor.max_current_a=15", "board.overcurrent_a=18",
@@ -208,8 +215,9 @@ TEST(what_is_written_is_not_changed)
     expect(std::sqrt(8.1 * 0.02), ruled({"observer.kappa=0.02"}).observer_kappa_p);
 }
 
-// 0.45·ω·L, of two axes the harmonic mean; and a mean that follows within 0.6 of a radian. At 2000 Hz a sample takes off
-// 0.17 of a change with a rated speed of 3600 rpm, and with 4500 rpm it would take off 0.21.
+// 0.45·ω·L, of two axes the harmonic mean; and a mean that follows within 0.6 of a radian. At 2000
+// Hz a sample takes off 0.17 of a change with a rated speed of 3600 rpm, and with 4500 rpm it would
+// take off 0.21.
 TEST(the_virtual_resistance_is_a_share_of_the_reactance)
 {
     const double omega = 2 * 2 * nf::PI * 30;
@@ -231,7 +239,8 @@ TEST(the_virtual_resistance_is_a_share_of_the_reactance)
 
 constexpr double DEGREE = 2 * nf::PI / 360;
 
-// What shows the angle, what i_d > 0 takes of the voltage and where a braking lead ends: all by L_d, however large L_q is.
+// What shows the angle, what i_d > 0 takes of the voltage and where a braking lead ends: all by
+// L_d, however large L_q is.
 TEST(the_rules_of_a_salient_motor_take_the_inductance_along_its_flux)
 {
     const std::string salient = "motor.inductance_q_h=0.02";
@@ -252,7 +261,8 @@ double margin_deg(const nf::TuningSettings &t, nf::TorqueFilter filter)
     return nf::speed_margin(t, PERIOD_S, t.speed_bandwidth_hz, filter) / DEGREE;
 }
 
-// Without lag, period and current loop the PI has the open loop (2s + 1)/s² with its gain 1 at s = j·√(2 + √5): atan 4.116.
+// Without lag, period and current loop the PI has the open loop (2s + 1)/s² with its gain 1 at s =
+// j·√(2 + √5): atan 4.116.
 TEST(the_speed_loop_has_the_margin_of_its_design)
 {
     nf::TuningSettings t = ruled({"drive.angle_source=sensor"});

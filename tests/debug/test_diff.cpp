@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A tick computed again: within the roundings as long as nothing is wrong, and at the right function or word when
-// something is.
+// A tick computed again: within the roundings as long as nothing is wrong, and at the right
+// function or word when something is.
 #include "diff.h"
 #include "set.h"
 #include "timeline.h"
@@ -24,13 +24,15 @@ using nf::debug::set_signal;
 using nf::debug::Span;
 using nf::debug::Timeline;
 
-// Each value has to come near its tolerance somewhere, or the tolerance would see nothing. Where nothing is rounded,
-// both agree to the last bits of a double: of some units that are converted there and back.
+// Each value has to come near its tolerance somewhere, or the tolerance would see nothing. Where
+// nothing is rounded, both agree to the last bits of a double: of some units that are converted
+// there and back.
 static constexpr double LEAST_SHARE = 0.2;
 static constexpr double EXACT_SHARE = 1e-9;
 static constexpr double LAST_BITS = 8 * std::numeric_limits<double>::epsilon();
 
-// Each function of a control module that the drive calls; configuration, model and state beside them.
+// Each function of a control module that the drive calls; configuration, model and state beside
+// them.
 static constexpr std::size_t SEAMS = 23 + 3;
 
 struct Shares {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A run without an end that a person plays with: what is asked for and broken comes again on the way back and forth, the recent
-// past alone is kept, and a command in slices is the command.
+// A run without an end that a person plays with: what is asked for and broken comes again on the
+// way back and forth, the recent past alone is kept, and a command in slices is the command.
 #include "commands.h"
 #include "session.h"
 #include "timeline.h"

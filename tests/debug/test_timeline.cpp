@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Forwards and backwards through a run: always to the same bits, never far from a snapshot, in bounded memory.
+// Forwards and backwards through a run: always to the same bits, never far from a snapshot, in
+// bounded memory.
 #include "diff.h"
 #include "set.h"
 #include "timeline.h"
@@ -195,8 +196,8 @@ TEST(test_what_is_set_over_what_is_forced_gives_way_to_it_again)
     }
 }
 
-// A scenario's own fault on a channel is there again when what a person has put over it ends, and a fault that begins or
-// ends on another channel does not uncover it.
+// A scenario's own fault on a channel is there again when what a person has put over it ends, and a
+// fault that begins or ends on another channel does not uncover it.
 TEST(test_what_is_forced_stands_over_the_scenarios_faults_and_gives_way_to_them)
 {
     const nf::Config config = nf::load_scenario(
@@ -253,7 +254,8 @@ TEST(test_a_command_is_bounded_as_in_a_scenario)
     }
 }
 
-// The firmware takes its own state for granted: an index, a shift, a choice beyond its range would be its end.
+// The firmware takes its own state for granted: an index, a shift, a choice beyond its range would
+// be its end.
 TEST(test_a_state_that_the_firmware_cannot_come_to_is_refused)
 {
     const nf::Config config = nf::load_scenario("s1_robust");
@@ -272,8 +274,9 @@ TEST(test_a_state_that_the_firmware_cannot_come_to_is_refused)
     }
 }
 
-// A run in the field through three configurations: to one that may come while current flows, to one with another scale of
-// speeds, with which the drive begins anew, and back. `hashes`: of the drive after each tick.
+// A run in the field through three configurations: to one that may come while current flows, to one
+// with another scale of speeds, with which the drive begins anew, and back. `hashes`: of the drive
+// after each tick.
 struct Field {
     nf::RecordedRun run;
     std::vector<uint32_t> hashes;

@@ -19,7 +19,8 @@ constexpr double ROUNDING = 1e-12;
 constexpr double POLE_PRINT = 5e-6;
 constexpr double ONE_PERCENT = 0.01;
 
-// A motor that is an integrator: speed(n+1) = speed(n) + supply(n) − load(n); the rest decays at once.
+// A motor that is an integrator: speed(n+1) = speed(n) + supply(n) − load(n); the rest decays at
+// once.
 Discrete integrator()
 {
     Discrete d{MotorMatrix::Zero(), MotorInputs::Zero(), 1};
@@ -124,8 +125,9 @@ TEST(the_papers_gains_are_stable_with_both_matrices_and_a_positive_ki)
     TEST_ASSERT_DOUBLE_WITHIN(POLE_PRINT, 1.00026, magnitude(printed(), OTHER_SIGN));
 }
 
-// The limits 0.337 and 0.168 that this is held against are the last stable points of a scan with 200 points
-// from 1e-4 to 100, evenly spaced in the logarithm; the edge itself is between there and the next point.
+// The limits 0.337 and 0.168 that this is held against are the last stable points of a scan with
+// 200 points from 1e-4 to 100, evenly spaced in the logarithm; the edge itself is between there and
+// the next point.
 TEST(the_last_stable_ki_of_the_reference_scan_is_found_again)
 {
     const struct {

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * In the build with counters: what each Unity test runs alone. --wrap puts this in the place of Unity's own runner. The
- * counts of a test go to <title>.<test>.profraw beside <title>.%p.profraw, the file that LLVM_PROFILE_FILE names. Where it
- * names no such file, as by hand, all tests are counted together.
+ * In the build with counters: what each Unity test runs alone. --wrap puts this in the place of
+ * Unity's own runner. The counts of a test go to <title>.<test>.profraw beside <title>.%p.profraw,
+ * the file that LLVM_PROFILE_FILE names. Where it names no such file, as by hand, all tests are
+ * counted together.
  */
 #include "unity.h"
 

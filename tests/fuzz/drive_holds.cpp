@@ -32,7 +32,8 @@ void state_holds(const drive_t &drive)
     }
 }
 
-// All low sides on, as the configuration says: the short circuit of a motor that is too fast for open gates.
+// All low sides on, as the configuration says: the short circuit of a motor that is too fast for
+// open gates.
 bool is_shorted(const drive_t &drive, const drive_out_t &out)
 {
     const auto &phase = out.compare.phase;

@@ -2,8 +2,8 @@
 /*
  * Any bytes as a configuration block, and a drive that is started with it where it is taken.
  *
- * The input is the block; what is missing is that of the image, and its CRCs are made right, so that the settings are
- * looked at. With an odd number of bytes they are left as they are.
+ * The input is the block; what is missing is that of the image, and its CRCs are made right, so
+ * that the settings are looked at. With an odd number of bytes they are left as they are.
  */
 #include "config_block.h"
 #include "config_guard.h"

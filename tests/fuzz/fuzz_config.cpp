@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Any text as a configuration file: it is refused with one line, or the drive and the simulation run with it.
+// Any text as a configuration file: it is refused with one line, or the drive and the simulation
+// run with it.
 //
-// The first byte chooses what the rest is: a motor, board, tuning, scenario or imperfection file, or overrides, one a
-// line; and what stands beside it.
+// The first byte chooses what the rest is: a motor, board, tuning, scenario or imperfection file,
+// or overrides, one a line; and what stands beside it.
 #include "bytes.h"
 #include "config.h"
 #include "describe.h"

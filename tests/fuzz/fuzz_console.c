@@ -26,7 +26,10 @@ struct hal {
     hal_health_t health;
 };
 
-/* The serial line: what is to be received, how much may be sent, how much of the console's text was. */
+/*
+ * The serial line: what is to be received, how much may be sent, how much of the console's text
+ * was.
+ */
 typedef struct {
     const uint8_t *in;
     size_t in_left;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Any frames, from a state that a run with a shipped motor, board and tuning has been in.
 //
-// The first byte chooses the state. Then changes of the frame, each with a byte that says what changes: see next_frame().
+// The first byte chooses the state. Then changes of the frame, each with a byte that says what
+// changes: see next_frame().
 #include "bytes.h"
 #include "drive_holds.h"
 #include "fuzzed.h"

@@ -2,8 +2,9 @@
 /*
  * Any bytes from the serial line to the link, while the drive runs, and whatever it does.
  *
- * The input is steps of two bytes and what belongs to them: see step(). Some bytes are received as they are; others are the
- * message of a frame whose CRC is right, so that the questions are reached.
+ * The input is steps of two bytes and what belongs to them: see step(). Some bytes are received as
+ * they are; others are the message of a frame whose CRC is right, so that the questions are
+ * reached.
  */
 #include "cobs.h"
 #include "commander.h"
@@ -35,7 +36,9 @@ struct hal {
     uint32_t kept[HAL_KEPT_WORDS];
 };
 
-/* The serial line: what is to be received, how much may be sent, and the frame that is being sent. */
+/*
+ * The serial line: what is to be received, how much may be sent, and the frame that is being sent.
+ */
 typedef struct {
     uint8_t in[LINE_MAX];
     size_t in_at;

@@ -4,8 +4,8 @@
 // The first byte chooses what the rest is:
 //     0    the file
 //     1    the words of a file, of which each line gets its CRC
-//     2    changes of a genuine recording: which (1 byte), then 2 bytes for the place and 4 for the word; the CRC of each
-//          configuration in it is made good
+//     2    changes of a genuine recording: which (1 byte), then 2 bytes for the place and 4 for the
+//          word; the CRC of each configuration in it is made good
 #include "bytes.h"
 #include "fuzzed.h"
 #include "line_code.h"

@@ -204,7 +204,8 @@ TEST(test_a_highest_speed_beyond_the_bus_is_lowered)
         found.remarks.front().find(": above it the EMF exceeds the bus voltage"));
 }
 
-// More L across. An imposed current has i·cos of the load angle along the magnet, where the saliency takes from the flux.
+// More L across. An imposed current has i·cos of the load angle along the magnet, where the
+// saliency takes from the flux.
 Records salient_records(double q_h)
 {
     const std::complex<double> j(0, 1);
@@ -222,8 +223,9 @@ Records salient_records(double q_h)
     return records;
 }
 
-// 0.9 of the voltage circle less R·i are 138.1 V of 0.95·300 V/√3 with 2 Ω at 5 A. They bear φ and L_q·i across it,
-// 0.2 Wb and 16 mH · 5 A: 641.1 rad/s, 2040.8 rpm of three pole pairs, of which three digits stay.
+// 0.9 of the voltage circle less R·i are 138.1 V of 0.95·300 V/√3 with 2 Ω at 5 A. They bear φ and
+// L_q·i across it, 0.2 Wb and 16 mH · 5 A: 641.1 rad/s, 2040.8 rpm of three pole pairs, of which
+// three digits stay.
 TEST(test_the_rated_speed_leaves_room_for_the_voltage_of_l_q)
 {
     constexpr double SALIENT_H = 0.016;

@@ -12,7 +12,8 @@ namespace
 
 using namespace known;
 
-// A search ends at 1e-6; what is known of iron beforehand pulls at the curve with 1/50 of the weight of a burst.
+// A search ends at 1e-6; what is known of iron beforehand pulls at the curve with 1/50 of the
+// weight of a burst.
 constexpr double FITTED = 1e-3;
 constexpr double BIAS_FALL = 0.15; // of L_d at the continuous current along
 constexpr double PEAK_FALL = 0.2;  // of L_q, for pulses of it
@@ -83,7 +84,8 @@ TEST(test_pulses_of_a_winding_without_loss_change_the_current_by_their_impulse_o
     TEST_ASSERT_DOUBLE_WITHIN(4 * decay * expected, expected, modelled_change(r, lossless, D_H));
 }
 
-// What the legs lose of a current that never changes its sign is the same in each pulse: it is held, and cancels.
+// What the legs lose of a current that never changes its sign is the same in each pulse: it is
+// held, and cancels.
 TEST(test_the_loss_of_a_large_bias_cancels)
 {
     Legs hard = legs();
@@ -110,7 +112,8 @@ TEST(test_l_over_the_current_is_found)
     }
 }
 
-// The bar of L_q is that of the curve where it is stated: the last of its points, but for what the curve does not follow.
+// The bar of L_q is that of the curve where it is stated: the last of its points, but for what the
+// curve does not follow.
 TEST(test_the_deviation_is_that_at_the_stated_current)
 {
     Records records = bursts(3);
@@ -125,8 +128,8 @@ TEST(test_the_deviation_is_that_at_the_stated_current)
     TEST_ASSERT_TRUE(found.d_over_current[1].h.std < found.d_h.std);
 }
 
-// What a low pass that may be hidden changes of L_q is a bound of it: as much at the last point of the curve, which adds what
-// it does not follow.
+// What a low pass that may be hidden changes of L_q is a bound of it: as much at the last point of
+// the curve, which adds what it does not follow.
 TEST(test_the_bound_of_the_curve_of_a_salient_motor_is_that_of_l_q)
 {
     constexpr double SALIENT = 2;
@@ -147,8 +150,8 @@ TEST(test_a_current_beyond_the_pulses_is_theirs)
     TEST_ASSERT_TRUE(found.current_a < 6);
 }
 
-// Across the axis of one phase the sensor of the other sees the pulses. Gains that were taken off the wrong way round would cancel
-// in the mean of three axes, and stay as scatter.
+// Across the axis of one phase the sensor of the other sees the pulses. Gains that were taken off
+// the wrong way round would cancel in the mean of three axes, and stay as scatter.
 TEST(test_the_gains_of_the_sensors_are_taken_off_each_axis)
 {
     Legs unlike = legs();
@@ -165,7 +168,8 @@ TEST(test_the_gains_of_the_sensors_are_taken_off_each_axis)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9 * Q_H, expected.q_h.std, found.q_h.std);
 }
 
-// A rotor that moves makes the change larger by a third of its stiffness times the square of the quarter over L.
+// A rotor that moves makes the change larger by a third of its stiffness times the square of the
+// quarter over L.
 TEST(test_the_rotor_that_moves_is_taken_off_by_the_quarter_of_each_burst)
 {
     const double quarter_s = 2 * PERIOD_S;
@@ -191,8 +195,9 @@ Records bursts_of(int axes, bool across)
     return records;
 }
 
-// With two bursts along each current, of which the second takes half of the voltage for twice as long, seen by sensors behind
-// a low pass; that one is larger by `share` for one current, and smaller for the other.
+// With two bursts along each current, of which the second takes half of the voltage for twice as
+// long, seen by sensors behind a low pass; that one is larger by `share` for one current, and
+// smaller for the other.
 Records pairs_behind(double lag_s, double share)
 {
     Records records = bursts_of(2, true);
@@ -218,7 +223,8 @@ TEST(test_the_low_pass_of_the_sensors_is_found_by_pairs_of_pulses)
     TEST_ASSERT_EQUAL_DOUBLE(0, found.hidden_s);
 }
 
-// Pairs without a difference hide none; those of two currents that differ by turns may hide a little.
+// Pairs without a difference hide none; those of two currents that differ by turns may hide a
+// little.
 TEST(test_a_low_pass_that_chance_may_hide_is_a_bound)
 {
     const SensorLag none = fit_inductances(pairs_behind(0, 0), legs(), CONTINUOUS_A).lag;
@@ -229,7 +235,8 @@ TEST(test_a_low_pass_that_chance_may_hide_is_a_bound)
     TEST_ASSERT_TRUE(hidden.hidden_s < LAG_S);
 }
 
-// Pulses across of two lengths, which turn the rotor by its share of L in the square of the longer quarter.
+// Pulses across of two lengths, which turn the rotor by its share of L in the square of the longer
+// quarter.
 constexpr int LONGER = 4;
 
 double rotor_of(double share)
@@ -266,7 +273,8 @@ TEST(test_a_rotor_that_turns_further_than_is_known_is_found_by_the_length_of_the
     TEST_ASSERT_EQUAL_DOUBLE(0, less.alone_h_s2);
 }
 
-// The ramps have shown that the load swings: then a little is believed that would be chance otherwise.
+// The ramps have shown that the load swings: then a little is believed that would be chance
+// otherwise.
 TEST(test_of_a_load_that_swings_a_little_more_is_believed)
 {
     const Records records = turning_bursts(rotor_of(0.02));
@@ -296,7 +304,8 @@ AxisShares axes_with(double more, double scatter)
     return fit_inductances(records, legs(), CONTINUOUS_A).axes;
 }
 
-// Of ln(1 + more) two thirds on this axis and minus a third on the others. What the legs lose and R takes is not of L: a tenth.
+// Of ln(1 + more) two thirds on this axis and minus a third on the others. What the legs lose and R
+// takes is not of L: a tenth.
 TEST(test_an_axis_of_more_inductance_shows_with_its_sign)
 {
     constexpr double MORE = 0.02;
@@ -309,8 +318,9 @@ TEST(test_an_axis_of_more_inductance_shows_with_its_sign)
     TEST_ASSERT_DOUBLE_WITHIN(LOST * third, 0, found.std);
 }
 
-// Four bursts of ±e on one axis of three: against the mean of the three they scatter by 2/3·e² together with the others, of two
-// degrees of freedom; the mean of four has a quarter of that: e²/12.
+// Four bursts of ±e on one axis of three: against the mean of the three they scatter by 2/3·e²
+// together with the others, of two degrees of freedom; the mean of four has a quarter of that:
+// e²/12.
 TEST(test_what_an_axis_scatters_by_is_the_deviation_of_its_mean)
 {
     constexpr double SCATTER = 5e-3;

@@ -16,7 +16,8 @@ constexpr double FITTED = 1e-4; // the method ends when the sum of squares hardl
 constexpr double EXACT = 1e-12;
 constexpr double MISMATCH = 0.02;
 constexpr double WARMING = 0.03;
-// The heat is that of the measured currents: a mismatch of 2 % is 2 % of the heat of an axis, of a warming of 3 %.
+// The heat is that of the measured currents: a mismatch of 2 % is 2 % of the heat of an axis, of a
+// warming of 3 %.
 constexpr double WARM_FITTED = MISMATCH * WARMING;
 constexpr double NOISE_V = 0.02;
 constexpr double SIGMAS = 4;
@@ -41,7 +42,8 @@ TEST(test_the_legs_of_a_known_motor_are_found)
     TEST_ASSERT_DOUBLE_WITHIN(FITTED * BUS_V, BUS_V, found.bus_v);
 }
 
-// The lowest level lies far above most knees: 1/4000 of the largest current is not seen, and 0.5 % of the knee itself.
+// The lowest level lies far above most knees: 1/4000 of the largest current is not seen, and 0.5 %
+// of the knee itself.
 TEST(test_the_knee_has_the_bound_of_the_lowest_level_and_of_its_own)
 {
     const Legs found = fitted({});
@@ -49,7 +51,8 @@ TEST(test_the_knee_has_the_bound_of_the_lowest_level_and_of_its_own)
                               found.knee_a.bound);
 }
 
-// A supply that sags by 4 % under the largest current: the dead time takes its share of what is left.
+// A supply that sags by 4 % under the largest current: the dead time takes its share of what is
+// left.
 TEST(test_the_loss_follows_a_bus_that_sags_under_the_current)
 {
     Records records = no_records();
@@ -80,7 +83,8 @@ TEST(test_the_resistance_is_that_of_the_beginning_of_a_winding_that_warms)
     TEST_ASSERT_DOUBLE_WITHIN(WARM_FITTED * OHM, OHM * (1 + WARMING), found.warm_ohm());
 }
 
-// It does not show against what differs between the axes: R is that in the middle, and the bound has the rest of it.
+// It does not show against what differs between the axes: R is that in the middle, and the bound
+// has the rest of it.
 TEST(test_a_small_warming_is_in_the_bound)
 {
     Rest rest;
@@ -115,11 +119,13 @@ TEST(test_noise_is_in_the_standard_deviation)
     TEST_ASSERT_TRUE(found.resistance_ohm.std > 0);
     TEST_ASSERT_DOUBLE_WITHIN(SIGMAS * found.resistance_ohm.std, OHM, found.resistance_ohm.value);
     TEST_ASSERT_DOUBLE_WITHIN(SIGMAS * found.loss_v.std, LOSS_V, found.loss_v.value);
-    // that of a line through 42 levels, and of a loss that is fitted too: no more than three times of it
+    // that of a line through 42 levels, and of a loss that is fitted too: no more than three times
+    // of it
     TEST_ASSERT_TRUE(found.resistance_ohm.std < 3 * NOISE_V / std::sqrt(42.0) / (LARGEST_A / 4));
 }
 
-// Of five measurements: their deviations are as large as is said of them, to a factor that so few tell.
+// Of five measurements: their deviations are as large as is said of them, to a factor that so few
+// tell.
 TEST(test_the_deviation_of_the_knee_is_in_its_own_unit)
 {
     constexpr int MEASURED = 5;
@@ -151,7 +157,8 @@ TEST(test_a_phase_of_another_resistance_shows_on_its_axis)
     TEST_ASSERT_DOUBLE_WITHIN(FITTED, 0, found.mismatch.value);
 }
 
-// A step of the timer is a share of the bus: more of it is less sure, as is what is known of a voltage by its scale.
+// A step of the timer is a share of the bus: more of it is less sure, as is what is known of a
+// voltage by its scale.
 TEST(test_a_higher_bus_widens_the_bounds)
 {
     Records records = no_records();
@@ -171,7 +178,8 @@ double much_noise_v()
     return 15 * noise_v();
 }
 
-// Noise of 0.3 V makes a rise of R unsure by about 1 %: one that is half as large again is not told from it.
+// Noise of 0.3 V makes a rise of R unsure by about 1 %: one that is half as large again is not told
+// from it.
 TEST(test_a_warming_that_noise_may_be_is_in_the_bound)
 {
     Rest rest;
@@ -207,7 +215,8 @@ TEST(test_the_ripple_widens_the_bounds)
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 2 * rippling.loss_v.bound, more.loss_v.bound);
 }
 
-// The ripple is R·T/L of the current: of twice the R there is as much current less, and the knee is a current.
+// The ripple is R·T/L of the current: of twice the R there is as much current less, and the knee is
+// a current.
 TEST(test_the_ripple_moves_the_knee_by_a_current)
 {
     Legs one = legs();
@@ -258,7 +267,8 @@ TEST(test_the_loss_on_an_axis_is_that_of_three_legs)
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0, lost.imag());
 }
 
-// 4/π of the loss is the fundamental of a square wave; a knee far below the current takes little of it.
+// 4/π of the loss is the fundamental of a square wave; a knee far below the current takes little of
+// it.
 TEST(test_the_turning_loss_of_hard_legs_is_that_of_a_square_wave)
 {
     constexpr double angles = 0.01; // 48 of them, and a knee of 1/1000

@@ -11,7 +11,8 @@ using namespace nf::identify;
 
 constexpr double EXACT = 1e-9;
 
-// A share of R more in phase a alone: its axis has half of the phase and half of the mean, 2/3 more, the others 1/6, the mean 1/3.
+// A share of R more in phase a alone: its axis has half of the phase and half of the mean, 2/3
+// more, the others 1/6, the mean 1/3.
 constexpr double CONTACT = 0.1;
 constexpr double AXIS = CONTACT / 3 / (1 + CONTACT / 3); // of axis a over the mean, less one
 
@@ -26,7 +27,8 @@ Legs legs_of_contact()
 
 TEST(test_a_contact_is_no_difference_of_the_gains)
 {
-    // L of axis a, with the gains of the legs taken off, is too small by what the sensor does not have
+    // L of axis a, with the gains of the legs taken off, is too small by what the sensor does not
+    // have
     Inductances inductances;
     inductances.axes.share[0] = -0.75 * AXIS;
     inductances.axes.share[1] = 0.75 * AXIS;

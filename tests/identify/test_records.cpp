@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The lines of a console as records, and all that is refused of them: by file, line, what was found and what is expected.
+// The lines of a console as records, and all that is refused of them: by file, line, what was found
+// and what is expected.
 #include "config.h"
 #include "log_file.h"
 #include "records.h"

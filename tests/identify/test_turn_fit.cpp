@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Flux linkage, inertia and friction of a known motor that turns, and two ways to the flux that do not agree.
+// Flux linkage, inertia and friction of a known motor that turns, and two ways to the flux that do
+// not agree.
 #include "bars.h"
 #include "config.h"
 #include "turning_motor.h"
@@ -12,7 +13,8 @@ namespace
 using namespace known;
 
 constexpr double EXACT = 1e-9;
-// A window's mean speed over its time: the drag falls with the speed within it, by a tenth of a tenth.
+// A window's mean speed over its time: the drag falls with the speed within it, by a tenth of a
+// tenth.
 constexpr double STEPPED = 0.02;
 
 Flux flux_of(const Turning &t)
@@ -93,7 +95,8 @@ Records with_scatter(const Turning &t, double share)
     return records;
 }
 
-// ±e of six values: √(6/5)·e is their deviation, and 1/√6 of it that of their mean. Later windows are not among them.
+// ±e of six values: √(6/5)·e is their deviation, and 1/√6 of it that of their mean. Later windows
+// are not among them.
 TEST(test_the_scatter_of_coasting_is_that_of_the_mean_of_its_first_six_windows)
 {
     constexpr double SHARE = 1e-3;
@@ -281,8 +284,9 @@ TEST(test_the_torque_of_a_current_that_is_left_of_coasting_is_no_friction)
     }
 }
 
-// Four torques at constant speeds of 100 and 200 rad/s, each known to 0.002 of what the current pulls, and windows that err alike
-// count as a fifth: however well they lie on a line, its slope is no surer than that.
+// Four torques at constant speeds of 100 and 200 rad/s, each known to 0.002 of what the current
+// pulls, and windows that err alike count as a fifth: however well they lie on a line, its slope is
+// no surer than that.
 TEST(test_friction_is_no_surer_than_the_torques_that_show_it)
 {
     constexpr double UNSURE_NM = 2e-3 * TORQUE_FACTOR * WB * SPIN_A;
@@ -310,7 +314,8 @@ TEST(test_friction_is_no_surer_than_the_torques_that_show_it)
 
 // ---- a load that swings, and ramps that wait ----
 
-// With the first ramp, ten times as long as the others, between the windows of half of the speed and of the whole.
+// With the first ramp, ten times as long as the others, between the windows of half of the speed
+// and of the whole.
 Records with_slow_ramp()
 {
     Records records = turning_records();
@@ -334,8 +339,8 @@ TEST(test_a_rotor_with_all_that_it_turns_does_not_swing)
                               found.inertia_kg_m2.bound);
 }
 
-// After each ramp the load still takes torque that is not friction: `share` of that of the ramp, after each other pair
-// `other` times as much.
+// After each ramp the load still takes torque that is not friction: `share` of that of the ramp,
+// after each other pair `other` times as much.
 Records with_swing(double share, double other)
 {
     Records records = with_slow_ramp();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Prints which share of the ticks of a running motor is shown, as the tables for docs/live.md: on slow lines with rings of
-// several sizes, and on lines that spoil bytes. S2 with the imperfections `adc`, 10 kHz.
+// Prints which share of the ticks of a running motor is shown, as the tables for docs/live.md: on
+// slow lines with rings of several sizes, and on lines that spoil bytes. S2 with the imperfections
+// `adc`, 10 kHz.
 #include "follower.h"
 #include "lossy_channel.h"
 #include "simulated_board.h"

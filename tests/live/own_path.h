@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// A place in the folder of temporary files that is this process's own: other builds may run the same test at the same time.
+// A place in the folder of temporary files that is this process's own: other builds may run the
+// same test at the same time.
 #pragma once
 
 #include <filesystem>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Prints how many bytes a tick of the stream takes, as a table for docs/live.md: S1 to S5, with the imperfections `adc` and
-// `all`, from the board's line, with all that is around the entries.
+// Prints how many bytes a tick of the stream takes, as a table for docs/live.md: S1 to S5, with the
+// imperfections `adc` and `all`, from the board's line, with all that is around the entries.
 #include "follower.h"
 #include "line_rate.h"
 #include "simulated_board.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Frames and the client: a question is asked until its own answer comes, and whatever else comes in changes nothing.
+// Frames and the client: a question is asked until its own answer comes, and whatever else comes in
+// changes nothing.
 #include "fake_board.h"
 
 #include <random>
@@ -295,8 +296,9 @@ void expect_waits(double once_s, double patient_s, uint32_t baud)
                 [&] { (void)refusal([&] { (void)client.store(); }); });
 }
 
-// 10000 baud carry 1000 bytes in a second. Around a message are 7 bytes: CRC, delimiters and COBS. The board may be sending the
-// longest message when the question comes, and answer with another one; a question that is asked once has 16 bytes at most.
+// 10000 baud carry 1000 bytes in a second. Around a message are 7 bytes: CRC, delimiters and COBS.
+// The board may be sending the longest message when the question comes, and answer with another
+// one; a question that is asked once has 16 bytes at most.
 TEST(a_slow_line_is_waited_for_as_long_as_it_takes_and_a_fast_one_no_less)
 {
     const double longest_s = (LINK_MESSAGE_BYTES_MAX + 7) / 1000.0;
@@ -345,7 +347,8 @@ void expect_longest_wait(double expected_s, uint32_t baud)
     expect_wait(expected_s, board, [&] { ask_once(client); });
 }
 
-// The ring has no more than some tenths of a second. A line that takes longer anyway is waited for as before.
+// The ring has no more than some tenths of a second. A line that takes longer anyway is waited for
+// as before.
 TEST(late_answers_are_waited_for_no_longer_than_0_3_s_unless_the_line_takes_longer)
 {
     expect_longest_wait(0.3, 0);

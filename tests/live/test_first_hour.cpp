@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A board out of the box and a motor of which only the name plate is known: all that a person does with them, line by line.
+// A board out of the box and a motor of which only the name plate is known: all that a person does
+// with them, line by line.
 #include "bars.h"
 #include "board_commands.h"
 #include "demands.h"
@@ -48,7 +49,8 @@ nf::Config out_of_the_box(const std::vector<std::string> &plant = OTHER_MOTOR)
     return nf::load_scenario("any", {}, set);
 }
 
-// Connected from power-up on, and asked for nothing: the script that the simulated board begins with is stopped.
+// Connected from power-up on, and asked for nothing: the script that the simulated board begins
+// with is stopped.
 class Session : public nf::TickSink
 {
 public:

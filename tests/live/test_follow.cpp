@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A follower of a simulated board: what it shows is bit for bit what the board has computed, whatever the line does to it.
+// A follower of a simulated board: what it shows is bit for bit what the board has computed,
+// whatever the line does to it.
 #include "board_commands.h"
 #include "cfg_rows.h"
 #include "late_channel.h"
@@ -47,7 +48,8 @@ constexpr double RESYNC_S =
     1; // at most, from the last tick before a gap to the first one behind it
 constexpr double TICKS_PER_S = 10000;
 
-// At 500 kBd an answer takes some 5 ms at most: a question, an answer, and a frame of the stream that is on its way.
+// At 500 kBd an answer takes some 5 ms at most: a question, an answer, and a frame of the stream
+// that is on its way.
 constexpr FollowerOptions QUICK = {{0.02, 100, 0.006}, 10, 0.2, 1};
 
 std::vector<std::string> settings(const std::vector<std::string> &more,
@@ -130,7 +132,8 @@ std::string file_text(const std::string &path)
     return text.str();
 }
 
-// The trace of a run of the board's inputs on this program's drive, from the first tick that was shown.
+// The trace of a run of the board's inputs on this program's drive, from the first tick that was
+// shown.
 void write_native_trace(const Bench &bench, const nf::DriveImage &power_up, const std::string &path)
 {
     nf::ScriptedRun run(nf::RecordedRun{power_up, bench.log.frames, bench.log.outputs, {}});
@@ -358,8 +361,8 @@ bool is_locked(const drive_cfg_t &from, const drive_cfg_t &to)
     return config_lock_refused(&lock, &from, &to) != nullptr;
 }
 
-// The block in force, which is the image's, with another value of a row; nothing where the image takes neither neighbour of its value.
-// Of what is locked the one that protects less.
+// The block in force, which is the image's, with another value of a row; nothing where the image
+// takes neither neighbour of its value. Of what is locked the one that protects less.
 std::optional<config_block_t> neighbour(const config_block_t &block, const nf::CfgRow &row)
 {
     // A time-out of a tick would stop the drive, and rightly.
@@ -477,8 +480,8 @@ struct SlowLine {
     Follower follower;
 };
 
-// 115200 baud carry half of the ticks. The board keeps the state that is read; behind it a segment of 304 entries, 660 bytes, has to
-// come within 0.1 s, which such a line carries too.
+// 115200 baud carry half of the ticks. The board keeps the state that is read; behind it a segment
+// of 304 entries, 660 bytes, has to come within 0.1 s, which such a line carries too.
 // 16 ms is what a common USB adapter collects bytes for.
 TEST(a_line_whose_bytes_come_late_is_followed_without_a_gap)
 {
@@ -546,8 +549,8 @@ void leave_alone(Bench &bench, double seconds)
 
 constexpr double SETTLES_S = 2; // from power-up to a motor that the script has in RUN
 
-// The load takes what is commanded, so the speed stays. The model's torque and the motor's differ by the parameters' errors of
-// this plant, the mean by its noise.
+// The load takes what is commanded, so the speed stays. The model's torque and the motor's differ
+// by the parameters' errors of this plant, the mean by its noise.
 TEST(a_torque_is_commanded_in_newton_metres)
 {
     constexpr double TORQUE_NM = 1;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The patience of a follower: when its messages are short, when it asks anew who the board is, and how often it says so.
+// The patience of a follower: when its messages are short, when it asks anew who the board is, and
+// how often it says so.
 #include "fake_board.h"
 
 #include "block.h"
@@ -175,7 +176,8 @@ TEST(messages_become_short_on_a_line_that_spoils_more_than_one_in_ten)
     expect_streams({FULL, SHORT}, bench);
 }
 
-// Between both they stay what they are. The answer to the question for other messages is one of the next frames.
+// Between both they stay what they are. The answer to the question for other messages is one of the
+// next frames.
 TEST(short_messages_become_long_on_a_line_that_spoils_less_than_one_in_fifty)
 {
     Bench bench(WITHOUT_PINGS);
@@ -220,7 +222,8 @@ TEST(a_stream_that_is_held_up_is_asked_for_again_until_it_begins_and_said_once)
     TEST_ASSERT_EQUAL_STRING("", bench.follower.no_stream().c_str());
 }
 
-// It was heard with a ping, which is up to a fifth of a second ago, and is missed with one, which is waited for.
+// It was heard with a ping, which is up to a fifth of a second ago, and is missed with one, which
+// is waited for.
 TEST(a_board_that_is_not_heard_for_a_second_is_asked_who_it_is)
 {
     constexpr double SILENT_FROM_S = 3;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A board is found at whatever known rate its line has, and ports are listed by the names of their adapters.
+// A board is found at whatever known rate its line has, and ports are listed by the names of their
+// adapters.
 #include "client.h"
 #include "port_search.h"
 #include "simulated_board.h"

@@ -35,7 +35,8 @@ constexpr double TWO_PI = 6.283185307179586476925;
 const Model MOTOR_A = {1e-4, 2.125, 0.0116, 0.0116, 0.387, 18.8, 524};
 const Model MOTOR_B = {1e-4, 0.405, 0.0135, 0.0235, 0.375, 12.6, 367};
 
-// A motor at an imposed speed. The voltage stands still in each period and is that of the current wanted in its middle.
+// A motor at an imposed speed. The voltage stands still in each period and is that of the current
+// wanted in its middle.
 struct Motor {
     const Model &m;
     double speed;
@@ -77,8 +78,8 @@ struct Errors {
     double speed_rad_s;
 };
 
-// What an estimator makes of the motor from an estimate that is `off` at first, after `settle` samples of `samples`: its
-// largest errors. Each axis of the current has white noise.
+// What an estimator makes of the motor from an estimate that is `off` at first, after `settle`
+// samples of `samples`: its largest errors. Each axis of the current has white noise.
 struct Trial {
     double speed;
     double current_q;
@@ -118,9 +119,10 @@ Errors largest_errors(nf::peers::Estimator &estimator, const Model &m, const Tri
     return worst;
 }
 
-// From an eighth of a turn and a fifth of the speed off. The estimators let the EMF act in the middle of a period, and the
-// resistance with one current. That turns the EMF by ωT·(T/τ)/12, and the drop moves it by as much again at most where R·i is
-// below the EMF. An angle that wrong, with the current's ripple, is a speed that wrong within the fastest settling, 10 ms.
+// From an eighth of a turn and a fifth of the speed off. The estimators let the EMF act in the
+// middle of a period, and the resistance with one current. That turns the EMF by ωT·(T/τ)/12, and
+// the drop moves it by as much again at most where R·i is below the EMF. An angle that wrong, with
+// the current's ripple, is a speed that wrong within the fastest settling, 10 ms.
 TEST(test_each_estimator_finds_speed_and_angle_of_an_ideal_motor)
 {
     for (const Peer &peer : all()) {
@@ -177,9 +179,11 @@ double bandwidth_hz(const nf::Config &config)
         .speed_bandwidth_hz;
 }
 
-// The drive's own observer in double precision with the same gains at every speed, in its own place: the place is fair. The speed loop reads the speed a tick later
-// there, which is 2πf·T of a figure in a transient. Else what differs is the roundings of both runs: as noise, and as an offset. The
-// drive rounds the current error down, by up to a step of its signals in each axis, which turns the angle by (1 + ρ)·L/φ times the step.
+// The drive's own observer in double precision with the same gains at every speed, in its own
+// place: the place is fair. The speed loop reads the speed a tick later there, which is 2πf·T of a
+// figure in a transient. Else what differs is the roundings of both runs: as noise, and as an
+// offset. The drive rounds the current error down, by up to a step of its signals in each axis,
+// which turns the angle by (1 + ρ)·L/φ times the step.
 TEST(test_the_drives_own_law_in_that_place_gives_the_drives_own_figures)
 {
     constexpr int BITS = 14;
@@ -211,8 +215,8 @@ TEST(test_the_drives_own_law_in_that_place_gives_the_drives_own_figures)
     }
 }
 
-// All that the drive does with an estimate, from the start of a rotor at any angle to the position loop. With noise some lose the
-// rotor in S3.
+// All that the drive does with an estimate, from the start of a rotor at any angle to the position
+// loop. With noise some lose the rotor in S3.
 TEST(test_each_estimator_serves_the_drive)
 {
     const std::pair<const char *, const char *> runs[] = {{"s1_robust", "all"},

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One sample of the sum of the currents, from any state within its ranges, with any currents and any configuration: no run-time error.
- * Read by Eva, see proof.py.
+ * One sample of the sum of the currents, from any state within its ranges, with any currents and
+ * any configuration: no run-time error. Read by Eva, see proof.py.
  *
- * The ranges are by count. Proven is that a sample adds at most LARGEST_JUDGED to a sum that is empty, and that a window or a zero ends
- * with CURRENT_SUM_SAMPLES_MAX samples. That a sum of n samples is then at most n times as large is not asked of Eva, which would need
- * a case for each n.
+ * The ranges are by count. Proven is that a sample adds at most LARGEST_JUDGED to a sum that is
+ * empty, and that a window or a zero ends with CURRENT_SUM_SAMPLES_MAX samples. That a sum of n
+ * samples is then at most n times as large is not asked of Eva, which would need a case for each n.
  */
 #include "../../firmware/protect/current_sum.c"
 
@@ -21,8 +21,10 @@ static supervision_cfg_t cfg;
 static current_sum_in_t in;
 static fault_t fault;
 
-/*@ requires lowest <= value <= highest;
-    assigns \nothing; */
+/*
+ * @ requires lowest <= value <= highest;
+ * assigns \nothing;
+ */
 void within(int64_t value, int64_t lowest, int64_t highest);
 
 static void choose_sample(void)

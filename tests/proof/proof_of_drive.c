@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One step of the drive from any state within the ranges of state.def, with any valid configuration and any frame, ends
- * within them, and drive_init begins there: an induction over the ticks. Read by Eva, see proof.py.
+ * One step of the drive from any state within the ranges of state.def, with any valid configuration
+ * and any frame, ends within them, and drive_init begins there: an induction over the ticks. Read
+ * by Eva, see proof.py.
  */
 #include "firmware.h"
 
@@ -9,7 +10,10 @@
 
 #include <__fc_builtin.h>
 
-/* The word from there is still within the configuration; that the byte is the first of one is not needed. */
+/*
+ * The word from there is still within the configuration; that the byte is the first of one is not
+ * needed.
+ */
 #define GUARD_AT_MAX (sizeof(drive_cfg_t) - sizeof(uint32_t) - 1U)
 
 static drive_cfg_t cfg;
@@ -18,8 +22,10 @@ static drive_t drive;
 static drive_in_t in;
 static drive_out_t out;
 
-/*@ requires lowest <= value <= highest;
-    assigns \nothing; */
+/*
+ * @ requires lowest <= value <= highest;
+ * assigns \nothing;
+ */
 void within(int64_t value, int64_t lowest, int64_t highest);
 
 /* Eva prints their arguments. */
@@ -77,7 +83,10 @@ static void choose_voltage_drive(void)
 #include "cfg.def"
 }
 
-/* Each of the states from number `first` to number `last`. A set of their codes: what lies between them is no state. */
+/*
+ * Each of the states from number `first` to number `last`. A set of their codes: what lies between
+ * them is no state.
+ */
 static drive_state_t any_state(uint32_t first, uint32_t last)
 {
     return transitions_state(Frama_C_unsigned_int_interval(first, last));
@@ -129,7 +138,10 @@ static void step(void)
                           out.gate_enable);
 }
 
-/* Where a regulator alone makes the voltage: what is configured of the voltage drive is free, as it is not read. */
+/*
+ * Where a regulator alone makes the voltage: what is configured of the voltage drive is free, as it
+ * is not read.
+ */
 static void choose_regulated(void)
 {
     cfg.voltage_drive.enabled = 0U;
@@ -142,7 +154,10 @@ static void check_regulated(void)
     within(drive.voltage_drive.active, 0, 0);
 }
 
-/* Without a start-up its states are never entered, and what is configured of it is free, as it is not read. */
+/*
+ * Without a start-up its states are never entered, and what is configured of it is free, as it is
+ * not read.
+ */
 static void step_without_startup(void)
 {
     switch (Frama_C_interval(0, 2)) {
@@ -162,7 +177,10 @@ static void step_without_startup(void)
     }
 }
 
-/* Any configuration of the ranges, whatever parts are in use: where all of the inductions below begin. */
+/*
+ * Any configuration of the ranges, whatever parts are in use: where all of the inductions below
+ * begin.
+ */
 void proof_init(void)
 {
     choose_configuration();
@@ -217,8 +235,9 @@ void proof_plain_regulated(void)
 }
 
 /*
- * From a code that is no state, with any configuration: between each state and the next one, and beyond the last. One
- * interval after the other, as none of the codes between two states is one of them.
+ * From a code that is no state, with any configuration: between each state and the next one, and
+ * beyond the last. One interval after the other, as none of the codes between two states is one of
+ * them.
  */
 void proof_no_state(void)
 {
@@ -243,7 +262,10 @@ void proof_no_state(void)
     }
 }
 
-/* What a flipped bit leads to, from words that no tick makes; called by itself, as the tick that finds it may be a later one. */
+/*
+ * What a flipped bit leads to, from words that no tick makes; called by itself, as the tick that
+ * finds it may be a later one.
+ */
 void proof_flipped(void)
 {
     config_guard_t guard;
@@ -267,7 +289,10 @@ void proof_flipped(void)
     check_state();
 }
 
-/* From any state, with any two configurations: it ends within the ranges from which the steps go on. */
+/*
+ * From any state, with any two configurations: it ends within the ranges from which the steps go
+ * on.
+ */
 static void change(void)
 {
     drive.cfg = &before;

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One recorder_step from any state within the ranges below, after any tick, with a change of the configuration before it or
- * without, ends within them, and recorder_init begins there: an induction over the ticks. What the background writes between
- * two of them is chosen anew for each; that it
+ * One recorder_step from any state within the ranges below, after any tick, with a change of the
+ * configuration before it or without, ends within them, and recorder_init begins there: an
+ * induction over the ticks. What the background writes between two of them is chosen anew for each;
+ * that it
  * keeps to the ranges is taken for granted. Read by Eva, see proof.py.
  *
- * `volatile` is for the background, which the step interrupts: while it runs, what was written is what is read. Eva
- * would take it to be any word.
+ * `volatile` is for the background, which the step interrupts: while it runs, what was written is
+ * what is read. Eva would take it to be any word.
  */
 #include "any_frame.h"
 
@@ -35,8 +36,10 @@ static drive_cfg_t before;
 static drive_in_t in;
 static drive_out_t out;
 
-/*@ requires lowest <= value <= highest;
-    assigns \nothing; */
+/*
+ * @ requires lowest <= value <= highest;
+ * assigns \nothing;
+ */
 void within(int64_t value, int64_t lowest, int64_t highest);
 
 static void choose_tick(void)
@@ -116,7 +119,10 @@ static void record(recorder_entry_t *entries, uint32_t segment_entries)
     check_state(entries, segment_entries);
 }
 
-/* An offset is a multiple of the length of a segment: what holds of the shortest and the longest holds of all. */
+/*
+ * An offset is a multiple of the length of a segment: what holds of the shortest and the longest
+ * holds of all.
+ */
 void proof_recorder(void)
 {
     (void)recorder_init(&recorder, few, Frama_C_unsigned_int_interval(0U, UINT32_MAX),

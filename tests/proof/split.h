@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Case distinctions for the proof: all words x in 256 blocks of 2^24, or an angle in 64 sectors. Eva goes through the
- * cases one by one where the firmware says `assert BLOCKS(x)`, which is true of every word and proven like any other
- * assertion.
+ * Case distinctions for the proof: all words x in 256 blocks of 2^24, or an angle in 64 sectors.
+ * Eva goes through the cases one by one where the firmware says `assert BLOCKS(x)`, which is true
+ * of every word and proven like any other assertion.
  */
 #define BLOCKS_4(x, at) \
     ((at) <= (x) <= (at) + 0xFFFFFF || (at) + 0x1000000 <= (x) <= (at) + 0x1FFFFFF || \
@@ -28,8 +28,8 @@
      SECTORS_16(x, 0xC0000000))
 
 /*
- * In place of inlining.h: of a function that has an attribute of gcc and returns a structure, Eva does not know what it
- * returns. What is inlined changes no value.
+ * In place of inlining.h: of a function that has an attribute of gcc and returns a structure, Eva
+ * does not know what it returns. What is inlined changes no value.
  */
 #define INLINING_H
 #define INLINES_ALL

@@ -18,8 +18,8 @@ struct MeasuringSteps {
     double converter;
     double signal; // Q15 of twice the converter's range
 
-    // As white noise, rms by axis: the converter's in two phases is 4/3 of it in the mean of both axes; the signal's is added
-    // in Clarke, Park and the network's output.
+    // As white noise, rms by axis: the converter's in two phases is 4/3 of it in the mean of both
+    // axes; the signal's is added in Clarke, Park and the network's output.
     double noise() const
     {
         return std::sqrt((4.0 / 3 * converter * converter + 3 * signal * signal) / 12);

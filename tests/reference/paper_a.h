@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-// The sensorless drive of paper A from its equations alone, in double precision and SI units. It knows nothing of the
-// firmware, its twins and the plant: what agrees with it agrees with the paper.
+// The sensorless drive of paper A from its equations alone, in double precision and SI units. It
+// knows nothing of the firmware, its twins and the plant: what agrees with it agrees with the
+// paper.
 //
-// What the paper does not print has its plainest form: an inverter without loss, whose voltage is constant in a period and
-// one period late; PI loops; a speed ramp; a position profile.
+// What the paper does not print has its plainest form: an inverter without loss, whose voltage is
+// constant in a period and one period late; PI loops; a speed ramp; a position profile.
 #pragma once
 
 #include <Eigen/Dense>
@@ -118,7 +119,8 @@ struct Estimator {
     double angle = 0;        // θ̂
     double angle_before = 0; // a sample ago
 
-    // A sample: the current at it and the voltage of the period before it, both in the stationary frame.
+    // A sample: the current at it and the voltage of the period before it, both in the stationary
+    // frame.
     void step(const Settings &s, const Vector &current, const Vector &voltage)
     {
         const Vector before = network;

@@ -14,8 +14,8 @@ using nf::reference::Seeded;
 using nf::reference::Setup;
 using nf::twin::Vector;
 
-// Voltage in LSB of U_b. PI: two parts rounded down, 2. Decoupling: reactance rounded down, then its product, 2;
-// EMF and R·i* rounded down, 1 each. Integral: 1/2048 LSB a step, not contracted.
+// Voltage in LSB of U_b. PI: two parts rounded down, 2. Decoupling: reactance rounded down, then
+// its product, 2; EMF and R·i* rounded down, 1 each. Integral: 1/2048 LSB a step, not contracted.
 static constexpr double PI_LSB = 2.0;
 static constexpr double CROSS_LSB = 2.0;
 static constexpr double EMF_LSB = 1.0;
@@ -79,8 +79,9 @@ TEST(test_voltage_without_limit_stays_within_the_roundings_of_the_twin)
 }
 
 // At the circle v_q = √(limit² − v_d²): an error of v_d counts |v_d/v_q| times. The cut sets the
-// integral to what makes the sum equal to that bound, so the roundings of the sum enter the integral once and
-// are replaced, not added, by the next cut; away from the circle the integral keeps them.
+// integral to what makes the sum equal to that bound, so the roundings of the sum enter the
+// integral once and are replaced, not added, by the next cut; away from the circle the integral
+// keeps them.
 TEST(test_voltage_at_the_circle_stays_within_the_roundings_of_the_twin)
 {
     constexpr int STEPS = 2000;
@@ -88,8 +89,8 @@ TEST(test_voltage_at_the_circle_stays_within_the_roundings_of_the_twin)
     Seeded seeded(3);
     current_loop_t loop;
     nf::twin::CurrentLoop twin(nf::reference::current_loop_params(s));
-    // Decoupling takes about 4900 for d of 12000; EMF and resistance take 10600 for q, which is cut at about 10950: by
-    // the circle and not by its own limit.
+    // Decoupling takes about 4900 for d of 12000; EMF and resistance take 10600 for q, which is cut
+    // at about 10950: by the circle and not by its own limit.
     const int32_t limit = 12000;
     const int32_t speed = 8000;
     const double sum =

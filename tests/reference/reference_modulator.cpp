@@ -22,7 +22,8 @@ using nf::twin::Vector;
 //   inverse Park: sincos 0.773·√2·r, amplitude r, rounding ½ in α and β: ½·√2, times √3     3.4
 //   β·√3/2 and α/2 rounded down                                                             2.2
 //   counts rounded to nearest, twice ½                                   32768/timer_counts: 3.9
-// A vector at the limit may reach beyond the rails by as much and is cut: not more than the sum again.
+// A vector at the limit may reach beyond the rails by as much and is cut: not more than the sum
+// again.
 static constexpr double RATIO_LSB = 12.0 + 2.45 + 3.4 + 2.2;
 static constexpr double LEAST_SHARE = 0.3;
 
@@ -111,10 +112,12 @@ TEST(test_too_long_vectors_are_cut_like_the_twin)
     figure_check("cut duties beside their twin, LSB of Q15", worst, bound, LEAST_SHARE);
 }
 
-// Dead-time compensation beside its twin, LSB of Q15 of the duty. Phases of ratio and current are rounded down, PHASE_LSB.
-//   crossing  s twice the phase, and 9·u²: 2·u, rounded down                    2·1.6 + 9·(2·u·1.6 + 1)
-//   ripple    its own share of that, rounded down                               ripple·crossing + 1
-//   share     z·(2 − z) has twice the edge's slope at most, times the errors of ripple and of the current, rounded down
+// Dead-time compensation beside its twin, LSB of Q15 of the duty. Phases of ratio and current are
+// rounded down, PHASE_LSB.
+//   crossing  s twice the phase, and 9·u²: 2·u, rounded down  2·1.6 + 9·(2·u·1.6 + 1)
+//   ripple    its own share of that, rounded down             ripple·crossing + 1
+//   share     z·(2 − z) has twice the edge's slope at most, times the errors of ripple and of the
+//             current, rounded down
 //   loss      drop times the reciprocal of the bus, which is settled to 1.5/4096, rounded down
 //   duty      rounded down; counts rounded to nearest
 // The twin is as steep at most, so that a sign that differs near zero counts no more.

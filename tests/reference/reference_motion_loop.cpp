@@ -27,8 +27,9 @@ static torque_range_t torque_range(const Setup &s)
     return {-s.cfg.derating.current_max, s.cfg.derating.current_max};
 }
 
-// Current demand in LSB of I_b: proportional part, integral and feed-forward rounded down, 3; the error rounded
-// down to its Q15 counts K_p, and K_i·T in each step into the integral, which nothing contracts.
+// Current demand in LSB of I_b: proportional part, integral and feed-forward rounded down, 3; the
+// error rounded down to its Q15 counts K_p, and K_i·T in each step into the integral, which nothing
+// contracts.
 TEST(test_current_demand_stays_within_the_roundings_of_the_twin)
 {
     constexpr int STEPS = 60;
@@ -64,7 +65,8 @@ TEST(test_current_demand_stays_within_the_roundings_of_the_twin)
     figure_check("current demand beside its twin, LSB", worst, bound, LEAST_SHARE);
 }
 
-// Saturated demands are equal but for the roundings inside the limit, so the limit itself must agree.
+// Saturated demands are equal but for the roundings inside the limit, so the limit itself must
+// agree.
 TEST(test_saturated_demand_equals_the_twin)
 {
     const Setup s = setup_a();
@@ -81,11 +83,11 @@ TEST(test_saturated_demand_equals_the_twin)
 }
 
 // Profile, distances in units u, B = 2^30/braking_inverse of them, s = √(d/B + c²) ≤ √(1 + c²).
-// In one period v errs by v_max·(1/(2Bs) for d rounded down to a unit + 2^-15 for the root) + 2 steps. The
-// braking law itself contracts an error of d: in the long run it is the error of v over dv/dd = v_max/(2Bs):
-// 1 + 2Bs·2^-15 + 2·2Bs/v_max units, and v errs by its own error and by dv/dd of that: twice. At the
-// end the firmware rests on the target from less than one unit away: 1 unit more, and the speed of it,
-// v_max/(2Bc).
+// In one period v errs by v_max·(1/(2Bs) for d rounded down to a unit + 2^-15 for the root) + 2
+// steps. The braking law itself contracts an error of d: in the long run it is the error of v over
+// dv/dd = v_max/(2Bs): 1 + 2Bs·2^-15 + 2·2Bs/v_max units, and v errs by its own error and by dv/dd
+// of that: twice. At the end the firmware rests on the target from less than one unit away: 1 unit
+// more, and the speed of it, v_max/(2Bc).
 struct ProfileBound {
     explicit ProfileBound(const Setup &s)
     {
@@ -155,7 +157,8 @@ TEST(test_profile_stays_within_the_roundings_of_the_twin)
                  bound.position_units, LEAST_SHARE);
     figure_check("profile speed beside its twin, steps", worst.speed_steps, bound.speed_steps,
                  LEAST_SHARE);
-    // The reference adds the lag: rounded down to Q16 turns and by the position error, times the gain; 1.
+    // The reference adds the lag: rounded down to Q16 turns and by the position error, times the
+    // gain; 1.
     figure_check("speed reference beside its twin, steps", worst.reference_steps,
                  bound.speed_steps + gain * (1.0 + bound.position_units * unit / 65536.0) + 1.0,
                  LEAST_SHARE);

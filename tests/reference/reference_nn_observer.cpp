@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Speed observer beside its twin.
 //
-// The difference of the two is itself a linear system around the operating point, driven by the roundings
-// of each tick. Its bound is the sum over k of |F^k·G| times the largest rounding of each source: what
-// every rounding, at its worst and with the worst sign, can add up to before it has decayed.
+// The difference of the two is itself a linear system around the operating point, driven by the
+// roundings of each tick. Its bound is the sum over k of |F^k·G| times the largest rounding of each
+// source: what every rounding, at its worst and with the worst sign, can add up to before it has
+// decayed.
 #include "observer_roundings.h"
 #include "settings_under_test.h"
 #include "twin_nn_observer.h"
@@ -118,7 +119,8 @@ static void start_both(const Setup &s, const Vector &state, double speed, Observ
     twin.set_rho(obs.rho_q13 / Q13);
 }
 
-// The network alone: speed prescribed, nothing trained. For L_d = L_q its sum is the rounding over 1 − |W|.
+// The network alone: speed prescribed, nothing trained. For L_d = L_q its sum is the rounding over
+// 1 − |W|.
 static double compare_network(const Setup &base, double speed, double *bound)
 {
     Setup s = base;
@@ -217,8 +219,8 @@ struct Motor {
     }
 };
 
-// What a small deviation of ω_out by 1 does to the network's next state around a steady one: d/dω of
-// R(−ωT)·z + R(−ωT/2)·c, with R(−ωT/2)·c = z − R(−ωT)·z.
+// What a small deviation of ω_out by 1 does to the network's next state around a steady one: d/dω
+// of R(−ωT)·z + R(−ωT/2)·c, with R(−ωT/2)·c = z − R(−ωT)·z.
 static Vector effect_of_speed(const NnObserver &twin, const NnObserver::Params &p, double speed,
                               const Vector &state)
 {
@@ -226,8 +228,8 @@ static Vector effect_of_speed(const NnObserver &twin, const NnObserver::Params &
     return p.period_s * Vector(middle.y(), -middle.x());
 }
 
-// Difference of observer and twin: states δx, δy, δω, δω_out, δ(ΔW2); inputs the roundings of x, y, i_d,
-// i_q, b, ΔW2, ω_out. Both see the same measurement, so θ̂ does not close this loop.
+// Difference of observer and twin: states δx, δy, δω, δω_out, δ(ΔW2); inputs the roundings of x, y,
+// i_d, i_q, b, ΔW2, ω_out. Both see the same measurement, so θ̂ does not close this loop.
 struct Difference {
     Eigen::Matrix<double, 5, 5> f;
     Eigen::Matrix<double, 5, 7> g;
@@ -415,7 +417,8 @@ TEST(test_rho_stays_within_the_roundings_of_the_twin)
     figure_check("rho beside its twin, share of the bound", share, 1.0, LEAST_SHARE);
 }
 
-// The weights of (14)–(16) are the first order of the rotation's: with Δ = ω·T the largest difference of a step is
+// The weights of (14)–(16) are the first order of the rotation's: with Δ = ω·T the largest
+// difference of a step is
 //     |R(−Δ)·z − (1 + Δ·J)·z| ≤ Δ²/2·|z|   and   |R(−Δ/2)·c − c| ≤ Δ/2·|c|,
 // c the change by resistance and voltage in a period, itself of first order in T.
 TEST(test_paper_weights_are_those_of_the_network_to_first_order)
@@ -455,8 +458,9 @@ TEST(test_paper_weights_are_those_of_the_network_to_first_order)
     }
 }
 
-// Observer and motor around the steady state z of the motor, with the estimated angle in the loop: states δx, δy, δω,
-// δω_out, δθ; inputs as above, and first what the network does not know of the motor, in x and y.
+// Observer and motor around the steady state z of the motor, with the estimated angle in the loop:
+// states δx, δy, δω, δω_out, δθ; inputs as above, and first what the network does not know of the
+// motor, in x and y.
 struct ClosedLoop {
     Eigen::Matrix<double, 5, 5> f;
     Eigen::Matrix<double, 5, 7> g;
@@ -499,8 +503,8 @@ static ClosedLoop closed_loop(const NnObserver &twin, const NnObserver::Params &
     return c;
 }
 
-// Motor A sixteen times as fast: R, L and φ a sixteenth, so that τ and φ/L stay; J a 256th, so that it accelerates
-// sixteen times as fast too. ω·T = 0.7 at its highest speed.
+// Motor A sixteen times as fast: R, L and φ a sixteenth, so that τ and φ/L stay; J a 256th, so that
+// it accelerates sixteen times as fast too. ω·T = 0.7 at its highest speed.
 static nf::MotorSettings fast_motor()
 {
     nf::MotorSettings m = nf::reference::motor_a();
@@ -514,10 +518,10 @@ static nf::MotorSettings fast_motor()
     return m;
 }
 
-// What the network does not know of the motor in a tick, the same in each: resistance acts on the current of
-// k − 1 at the middle of the turn, while the current differs from it in between. The voltage stands still in
-// the stationary frame and turns by ±h = ±Δ/2 against the rotor, which moves the current by at most
-// T/L·|v|·h/4 at the middle; and the drop itself turns, h²/6 of it.
+// What the network does not know of the motor in a tick, the same in each: resistance acts on the
+// current of k − 1 at the middle of the turn, while the current differs from it in between. The
+// voltage stands still in the stationary frame and turns by ±h = ±Δ/2 against the rotor, which
+// moves the current by at most T/L·|v|·h/4 at the middle; and the drop itself turns, h²/6 of it.
 static double unknown_to_the_network(const NnObserver &twin, const NnObserver::Params &p,
                                      double turn, const Vector &current, const Vector &voltage)
 {
@@ -526,9 +530,10 @@ static double unknown_to_the_network(const NnObserver &twin, const NnObserver::P
     return twin.decay()(0, 0) * (ripple + h * h / 6 * current.norm());
 }
 
-// At 0.7 rad in a period the observer, trained and with its own angle in the loop, holds the motor's state: constant
-// errors count by the closed loop's steady gain, roundings by their worst sum. Forward Euler, as
-// printed, stretches the state by √((1 − T/τ)² + 0.49) = 1.2 in each period and is lost.
+// At 0.7 rad in a period the observer, trained and with its own angle in the loop, holds the
+// motor's state: constant errors count by the closed loop's steady gain, roundings by their worst
+// sum. Forward Euler, as printed, stretches the state by √((1 − T/τ)² + 0.49) = 1.2 in each period
+// and is lost.
 TEST(test_state_is_kept_at_the_largest_turn_in_a_period_and_euler_diverges)
 {
     const double current_q = 4;

@@ -14,9 +14,10 @@ using nf::reference::Seeded;
 using nf::reference::STEPS_PER_TURN;
 using nf::reference::TWO_PI;
 
-// In units of 2^-32 turn. A sample adds g·α_r: α_r is within 2^15 (2^-17 turn) of the exact one, g times that; the
-// product is rounded down twice, 1 + 2^-7. Nothing contracts it; the error of the arctangent changes its sign with the
-// vector's direction. The twin's own sums of radians below 40 round to 2^-48, 1e-5 of a unit.
+// In units of 2^-32 turn. A sample adds g·α_r: α_r is within 2^15 (2^-17 turn) of the exact one, g
+// times that; the product is rounded down twice, 1 + 2^-7. Nothing contracts it; the error of the
+// arctangent changes its sign with the vector's direction. The twin's own sums of radians below 40
+// round to 2^-48, 1e-5 of a unit.
 static constexpr double ATAN_UNITS = 32768.0;
 static constexpr double ROUNDING_UNITS = 1.0 + 1.0 / 128.0;
 
@@ -75,8 +76,8 @@ TEST(test_leads_stay_within_the_roundings_of_the_twin)
     }
 }
 
-// (43) takes i_d to 0 where (42) leaves a rest: the twin in a loop with a motor at constant speed and torque, for
-// which i_d falls in proportion to the lead.
+// (43) takes i_d to 0 where (42) leaves a rest: the twin in a loop with a motor at constant speed
+// and torque, for which i_d falls in proportion to the lead.
 TEST(test_the_accumulated_angle_ends_without_i_d)
 {
     constexpr double LEAD_RAD = 0.16;

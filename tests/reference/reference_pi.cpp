@@ -48,8 +48,9 @@ TEST(test_unlimited_steps_stay_within_the_roundings_of_the_twin)
                  LEAST_SHARE);
 }
 
-// With limits the two may disagree in a step whether the output has reached one. Such a step moves one
-// integral and not the other, by K_i·T·|e|: added to the bound when it happens, seen in the integrals.
+// With limits the two may disagree in a step whether the output has reached one. Such a step moves
+// one integral and not the other, by K_i·T·|e|: added to the bound when it happens, seen in the
+// integrals.
 TEST(test_limited_steps_stay_within_the_roundings_of_the_twin)
 {
     Seeded seeded(2);
@@ -80,8 +81,9 @@ TEST(test_limited_steps_stay_within_the_roundings_of_the_twin)
     figure_check("limited PI beside its twin, share of the running bound", worst, 1.0, LEAST_SHARE);
 }
 
-// A feed-forward against the integral keeps the output off its limit, so that the integral reaches its own: ±1 as
-// in the twin, which ends the rounding errors gathered on the way. The upper end is one unit short of 1.
+// A feed-forward against the integral keeps the output off its limit, so that the integral reaches
+// its own: ±1 as in the twin, which ends the rounding errors gathered on the way. The upper end is
+// one unit short of 1.
 TEST(test_saturated_integral_equals_the_twin)
 {
     for (const int32_t sign : {1, -1}) {

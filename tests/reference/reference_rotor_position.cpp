@@ -17,8 +17,8 @@ using nf::reference::TWO_PI;
 static constexpr double PERIOD_S = 1e-4;
 static constexpr int STEPS = 200000;
 
-// The twin adds radians below 2π: half an ulp of 2^-51·… = 4.4e-16 rad for the sum, as much for T·ω and for the
-// wrap; 1.3e-15 rad a step = 9.1e-7 units of 2^-32 turn, not contracted.
+// The twin adds radians below 2π: half an ulp of 2^-51·… = 4.4e-16 rad for the sum, as much for T·ω
+// and for the wrap; 1.3e-15 rad a step = 9.1e-7 units of 2^-32 turn, not contracted.
 static constexpr double TWIN_UNITS_PER_STEP = 9.1e-7;
 
 TEST(test_position_equals_the_twin_to_the_last_unit)
@@ -43,6 +43,7 @@ TEST(test_position_equals_the_twin_to_the_last_unit)
         (position.turns_q32 - rotor_position_angle(&position)) / (int64_t{1} << 32);
     TEST_ASSERT_EQUAL_INT64(twin.turns(), turns);
     TEST_ASSERT_TRUE(STEPS * TWIN_UNITS_PER_STEP < 0.5);
-    // Its own roundings are random: their root of sum of squares is a small share of the worst case.
+    // Its own roundings are random: their root of sum of squares is a small share of the worst
+    // case.
     figure_check("position beside its twin, 2^-32 turn", worst, STEPS * TWIN_UNITS_PER_STEP, 1e-4);
 }

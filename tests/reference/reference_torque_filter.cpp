@@ -45,9 +45,10 @@ const std::vector<nf::TuningSettings> EXAMPLES = {
     tuning_of(240, 100, 0), tuning_of(450, 30, 80), tuning_of(60, 70, 40),
 };
 
-// A sample rounds each part of the swing by up to 8 LSB of Q26 (two products of the turn, one of the share; each down, and
-// doubled), together √2·8. The turn keeps the length, and the share takes √(1 − μ) of the part along d: a rounding fades
-// within 1/(1 − √(1 − μ)) samples. The low-pass adds 2 LSB a sample, which fade by r. The result is rounded to nearest.
+// A sample rounds each part of the swing by up to 8 LSB of Q26 (two products of the turn, one of
+// the share; each down, and doubled), together √2·8. The turn keeps the length, and the share takes
+// √(1 − μ) of the part along d: a rounding fades within 1/(1 − √(1 − μ)) samples. The low-pass adds
+// 2 LSB a sample, which fade by r. The result is rounded to nearest.
 double bound_lsb(const torque_filter_cfg_t &cfg)
 {
     const double mu = cfg.notch_share_q15 / Q15;
@@ -104,9 +105,10 @@ Complex measured(const torque_filter_cfg_t &cfg, double hz)
     return sum * (2 / AMPLITUDE / SAMPLES);
 }
 
-// Sine, cosine and shares are rounded to half of 2^-15. A notch of a band of b Hz moves by less than 2^-15 rad of its 2π·b/f_s
-// then, here 2^-15/0.047 at worst, and changes by as much; the low-pass by 2^-16 of its r, 2^-16/0.22. The results' own
-// roundings average out. A thousandth holds all of it.
+// Sine, cosine and shares are rounded to half of 2^-15. A notch of a band of b Hz moves by less
+// than 2^-15 rad of its 2π·b/f_s then, here 2^-15/0.047 at worst, and changes by as much; the
+// low-pass by 2^-16 of its r, 2^-16/0.22. The results' own roundings average out. A thousandth
+// holds all of it.
 constexpr double RESPONSE = 1e-3;
 
 TEST(test_the_response_is_that_of_the_design)
@@ -121,8 +123,8 @@ TEST(test_the_response_is_that_of_the_design)
     }
 }
 
-// A design by other formulas: an analogue notch (s² + ω²)/(s² + k·ω·s + ω²) by the bilinear transform with the tangent of
-// half of the centre's turn, k by that of the band.
+// A design by other formulas: an analogue notch (s² + ω²)/(s² + k·ω·s + ω²) by the bilinear
+// transform with the tangent of half of the centre's turn, k by that of the band.
 TEST(test_the_design_is_the_analogue_notch_through_the_bilinear_transform)
 {
     for (const double notch_hz : {25.0, 100.0, 240.0, 450.0}) {

@@ -19,8 +19,8 @@ using nf::twin::Vector;
 // Clarke: 18919 for 32768/√3 = 18918.613 on |a + 2b| ≤ 3·16383: 0.58; result rounding 0.5.
 static constexpr double CLARKE_LSB = 1.081;
 
-// Park at an angle, |v| ≤ 1: sine and cosine are 0.773 LSB off each at most, √2 of that in the product; their
-// amplitude 32767 instead of 32768 costs 1 at full scale; result rounding 0.5.
+// Park at an angle, |v| ≤ 1: sine and cosine are 0.773 LSB off each at most, √2 of that in the
+// product; their amplitude 32767 instead of 32768 costs 1 at full scale; result rounding 0.5.
 static constexpr double PARK_LSB = 0.773 * 1.41422 + 1.0 + 0.5;
 
 static constexpr double LEAST_SHARE = 0.4;

@@ -23,8 +23,9 @@ namespace
 constexpr double Q30 = 1073741824.0;
 constexpr double LEAST_SHARE = 0.2;
 
-// In LSB. The mean m is rounded down to an LSB of current before the difference is taken, by f < 1. So its error obeys
-// e' = (1 − r)·e + r·f: it stays below 1. The difference is then off by f − e, within ±1. The products are exact.
+// In LSB. The mean m is rounded down to an LSB of current before the difference is taken, by f < 1.
+// So its error obeys e' = (1 − r)·e + r·f: it stays below 1. The difference is then off by f − e,
+// within ±1. The products are exact.
 constexpr double MEAN_LSB = 1.0;
 
 // Motor B's of the rule: 1.94 Ω, 66 periods.
@@ -79,8 +80,8 @@ Complex own_mode(double omega, double winding, double virtual_rate, double mean_
     return std::abs(one + j * omega) < std::abs(other + j * omega) ? one : other;
 }
 
-// How fast the mode decays in a round motor with the firmware's block, exact between the samples, 1/s. From 40 ms on: the
-// mean's own mode has gone to 1/80 of the other by then.
+// How fast the mode decays in a round motor with the firmware's block, exact between the samples,
+// 1/s. From 40 ms on: the mean's own mode has gone to 1/80 of the other by then.
 double measured_decay(const virtual_resistance_cfg_t &cfg, double omega, double inductance,
                       double resistance, double volt, double ampere)
 {
@@ -107,8 +108,9 @@ double measured_decay(const virtual_resistance_cfg_t &cfg, double omega, double 
     return std::log(first / last) / ((LAST - FIRST) * PERIOD);
 }
 
-// A voltage is that of the last sample: half a period late, which turns it by half of ω·T = 0.025 rad. The last current is 180
-// LSB, so roundings make a hundredth of its logarithm. A twentieth holds both.
+// A voltage is that of the last sample: half a period late, which turns it by half of ω·T = 0.025
+// rad. The last current is 180 LSB, so roundings make a hundredth of its logarithm. A twentieth
+// holds both.
 TEST(test_it_damps_the_currents_own_mode_as_the_equations_say)
 {
     constexpr double SHARE = 0.05;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The firmware beside paper A (paper_a.h): figures of S1 to S3 as published, and where the law is stable with either
-// reading of (23).
+// The firmware beside paper A (paper_a.h): figures of S1 to S3 as published, and where the law is
+// stable with either reading of (23).
 #include "measuring_steps.h"
 #include "paper_a.h"
 #include "scenario.h"
@@ -37,8 +37,8 @@ struct Figures {
 // One sample at a time of the scenario.
 using Script = std::function<void(Drive &, double time_s)>;
 
-// Judged is from judged_from_s to the end at to_s; the last rest_s of it the rotor rests. There an offset δ of i_q is a speed
-// error of δ·R/φ, and nothing corrects the angle.
+// Judged is from judged_from_s to the end at to_s; the last rest_s of it the rotor rests. There an
+// offset δ of i_q is a speed error of δ·R/φ, and nothing corrects the angle.
 struct Course {
     double from_s;
     double judged_from_s;
@@ -186,7 +186,8 @@ TEST(test_errors_of_the_published_tuning_are_those_of_the_paper)
 
 // ---- stability ----
 
-// Growth of the mode that grows most, or decays least, 1/s. At standstill the angle is not seen: an error of it stays.
+// Growth of the mode that grows most, or decays least, 1/s. At standstill the angle is not seen: an
+// error of it stays.
 double growth(const Settings &s, double speed)
 {
     const Eigen::EigenSolver<Map> solver(linear_map(s, speed), false);
@@ -226,9 +227,10 @@ double limit_of_stability(double low, double high, bool newer_speed, double spee
     return low;
 }
 
-// At standstill e_q and ω̂ are a system of their own. With δ = T/τ its determinant is 1 − δ with the newer speed, and
-// 1 − δ + κ with the printed one: the swing decays by the winding alone, or grows. With speed the forward difference of (14)
-// stretches by (ωT)²/2 in a sample, and coupling to the angle is of the same order.
+// At standstill e_q and ω̂ are a system of their own. With δ = T/τ its determinant is 1 − δ with the
+// newer speed, and 1 − δ + κ with the printed one: the swing decays by the winding alone, or grows.
+// With speed the forward difference of (14) stretches by (ωT)²/2 in a sample, and coupling to the
+// angle is of the same order.
 TEST(test_swing_decays_by_the_winding_with_the_newer_speed_and_grows_with_the_printed_one)
 {
     const double kappa = 0.025;
@@ -256,8 +258,9 @@ TEST(test_printed_index_is_stable_up_to_a_kappa_of_t_over_tau)
     }
 }
 
-// A small error in continuous time, with a = 1/τ and K = κ/T²: s⁴ + 2a·s³ + (a² + ω² + K)·s² + Ka·s + Kω² = 0. After Routh it
-// is stable for K > 2(ω² − a²). Sampling adds terms that are by ωT and T/τ smaller.
+// A small error in continuous time, with a = 1/τ and K = κ/T²: s⁴ + 2a·s³ + (a² + ω² + K)·s² + Ka·s
+// + Kω² = 0. After Routh it is stable for K > 2(ω² − a²). Sampling adds terms that are by ωT and
+// T/τ smaller.
 TEST(test_a_kappa_without_proportional_path_has_a_lower_limit_that_grows_with_speed)
 {
     for (const double speed : {0.8 * RATED_RAD_S, RATED_RAD_S, 1.5 * RATED_RAD_S}) {
@@ -273,8 +276,8 @@ TEST(test_a_kappa_without_proportional_path_has_a_lower_limit_that_grows_with_sp
     }
 }
 
-// In the drive, κ = 0.025: with the printed index it runs away at the first step of the speed; else it has a quarter of a
-// degree.
+// In the drive, κ = 0.025: with the printed index it runs away at the first step of the speed; else
+// it has a quarter of a degree.
 TEST(test_drive_with_the_printed_index_loses_the_rotor)
 {
     TEST_ASSERT_TRUE(largest_errors(settings(0.025, false), s1, S1).angle_deg > 90);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Recordings: one of a run comes out bit for bit, through changes of its configuration too; a changed one is refused in one line
-// or departs where it was changed.
+// Recordings: one of a run comes out bit for bit, through changes of its configuration too; a
+// changed one is refused in one line or departs where it was changed.
 #include "line_code.h"
 #include "reader.h"
 #include "replay.h"
@@ -324,7 +324,8 @@ TEST(ticks_go_on_where_the_drives_count_wraps)
     TEST_ASSERT_EQUAL_INT64(0xFFFFFFE0LL, run.tick_of(0xFFFFFFE0U)); // before the first
 }
 
-// By kind: 0 a byte is another, 1 cut off, 2 a line is missing, 3 twice, 4 exchanged with the next, 5 bytes come in between.
+// By kind: 0 a byte is another, 1 cut off, 2 a line is missing, 3 twice, 4 exchanged with the next,
+// 5 bytes come in between.
 std::string mutated(std::mt19937 &random, int kind)
 {
     std::string text = recorded();
@@ -350,7 +351,8 @@ std::string mutated(std::mt19937 &random, int kind)
     return text;
 }
 
-// Whatever happens to a file, it is refused in one line or it is still the same, as one with a line twice.
+// Whatever happens to a file, it is refused in one line or it is still the same, as one with a line
+// twice.
 TEST(damage_is_refused)
 {
     std::mt19937 random(1);
@@ -543,8 +545,10 @@ TEST(a_state_that_is_none_is_refused)
     for (std::size_t at = STATE; at < STATE + good[4]; at++) {
         refused += refusal_of(with(good, at, 0xFFFFFFFF)).empty() ? 0 : 1;
     }
-    // 5 flags, 9 choices, guard.at, tick, and 13 shifts of the model; 68, 24 of the probe, 2 of the safe state, and flag and valley of
-    // the weakening, 3 of the calibration, 2 of the flux's supervision, 3 of the guard and 2 of the scene, whose range in state.def has no −1. A flag's word counts by its lowest byte.
+    // 5 flags, 9 choices, guard.at, tick, and 13 shifts of the model; 68, 24 of the probe, 2 of the
+    // safe state, and flag and valley of the weakening, 3 of the calibration, 2 of the flux's
+    // supervision, 3 of the guard and 2 of the scene, whose range in state.def has no −1. A flag's
+    // word counts by its lowest byte.
     TEST_ASSERT_EQUAL_INT(5 + 9 + 1 + 1 + 13 + 68 + 24 + 2 + 2 + 3 + 2 + 3 + 2, refused);
 }
 
@@ -662,7 +666,8 @@ nf::Bases replayed_bases(const nf::Config &config)
     return nf::replay::parse(words).run.image.bases;
 }
 
-// `found` is `expected` but for half of a unit of the scale that it was recorded in, and for the arithmetic of doubles.
+// `found` is `expected` but for half of a unit of the scale that it was recorded in, and for the
+// arithmetic of doubles.
 void assert_rounded_once(double expected, double found, double scale_in_units)
 {
     constexpr double DOUBLES = 1e-14;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Tries motors of the zoo as a user would, many in one process: try_motors FOLDER FIRST COUNT SEED. For each number from FIRST on it writes
-// the files of the motor and the headers made of them, drive_config.h and hal_config.h, into a folder of its own in FOLDER, runs and
-// records some ticks, and replays the recording. Prints a line of JSON a motor: {"refused": LINE}, or what the run and the replay
-// came to.
+// Tries motors of the zoo as a user would, many in one process: try_motors FOLDER FIRST COUNT SEED.
+// For each number from FIRST on it writes the files of the motor and the headers made of them,
+// drive_config.h and hal_config.h, into a folder of its own in FOLDER, runs and records some ticks,
+// and replays the recording. Prints a line of JSON a motor: {"refused": LINE}, or what the run and
+// the replay came to.
 #include "hal_header.h"
 #include "header.h"
 #include "reader.h"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// A drive and its motor under a test's hand: it asks for a motion, loads the motor, and lets time pass.
+// A drive and its motor under a test's hand: it asks for a motion, loads the motor, and lets time
+// pass.
 #pragma once
 
 #include "config.h"

@@ -18,8 +18,9 @@ constexpr double SETTLED_S = 1.75; // the speed has gone down to where the limit
 constexpr double BRAKED_S = 2.4;   // from it on
 constexpr double WINDOW_S = 0.01;  // what a supply's filter and a fuse do not see is shorter
 
-// Power at the motor over the bus: torque and copper. What the inductances hold cancels out within a window. Only in RUN:
-// what an imposed current takes is known before, and the configuration is refused where that is beyond the limit.
+// Power at the motor over the bus: torque and copper. What the inductances hold cancels out within
+// a window. Only in RUN: what an imposed current takes is known before, and the configuration is
+// refused where that is beyond the limit.
 class BusCurrent : public nf::TickSink
 {
 public:
@@ -102,9 +103,10 @@ struct Allowance {
     double taken;
 };
 
-// Two counts of the current converter, one of each phase, of the least current that a limit leaves: at full speed. While
-// it accelerates, the low-pass of the voltage is four slow periods behind, in which the speed rises by a share of
-// itself: most where the limit begins to act, at ω = power/torque with the torque that the ramp takes.
+// Two counts of the current converter, one of each phase, of the least current that a limit leaves:
+// at full speed. While it accelerates, the low-pass of the voltage is four slow periods behind, in
+// which the speed rises by a share of itself: most where the limit begins to act, at ω =
+// power/torque with the torque that the ramp takes.
 Allowance allowance(const Run &one)
 {
     const nf::Config c = nf::load_scenario(one.scenario, {"ideal"}, {});
@@ -157,7 +159,8 @@ TEST(test_the_bus_current_stays_at_its_limits_motoring_and_braking)
     }
 }
 
-// 0 is a limit like any other: braked as hard as the load and the losses allow, and two counts of the current converter.
+// 0 is a limit like any other: braked as hard as the load and the losses allow, and two counts of
+// the current converter.
 TEST(test_a_supply_that_takes_nothing_back_gets_nothing)
 {
     for (const char *scenario : {"s1_robust", "s1_odrive_d5065"}) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Every key of motor, board and tuning, changed while the motor turns under load: effective at one tick, without a fault and
-// without a dip of the speed; or refused by the name of a setting for which the drive has to be at rest.
+// Every key of motor, board and tuning, changed while the motor turns under load: effective at one
+// tick, without a fault and without a dip of the speed; or refused by the name of a setting for
+// which the drive has to be at rest.
 #include "config.h"
 #include "identity.h"
 #include "numbers.h"
@@ -36,9 +37,10 @@ constexpr int WATCHED_TICKS = 3000; // after a change: 2 to 5 time constants of 
 constexpr double SPEED_SHARE = 0.6; // of rated speed
 constexpr double LOAD_SHARE = 0.5;  // of rated torque
 
-// What the speed may be off its command, as a share of it. A motor that is believed to be 5 % another one has another EMF,
-// from which the estimate is made, until the correction of the flux has found it: no more than these 5 %. What else changes
-// by 5 % gives no torque of its own: half of a percent is two of the estimate's ripple.
+// What the speed may be off its command, as a share of it. A motor that is believed to be 5 %
+// another one has another EMF, from which the estimate is made, until the correction of the flux
+// has found it: no more than these 5 %. What else changes by 5 % gives no torque of its own: half
+// of a percent is two of the estimate's ripple.
 constexpr double MODEL_ERROR = CHANGE - 1;
 constexpr double OTHER_ERROR = 0.005;
 
@@ -93,7 +95,8 @@ struct Changed {
     bool other_board; // the image does not take its block: the scales of the board are no settings
 };
 
-// The configurations that one key makes, where it makes one that the firmware takes and that differs.
+// The configurations that one key makes, where it makes one that the firmware takes and that
+// differs.
 std::vector<Changed> changed_by_a_key(const nf::Config &config)
 {
     const drive_cfg_t as_it_is = nf::build(config);

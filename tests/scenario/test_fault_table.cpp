@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Every fault in every state of the drive: how soon the gates are open for good and what is latched, or why nothing
-// is and what the motor does meanwhile. The tables are part of the design: docs/protection.md, "Fault injection".
+// Every fault in every state of the drive: how soon the gates are open for good and what is
+// latched, or why nothing is and what the motor does meanwhile. The tables are part of the design:
+// docs/protection.md, "Fault injection".
 //
 //     test_fault_table            holds the tables
-//     test_fault_table --measure  prints them as they are measured now; tools/dev figures --write puts them there
+//     test_fault_table --measure  prints them as they are measured now; tools/dev figures --write
+//                                 puts them there
 #include "found_fault.h"
 #include "measure.h"
 #include "plate.h"
@@ -112,7 +114,8 @@ nf::Config config_of(const std::vector<std::string> &set)
     return nf::load_scenario("s1_robust", {"ideal"}, set);
 }
 
-// Nobody clears a fault: once it is latched a run shows that the gates stay open for so long, and ends.
+// Nobody clears a fault: once it is latched a run shows that the gates stay open for so long, and
+// ends.
 constexpr std::size_t LATCHED_TICKS = 5000;
 
 Rows run(const nf::Config &config)
@@ -129,8 +132,8 @@ Rows run(const nf::Config &config)
     return rows;
 }
 
-// An identification with the faults of the scenario, and what follows for as long as above. `phase` is told of each of its
-// lines, and of the tick.
+// An identification with the faults of the scenario, and what follows for as long as above. `phase`
+// is told of each of its lines, and of the tick.
 using Phase = std::function<void(const std::string &, std::size_t)>;
 
 Rows run_identification(const nf::Config &config, const Phase &phase = {})
@@ -341,7 +344,8 @@ Found inject(const Fault &fault, PlaceId place)
     return found;
 }
 
-// What the imposed current takes to the speed of the hand-over; a drive with a sensor has no such start.
+// What the imposed current takes to the speed of the hand-over; a drive with a sensor has no such
+// start.
 int64_t ramp_ticks(const drive_cfg_t &cfg)
 {
     const startup_cfg_t &start = cfg.startup;
@@ -487,7 +491,8 @@ std::vector<std::string> table()
     return lines;
 }
 
-// A drive with an angle sensor: from READY it is in RUN at once, so there is only to tell at rest from in motion.
+// A drive with an angle sensor: from READY it is in RUN at once, so there is only to tell at rest
+// from in motion.
 struct SensorFault {
     const char *name;
     const char *text;
@@ -595,8 +600,8 @@ TEST(test_what_is_not_found_has_a_reason_and_leaves_the_drive_in_control)
     }
 }
 
-// What the drive lets pass the identification refuses, or it comes to its end. Then the gates are open, and nothing turns the
-// shaft.
+// What the drive lets pass the identification refuses, or it comes to its end. Then the gates are
+// open, and nothing turns the shaft.
 TEST(test_what_the_drive_does_not_find_in_probe_ends_the_identification_with_open_gates)
 {
     for (const Cell &one : cells()) {
@@ -610,8 +615,9 @@ TEST(test_what_the_drive_does_not_find_in_probe_ends_the_identification_with_ope
     }
 }
 
-// A tick of the whole bus on one winding takes the current beyond its limit by 2/3·310 V·0.1 ms/11.6 mH. What a sensor
-// that stands still does not show the comparators do; without them the table says how far it got.
+// A tick of the whole bus on one winding takes the current beyond its limit by 2/3·310 V·0.1
+// ms/11.6 mH. What a sensor that stands still does not show the comparators do; without them the
+// table says how far it got.
 TEST(test_current_and_speed_stay_within_their_limits_until_the_gates_open)
 {
     constexpr double TICK_A = 1.8;
@@ -628,8 +634,8 @@ TEST(test_current_and_speed_stay_within_their_limits_until_the_gates_open)
     }
 }
 
-// A mean that an error 5 % above its limit passes in three of its time constants. A stall counts from when the rotor
-// has come to rest at its new place, in two tenths of its own time at most.
+// A mean that an error 5 % above its limit passes in three of its time constants. A stall counts
+// from when the rotor has come to rest at its new place, in two tenths of its own time at most.
 int64_t sensor_bound(const Found &found, const drive_cfg_t &cfg)
 {
     const int64_t round = static_cast<int64_t>(cfg.slow_ticks) * SUPERVISION_STEPS;
@@ -656,7 +662,8 @@ TEST(test_a_wrong_angle_sensor_is_found_in_motion_and_else_leaves_the_drive_in_c
     }
 }
 
-// What is printed with a fault leads to what really is wrong, whichever fault an open wire or a current sensor ends in.
+// What is printed with a fault leads to what really is wrong, whichever fault an open wire or a
+// current sensor ends in.
 TEST(test_the_advice_of_a_fault_names_what_it_was_made_by)
 {
     const std::map<Kind, const char *> causes = {{Kind::wire, "wire"}, {Kind::sensor, "sensor"}};

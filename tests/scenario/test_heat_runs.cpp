@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The heat that the drive counts (i²t) beside that of the plant's own currents: in every state, in a short circuit, over resets, and
-// with each motor from cold to hot.
+// The heat that the drive counts (i²t) beside that of the plant's own currents: in every state, in
+// a short circuit, over resets, and with each motor from cold to hot.
 #include "config.h"
 #include "numbers.h"
 #include "sim.h"
@@ -58,7 +58,8 @@ struct Extent {
     double most = 0;
 };
 
-// A drive whose background keeps the heat, and its winding. A load holds a speed when it is told one.
+// A drive whose background keeps the heat, and its winding. A load holds a speed when it is told
+// one.
 class Warm
 {
 public:
@@ -168,7 +169,8 @@ private:
         return std::pow(current_a / config_.motor.continuous_current_a, 2) * look_s /
                config_.motor.thermal_time_constant_s;
     }
-    // In a short circuit one look may be at a current that the converter cannot measure: it counts as the largest in both axes.
+    // In a short circuit one look may be at a current that the converter cannot measure: it counts
+    // as the largest in both axes.
     void judge()
     {
         const double off = heat() - winding_.heat();

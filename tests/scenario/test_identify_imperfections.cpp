@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Random motors of the zoo, as users have them, that are not as the model of the identification: each value lies within its
-// bar, or a remark or refusal names the cause. One test for each imperfection, and one for all of them at once.
+// Random motors of the zoo, as users have them, that are not as the model of the identification:
+// each value lies within its bar, or a remark or refusal names the cause. One test for each
+// imperfection, and one for all of them at once.
 #include <fmt/format.h>
 
 #include "bars.h"
@@ -101,7 +102,8 @@ Words noise(const nf::Config &, Random &random)
     return {fmt::format("plant.adc_noise_lsb={:.4g}", random.uniform(3, 4))};
 }
 
-// A rectifier with a capacitor that holds the rated power for 3 to 60 ms; 2 % of the bus are lost before it.
+// A rectifier with a capacitor that holds the rated power for 3 to 60 ms; 2 % of the bus are lost
+// before it.
 Words one_way_supply(const nf::Config &config, Random &random)
 {
     const double power_w =
@@ -255,7 +257,8 @@ std::string motor_of(unsigned number)
     return fmt::format("zoo:{}@{}:user", number, SEED);
 }
 
-// False: the motor is refused before it turns, such as one whose inductance is too small for its PWM.
+// False: the motor is refused before it turns, such as one whose inductance is too small for its
+// PWM.
 bool fits_the_firmware(const std::string &motor)
 {
     try {

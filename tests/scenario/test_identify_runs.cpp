@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Whole identifications of simulated motors, and of machines on which they cannot work: each refusal by its cause, with open
-// gates at the end and without a fault.
+// Whole identifications of simulated motors, and of machines on which they cannot work: each
+// refusal by its cause, with open gates at the end and without a fault.
 #include <fmt/format.h>
 
 #include "evaluate.h"
@@ -401,8 +401,8 @@ TEST(test_sensors_that_are_far_too_late_are_the_reason_of_the_refusal)
     }
 }
 
-// Coasting at half of the rated speed: its EMF drives a current through the closed switches. The lightest of the machines is
-// braked by that before it is of any importance.
+// Coasting at half of the rated speed: its EMF drives a current through the closed switches. The
+// lightest of the machines is braked by that before it is of any importance.
 TEST(test_a_rotor_that_turns_already_is_refused)
 {
     expect_refused("does a load turn the rotor, or do the current sensors follow late?",
@@ -460,7 +460,8 @@ TEST(test_a_bus_too_low_for_the_speed_is_refused)
     }
 }
 
-// Contacts that take half of the bus with the continuous current, more than it has for a phase beside the winding.
+// Contacts that take half of the bus with the continuous current, more than it has for a phase
+// beside the winding.
 TEST(test_a_bus_too_low_for_the_current_is_refused)
 {
     expect_refused("the bus voltage is too low", ALL, [](const nf::Config &config) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Injected faults change what the drive sees, when they shall and no tick earlier; and the user's requests.
+// Injected faults change what the drive sees, when they shall and no tick earlier; and the user's
+// requests.
 #include "scenario.h"
 #include "temperature_sensor.h"
 #include "tick.h"
@@ -83,8 +84,8 @@ struct Case {
     int64_t delay; // ticks until the frame differs, at most
 };
 
-// What is seen at once is in the frame of its tick; what the plant has to turn into currents first is in
-// the next, or in one of the slow period's.
+// What is seen at once is in the frame of its tick; what the plant has to turn into currents first
+// is in the next, or in one of the slow period's.
 TEST(test_each_fault_changes_the_frame_and_none_before_it)
 {
     const Case cases[] = {
@@ -273,8 +274,8 @@ TEST(test_several_faults_add_and_each_ends_by_itself)
     TEST_ASSERT_NOT_EQUAL_UINT16(0, rows[AT + 60].in.adc_ib);
 }
 
-// Scenario s1 stands until 0.2 s; t = 0 is tick 500, calibration takes 257 ticks. A request is taken within a slow period,
-// 1 ms.
+// Scenario s1 stands until 0.2 s; t = 0 is tick 500, calibration takes 257 ticks. A request is
+// taken within a slow period, 1 ms.
 TEST(test_the_drive_is_started_stopped_cleared_and_started_again)
 {
     const struct {

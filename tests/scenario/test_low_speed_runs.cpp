@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Start, standstill and low speed with wrong parameters, noise and dead time: what the product promises.
+// Start, standstill and low speed with wrong parameters, noise and dead time: what the product
+// promises.
 #include "names.h"
 #include "scenario.h"
 #include "sim.h"
@@ -125,7 +126,8 @@ double load_angle_deg(double load_nm)
     return std::asin(load_nm / (1.5 * 2 * 0.387 * 10)) * 180 / PI;
 }
 
-// How far it turns the rotor until the vector is there: the drive looks for two ticks, two pulses of 8 and a pause of 80.
+// How far it turns the rotor until the vector is there: the drive looks for two ticks, two pulses
+// of 8 and a pause of 80.
 double turned_before_deg(double load_nm)
 {
     constexpr double LOOK_S = 98 * PERIOD_S;
@@ -133,8 +135,9 @@ double turned_before_deg(double load_nm)
     return 2 * load_nm / INERTIA * LOOK_S * LOOK_S / 2 * DEG_PER_RAD;
 }
 
-// The vector begins half a turn behind the angle at which it ends. A rotor is pulled back to it at most, and by its load angle.
-// The load pushes from the request on, with the gates still open, and never lets go.
+// The vector begins half a turn behind the angle at which it ends. A rotor is pulled back to it at
+// most, and by its load angle. The load pushes from the request on, with the gates still open, and
+// never lets go.
 void check_starts(const std::string &imperfection, double load_nm)
 {
     constexpr int ANGLES = 64;
@@ -199,7 +202,8 @@ TEST(test_a_rotor_that_turns_is_caught_at_13_speeds)
     }
 }
 
-// Largest distance from the target over some time, and how far the rotor drifted in its second half.
+// Largest distance from the target over some time, and how far the rotor drifted in its second
+// half.
 void check_standstill(const std::string &imperfection, double load_nm, double limit_deg)
 {
     Bench bench(load(imperfection, 100, 0));
@@ -224,7 +228,8 @@ void check_standstill(const std::string &imperfection, double load_nm, double li
                      .c_str());
     TEST_ASSERT_EQUAL_STRING("HOLD", nf::state_name(bench.sim.drive().state));
     TEST_ASSERT_TRUE(furthest_deg <= limit_deg);
-    // The current that holds falls with the winding's heat to the continuous one: no further than that.
+    // The current that holds falls with the winding's heat to the continuous one: no further than
+    // that.
     TEST_ASSERT_TRUE(std::abs(bench.angle_mech_deg() - middle_deg) < 0.2);
 }
 

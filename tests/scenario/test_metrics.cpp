@@ -91,7 +91,8 @@ bool locked_with_speed_error(double share, double seconds)
     return metrics.finish().locked;
 }
 
-// An error of share e reaches a mean square of (5 %)² after −0.1 s·ln(1 − (5 %/e)²), whatever its sign.
+// An error of share e reaches a mean square of (5 %)² after −0.1 s·ln(1 − (5 %/e)²), whatever its
+// sign.
 TEST(test_lock_is_lost_with_a_speed_error_that_lasts)
 {
     const double loses_s = -nf::LOST_MEAN_S * std::log(1.0 - 0.25); // 10 %: 28.8 ms
@@ -101,8 +102,8 @@ TEST(test_lock_is_lost_with_a_speed_error_that_lasts)
     TEST_ASSERT_FALSE(locked_with_speed_error(1.67, PERIOD_S));
 }
 
-// A command of 3 % of rated speed, and an estimate that swings about it by a share of the command: against rated speed
-// that is little.
+// A command of 3 % of rated speed, and an estimate that swings about it by a share of the command:
+// against rated speed that is little.
 MetricValues with_error_of_command(double share, double seconds)
 {
     constexpr double command = 0.03 * RATED_RPM;
@@ -117,7 +118,8 @@ MetricValues with_error_of_command(double share, double seconds)
     return metrics.finish();
 }
 
-// Its mean square begins with the settled window and reaches (25 %)² after −0.1 s·ln(1 − (25 %/e)²).
+// Its mean square begins with the settled window and reaches (25 %)² after −0.1 s·ln(1 − (25
+// %/e)²).
 TEST(test_lock_is_lost_with_a_speed_error_that_is_large_for_the_command)
 {
     const double loses_s = nf::SETTLED_AFTER_S - nf::LOST_MEAN_S * std::log(1.0 - 0.25);
@@ -190,7 +192,8 @@ TEST(test_speed_errors_of_command_and_load_steps_are_told_apart)
     check(1.5, m.speed_error_load_pct);
 }
 
-// A sine of 10 Hz; half a sample from its top it has fallen by 1 − cos(π/100). The rotor makes so many electrical turns in a second.
+// A sine of 10 Hz; half a sample from its top it has fallen by 1 − cos(π/100). The rotor makes so
+// many electrical turns in a second.
 MetricValues with_swing(double speed_rpm, double current_a, bool moving, double turns = 0)
 {
     constexpr double pi = 3.14159265358979323846;
@@ -223,7 +226,8 @@ TEST(test_a_swing_of_speed_or_current_is_a_limit_cycle)
     TEST_ASSERT_FALSE(ripple.swing_hz.has_value());
 }
 
-// With three turns in the settled part a swing at order 2.8 lies two periods and more from the orders 2 and 6.
+// With three turns in the settled part a swing at order 2.8 lies two periods and more from the
+// orders 2 and 6.
 TEST(test_a_ripple_that_the_rotor_forces_is_no_limit_cycle)
 {
     constexpr double top = 0.0005;
@@ -245,7 +249,8 @@ TEST(test_a_limit_cycle_needs_a_constant_command)
     TEST_ASSERT_FALSE(with_swing(100, 5, true).limit_cycle);
 }
 
-// Faults that follow each other more quickly than three periods make no swing that the drive sustains.
+// Faults that follow each other more quickly than three periods make no swing that the drive
+// sustains.
 TEST(test_what_disturbs_the_drive_from_outside_is_no_limit_cycle)
 {
     const auto limit_cycle = [](int ticks_between) {
@@ -263,7 +268,8 @@ TEST(test_what_disturbs_the_drive_from_outside_is_no_limit_cycle)
     TEST_ASSERT_TRUE(limit_cycle(500));
 }
 
-// It settles at a share of the way from 100 to 200 rpm, in two windows of which the second is one of load.
+// It settles at a share of the way from 100 to 200 rpm, in two windows of which the second is one
+// of load.
 MetricValues approached(double share)
 {
     Metrics metrics(DriveMode::speed, PERIOD_S, RATED_RPM, RATED_A);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Drives that swing at a constant command: each ends in OSCILLATION or goes on calm. Healthy ones do not come near.
+// Drives that swing at a constant command: each ends in OSCILLATION or goes on calm. Healthy ones
+// do not come near.
 #include "scenario.h"
 
 extern "C" {
@@ -67,8 +68,9 @@ TEST(test_an_elastic_shaft_that_swings_is_a_fault)
                                "motor B");
 }
 
-// The supply drops to what the drive bears just so, or the power stage becomes as hot: the drive gives way until the rotor
-// rests, and accelerates again. No swing of it, and no ripple: the cogging is zero.
+// The supply drops to what the drive bears just so, or the power stage becomes as hot: the drive
+// gives way until the rotor rests, and accelerates again. No swing of it, and no ripple: the
+// cogging is zero.
 TEST(test_a_drive_that_gives_way_rests_and_comes_back_does_not_swing)
 {
     constexpr double NO_RIPPLE_PCT = 1; // of rated speed
@@ -89,7 +91,8 @@ TEST(test_a_drive_that_gives_way_rests_and_comes_back_does_not_swing)
     }
 }
 
-// When the true torque current passed zero in RUN. After a fault the shaft swings on by itself, at another frequency.
+// When the true torque current passed zero in RUN. After a fault the shaft swings on by itself, at
+// another frequency.
 class Passages : public nf::TickSink
 {
 public:
@@ -112,8 +115,8 @@ private:
     bool forwards_ = false;
 };
 
-// The frequency that a person is told is that of the swing's 40 half-waves. Each of their ends is on a grid of 1 ms, and they
-// take 3 ms and more.
+// The frequency that a person is told is that of the swing's 40 half-waves. Each of their ends is
+// on a grid of 1 ms, and they take 3 ms and more.
 TEST(test_the_frequency_is_that_of_the_swing)
 {
     constexpr std::size_t HALVES = 40;
@@ -179,8 +182,8 @@ public:
     uint32_t halves = 0;
 };
 
-// What holds its rotor counts to less than half of the 10 half-waves: steps of command and load, ramps, reversals,
-// positions, cogging, harmonics, noise, dead time, a wrong model.
+// What holds its rotor counts to less than half of the 10 half-waves: steps of command and load,
+// ramps, reversals, positions, cogging, harmonics, noise, dead time, a wrong model.
 TEST(test_healthy_drives_do_not_come_near)
 {
     struct Case {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Machines that differ from their file in more than a value: pole pairs, wires, drifting sensors, a propeller.
+// Machines that differ from their file in more than a value: pole pairs, wires, drifting sensors, a
+// propeller.
 #include "scenario.h"
 
 extern "C" {
@@ -118,8 +119,8 @@ TEST(test_an_open_wire_is_that_of_the_leg)
     TEST_ASSERT_EQUAL(run(open).result.faults.front().id, found.faults.front().id);
 }
 
-// Calibration takes 2^n samples after power-up: their mean lies half of them late. Half a count is rounding, and as much is what
-// the low-pass leaves of the ripple.
+// Calibration takes 2^n samples after power-up: their mean lies half of them late. Half a count is
+// rounding, and as much is what the low-pass leaves of the ripple.
 TEST(test_the_offset_drifts_from_the_calibration_on)
 {
     const Outcome found = run(UNLOADED + Words{"plant.adc_drift_lsb_s=[20, -10]"});

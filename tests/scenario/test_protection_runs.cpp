@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Faults put into a running drive, end to end: which one is found, how soon, and none where none is due.
+// Faults put into a running drive, end to end: which one is found, how soon, and none where none is
+// due.
 #include "scenario.h"
 
 extern "C" {
@@ -42,10 +43,12 @@ nf::RunResult run(const std::string &scenario, const std::vector<std::string> &w
     return nf::run_scenario(nf::load_scenario(scenario, with, set));
 }
 
-// A broken wire or sensor may show by what it does to currents and observer before it has been compared for long enough.
+// A broken wire or sensor may show by what it does to currents and observer before it has been
+// compared for long enough.
 TEST(test_each_injected_fault_is_found_in_its_time)
 {
-    // A turn and a half that counts; an observer that is losing its angle counts some twice or not at all.
+    // A turn and a half that counts; an observer that is losing its angle counts some twice or not
+    // at all.
     const Case cases[] = {
         {"what = 'adc_a_high'", {FAULT_ADC_SATURATED}, 0},
         {"what = 'adc_b_low'", {FAULT_ADC_SATURATED}, 0},
@@ -96,7 +99,8 @@ TEST(test_the_robust_drive_keeps_its_rotor_without_a_fault)
     }
 }
 
-// Full reversals at the largest torque, with noise: a ramp of 10000 rpm/s, load steps of rated torque.
+// Full reversals at the largest torque, with noise: a ramp of 10000 rpm/s, load steps of rated
+// torque.
 TEST(test_hard_but_allowed_use_has_no_fault)
 {
     const nf::RunResult reversals = run(
@@ -113,7 +117,8 @@ TEST(test_hard_but_allowed_use_has_no_fault)
     TEST_ASSERT_EQUAL_STRING("", list_of(loads.faults).c_str());
 }
 
-// What braking gives back charges a capacitor that no rectifier discharges: it has to end below the limit.
+// What braking gives back charges a capacitor that no rectifier discharges: it has to end below the
+// limit.
 TEST(test_braking_into_a_capacitor_stays_below_the_highest_bus)
 {
     const nf::RunResult result =
@@ -172,7 +177,8 @@ TEST(test_a_search_for_a_turning_rotor_begins_without_current)
 
 // ---- a load that drives
 
-// Whose load is more than its largest torque: it cannot brake, and its load takes it beyond its highest speed.
+// Whose load is more than its largest torque: it cannot brake, and its load takes it beyond its
+// highest speed.
 struct Driven {
     const char *motor;
     const char *board;
@@ -229,9 +235,10 @@ TEST(test_an_overhauling_load_is_named_overspeed)
     }
 }
 
-// Of the highest speed. With an observer the gates are open, and the diodes conduct: the EMF is above the bus. Motor B has to be 1.35
-// times too fast for that; below it is caught, and its estimate is judged. With a sensor current control
-// begins at once; the D5065 trips there at a true over-current.
+// Of the highest speed. With an observer the gates are open, and the diodes conduct: the EMF is
+// above the bus. Motor B has to be 1.35 times too fast for that; below it is caught, and its
+// estimate is judged. With a sensor current control begins at once; the D5065 trips there at a true
+// over-current.
 struct TooFast {
     Driven machine;
     double share;
@@ -249,7 +256,8 @@ constexpr TooFast TOO_FAST[] = {{{"motor_a", "bench_310v", "robust_motor_a", 0, 
                                 {{"teknic_m2310p", "frdm_mc_lvpmsm", "any", 0, "observer"}, 1.5},
                                 {{"teknic_m2310p", "frdm_mc_lvpmsm", "any", 0, "sensor"}, 1.3}};
 
-// The first fault of a start with the rotor driven as fast in either direction. What the diodes take brakes the shaft, so it is heavy.
+// The first fault of a start with the rotor driven as fast in either direction. What the diodes
+// take brakes the shaft, so it is heavy.
 void expect_at_start(const TooFast &one, fault_id_t expected)
 {
     for (const double sign : {1.0, -1.0}) {
@@ -274,8 +282,9 @@ TEST(test_a_rotor_driven_too_fast_at_a_start_is_named_overspeed)
     }
 }
 
-// Between 1.25, where the estimate ends, and 1.35: nothing conducts, and the weakened field keeps the current in control. The estimate
-// is at its limit for 12 ms, before the 20 ms of OVERSPEED are over.
+// Between 1.25, where the estimate ends, and 1.35: nothing conducts, and the weakened field keeps
+// the current in control. The estimate is at its limit for 12 ms, before the 20 ms of OVERSPEED are
+// over.
 TEST(test_a_rotor_caught_beyond_the_observers_limit_is_stopped)
 {
     expect_at_start({{"motor_b", "bench_310v", "any", 0, "observer"}, 1.3},

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Made-up signals: what goes with the rotor's angle is ripple, what has a frequency of its own is left.
+// Made-up signals: what goes with the rotor's angle is ripple, what has a frequency of its own is
+// left.
 #include "ripple.h"
 
 #include <algorithm>
@@ -96,8 +97,8 @@ TEST(test_so_is_it_backwards_and_on_a_signal_that_settles)
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, settles(0.5), split.rest[TICKS / 2]);
 }
 
-// Orders 3.6 and 9 lie 5 and 10 periods in all from the nearest order of the rotor: what of them leaks into it goes with the inverse
-// of these.
+// Orders 3.6 and 9 lie 5 and 10 periods in all from the nearest order of the rotor: what of them
+// leaks into it goes with the inverse of these.
 TEST(test_a_swing_of_its_own_frequency_is_left)
 {
     constexpr double LEAK = 1 / (PI * 0.4 * TURNS);
@@ -117,7 +118,8 @@ TEST(test_beside_a_ripple_a_swing_of_its_own_is_left)
                    3 * std::sin(9 * angle_at(share, TURNS_LONG));
         },
         TURNS_LONG);
-    // Of the swing, and of what the uneven turn makes of it an order from the rotor's: 20 periods apart.
+    // Of the swing, and of what the uneven turn makes of it an order from the rotor's: 20 periods
+    // apart.
     constexpr double LEAK = 3 / (PI * TURNS_LONG);
     TEST_ASSERT_TRUE(split.amplitude.has_value());
     TEST_ASSERT_DOUBLE_WITHIN(2 * LEAK, 2, *split.amplitude);
@@ -135,7 +137,8 @@ TEST(test_less_than_two_turns_tell_nothing_apart)
     check_amplitude(TOP, 1, split_of(ripple(2.05), 2.05));
 }
 
-// With 18 samples in a turn order 12 looks like order 6: it is left out, and the samples from another speed keep what they are.
+// With 18 samples in a turn order 12 looks like order 6: it is left out, and the samples from
+// another speed keep what they are.
 TEST(test_an_order_that_the_samples_do_not_show_adds_nothing)
 {
     nf::Ripple ripple;
@@ -173,7 +176,8 @@ TEST(test_nothing_and_what_has_not_settled_is_left_as_it_is)
     TEST_ASSERT_EQUAL_size_t(0, split_of(ripple, 0).rest.size());
 }
 
-// One fit to a rotor that gives way, rests and accelerates again would find ripple in the change of its speed.
+// One fit to a rotor that gives way, rests and accelerates again would find ripple in the change of
+// its speed.
 TEST(test_a_rotor_that_rests_meanwhile_has_the_ripple_of_its_steady_stretches)
 {
     constexpr double STEADY = 0.01; // rad a tick

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The safe state in whole runs: what the bus and the windings bear when the gates open or the motor is shorted, from any point of
-// operation; each fault at speeds at which open gates would overcharge the bus.
+// The safe state in whole runs: what the bus and the windings bear when the gates open or the motor
+// is shorted, from any point of operation; each fault at speeds at which open gates would
+// overcharge the bus.
 #include "config.h"
 #include "injection.h"
 #include "machine.h"
@@ -124,8 +125,8 @@ Peak peak_of(plant_t plant, bool shorted, double time_s)
 const int POINTS = static_cast<int>(testing_runs(80, 400));
 constexpr double OPEN_TIME_S = 0.2;  // 40 electrical turns: the bus has settled
 constexpr double SHORT_TIME_S = 0.1; // 5 of L/R
-// The bound is for the worst angle of all, at which the EMF of two phases stands still. It does not, so some room is left,
-// but not so much that the formula would be of no use.
+// The bound is for the worst angle of all, at which the EMF of two phases stands still. It does
+// not, so some room is left, but not so much that the formula would be of no use.
 constexpr double BUS_SHARE_LEAST = 0.75;
 
 // Whatever current flows, and whatever the bus between its lowest and its nominal voltage.
@@ -154,7 +155,8 @@ TEST(test_up_to_the_safe_speed_open_gates_leave_the_bus_within_its_limit)
     }
 }
 
-// What a break does at the highest speed of a motor that weakens its field: the bound of docs/protection.md.
+// What a break does at the highest speed of a motor that weakens its field: the bound of
+// docs/protection.md.
 TEST(test_a_break_charges_the_bus_to_the_emf_and_its_overshoot)
 {
     const nf::Config config = configured(COMPRESSOR);
@@ -175,8 +177,8 @@ TEST(test_a_break_charges_the_bus_to_the_emf_and_its_overshoot)
     }
 }
 
-// The peak is computed for the largest flux that a point of operation has, at the lowest speed, and the slowest decay, at the highest
-// one.
+// The peak is computed for the largest flux that a point of operation has, at the lowest speed, and
+// the slowest decay, at the highest one.
 constexpr double PEAK_SHARE_LEAST = 0.75;
 
 TEST(test_the_peak_of_the_short_circuit_current_is_within_the_computed_one)
@@ -188,7 +190,8 @@ TEST(test_the_peak_of_the_short_circuit_current_is_within_the_computed_one)
     std::mt19937 random(1);
     double highest_a = 0;
     for (int k = 0; k < POINTS; k++) {
-        // A point of operation: no current along the magnets, and the flux that the voltage can turn.
+        // A point of operation: no current along the magnets, and the flux that the voltage can
+        // turn.
         const Vector current =
             any_vector(random, config.motor.max_current_a, nf::PI / 2, 3 * nf::PI / 2);
         const double speed = uniform(random, safe, fastest);
@@ -250,8 +253,9 @@ Strike blinding(const char *name, Fault a, Fault b)
 
 const Strike BLIND = blinding("adc_a_stuck, adc_b_high", Fault::adc_a_stuck, Fault::adc_b_high);
 
-// What may go wrong in RUN, and a stop. Not here, see docs/protection.md: a bus sensor that stands still, as nothing else in the drive
-// sees the bus; a supply beyond bus_max_v; a configuration that is corrupt, which may be that of the safe state; angle sensors.
+// What may go wrong in RUN, and a stop. Not here, see docs/protection.md: a bus sensor that stands
+// still, as nothing else in the drive sees the bus; a supply beyond bus_max_v; a configuration that
+// is corrupt, which may be that of the safe state; angle sensors.
 std::vector<Strike> strikes_of(const nf::BoardSettings &board)
 {
     return {
@@ -283,7 +287,8 @@ std::vector<Strike> strikes_of(const nf::BoardSettings &board)
 // Of the speed up to which opening is safe: rounding of the drive's numbers.
 constexpr double FAST = 1.001;
 
-// A load that holds a speed whatever the motor does: twice the largest torque, and so stiff that an excess decays in 3 ms.
+// A load that holds a speed whatever the motor does: twice the largest torque, and so stiff that an
+// excess decays in 3 ms.
 constexpr double LOAD_SHARE = 2;
 constexpr double LOAD_TIME_S = 3e-3;
 
@@ -292,8 +297,8 @@ double largest_torque_nm(const nf::MotorSettings &motor)
     return 1.5 * motor.pole_pairs * motor.flux_linkage_wb * motor.max_current_a;
 }
 
-// Of the speed up to which opening is safe: where the gates open below 3/4 of its change of the current, and slower, where the current
-// is still as large.
+// Of the speed up to which opening is safe: where the gates open below 3/4 of its change of the
+// current, and slower, where the current is still as large.
 constexpr double DWELLS[] = {0.6, 0.3, 0.16, 0.1};
 
 constexpr int BUS_SLACK = 16; // two steps of a converter of 12 bits, in Q15: noise and rounding
@@ -359,8 +364,9 @@ public:
             sim.request(0);
         }
     }
-    // Whatever still drives is stopped; the load goes with the rotor to a speed and stays there. It dwells where the rotor is slow
-    // enough for open gates, goes up in between, and lets it come to rest. At last the bus is discharged.
+    // Whatever still drives is stopped; the load goes with the rotor to a speed and stays there. It
+    // dwells where the rotor is slow enough for open gates, goes up in between, and lets it come to
+    // rest. At last the bus is discharged.
     void outlive(double rpm)
     {
         held_rpm = rpm;
@@ -449,7 +455,8 @@ private:
     bool drove_ = false; // in the tick before
 };
 
-// A break opens the gates at any speed: the bus goes to the EMF and, as an undamped circuit, as far beyond.
+// A break opens the gates at any speed: the bus goes to the EMF and, as an undamped circuit, as far
+// beyond.
 double broken_bus_v(const nf::Config &config, double rpm)
 {
     const double emf =
@@ -457,8 +464,9 @@ double broken_bus_v(const nf::Config &config, double rpm)
     return std::max(config.board.bus_max_v, 2 * emf - config.board.bus_min_v);
 }
 
-// The comparators open the gates at their current, unless the drive's own control was lost before and they have. Then the
-// windings keep their flux while the rotor turns on, which may turn the magnets' against it.
+// The comparators open the gates at their current, unless the drive's own control was lost before
+// and they have. Then the windings keep their flux while the rotor turns on, which may turn the
+// magnets' against it.
 double current_limit_a(const Ride &ride)
 {
     const nf::MotorSettings &motor = ride.config.motor;
@@ -468,7 +476,8 @@ double current_limit_a(const Ride &ride)
                : trip_a;
 }
 
-// The short circuit of the stop or the fault ends once. One that a high bus begins ends only as the bus is discharged.
+// The short circuit of the stop or the fault ends once. One that a high bus begins ends only as the
+// bus is discharged.
 constexpr int OPENINGS_MOST = 2;
 
 void assert_survived(const Machine &machine, const Ride &ride, const Strike &strike,
@@ -545,8 +554,8 @@ double highest_open_rpm()
     return std::floor(rpm_of(config, safe) / nf::OVERSPEED_SHARE);
 }
 
-// The same load without the short circuit, and the highest speed that the drive is given then: what the load does beyond it
-// overcharges the bus.
+// The same load without the short circuit, and the highest speed that the drive is given then: what
+// the load does beyond it overcharges the bus.
 TEST(test_with_open_gates_the_same_load_overcharges_the_bus)
 {
     Ride ride(COMPRESSOR, {"board.safe_state=open", "board.bus_capacitance_f=0",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Starts of motors with so much saliency that φ/(L_q − L_d), the current at which the rotor has no stiffness on an imposed vector, is
-// near the continuous current: each is held, ends in a fault, or is refused. None is lost without a word.
+// Starts of motors with so much saliency that φ/(L_q − L_d), the current at which the rotor has no
+// stiffness on an imposed vector, is near the continuous current: each is held, ends in a fault, or
+// is refused. None is lost without a word.
 #include "origin.h"
 #include "per_unit.h"
 #include "scenario.h"
@@ -154,7 +155,8 @@ enum class Outcome {
     lost
 };
 
-// From standstill at any angle to a share of rated speed, with the time that its ramp takes three times over.
+// From standstill at any angle to a share of rated speed, with the time that its ramp takes three
+// times over.
 nf::Config start_of(Salient motor, Random &random)
 {
     motor.set.push_back(
@@ -209,7 +211,8 @@ Outcome try_start(unsigned seed)
     }
 }
 
-// What the generator draws is a motor that somebody may have: of a hundred five may end in a fault or a refusal.
+// What the generator draws is a motor that somebody may have: of a hundred five may end in a fault
+// or a refusal.
 constexpr double HELD_SHARE = 0.95;
 
 TEST(test_each_salient_motor_starts_or_ends_in_words)
@@ -225,7 +228,8 @@ TEST(test_each_salient_motor_starts_or_ends_in_words)
     TEST_ASSERT_TRUE(outcomes[Outcome::held] >= HELD_SHARE * count);
 }
 
-// A traction motor whose φ/(L_q − L_d) of 267 A is just above its continuous current: before, 333 A turned its rotor off the vector.
+// A traction motor whose φ/(L_q − L_d) of 267 A is just above its continuous current: before, 333 A
+// turned its rotor off the vector.
 TEST(test_a_traction_motor_is_started_with_half_of_the_current_that_has_no_stiffness)
 {
     Salient traction;

@@ -81,7 +81,8 @@ TEST(test_plant_scales_apply_to_the_plant_alone)
     TEST_ASSERT_EQUAL_INT32(drive.modulator.timer_counts, plant.inverter.timer_counts);
 }
 
-// Free, both masses swing at the resonance; with the rotor held the load swings at the antiresonance, half of it with 1 : 3.
+// Free, both masses swing at the resonance; with the rotor held the load swings at the
+// antiresonance, half of it with 1 : 3.
 TEST(test_an_elastic_shaft_has_the_resonance_and_the_inertias_of_its_keys)
 {
     const Config config = load({"plant.shaft_resonance_hz=80", "plant.load_inertia_ratio=3",
@@ -116,7 +117,8 @@ std::string refusal_of(const std::vector<std::string> &set)
     return "";
 }
 
-// Half of 155 V for six times 2 µs on 11.6 mH, 1000 steps of 0.5: 1.6·10⁻⁴ A, of which the next 5 % are not offered.
+// Half of 155 V for six times 2 µs on 11.6 mH, 1000 steps of 0.5: 1.6·10⁻⁴ A, of which the next 5 %
+// are not offered.
 TEST(test_a_knee_that_cannot_be_followed_is_refused_with_what_can)
 {
     const std::string refusal =
@@ -129,7 +131,8 @@ TEST(test_a_knee_that_cannot_be_followed_is_refused_with_what_can)
         "", refusal_of({"plant.dead_time_s=2e-6", "plant.commutation_knee_a=0.00017"}).c_str());
 }
 
-// g_d = 0.3/(0.49·3.7), g_q = 0.5/0.125; 0.9/√(g_d·g_q·L_d/L_q) with a q axis of half the inductance.
+// g_d = 0.3/(0.49·3.7), g_q = 0.5/0.125; 0.9/√(g_d·g_q·L_d/L_q) with a q axis of half the
+// inductance.
 TEST(test_cross_saturation_that_has_no_inverse_is_refused_with_what_has)
 {
     std::vector<std::string> set = {"plant.saliency_scale=0.5", "plant.saturation_d_pct=30",

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Sensors, legs and clock that are wrong by a factor, at standstill, in RUN and with a weakened field: how soon the drive
-// names it, or what it does all the same. The table is part of the design: docs/protection.md, "Cross-checks".
+// Sensors, legs and clock that are wrong by a factor, at standstill, in RUN and with a weakened
+// field: how soon the drive names it, or what it does all the same. The table is part of the
+// design: docs/protection.md, "Cross-checks".
 //
 //     test_single_faults            holds the table
-//     test_single_faults --measure  prints it as it is measured now; tools/dev figures --write puts it there
+//     test_single_faults --measure  prints it as it is measured now; tools/dev figures --write puts
+//                                   it there
 #include "scripted_run.h"
 
 extern "C" {

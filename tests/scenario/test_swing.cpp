@@ -73,8 +73,8 @@ TEST(test_a_swing_that_is_damped_dies_out)
 TEST(test_three_periods_are_needed_after_the_first_half_swing)
 {
     const auto swing = [](double t) { return 3 * std::cos(2 * PI * HZ * t); };
-    // From the first turning point after the start, at half a period, seven half-swings; and the way back that shows
-    // the last one's end, which takes acos(1/3)/2π of a period.
+    // From the first turning point after the start, at half a period, seven half-swings; and the
+    // way back that shows the last one's end, which takes acos(1/3)/2π of a period.
     const int last =
         static_cast<int>(std::ceil((4 + std::acos(1 / 3.0) / (2 * PI)) / HZ / PERIOD_S));
     TEST_ASSERT_FALSE(found_in(swing, last - 1).has_value());
@@ -89,7 +89,8 @@ TEST(test_steps_ramps_and_noise_are_none)
         found_in([](double t) { return std::remainder(t / PERIOD_S * 0.618, 1.9); }).has_value());
 }
 
-// It neither hides a swing nor makes one more of it: the extremes are off by no more than the noise.
+// It neither hides a swing nor makes one more of it: the extremes are off by no more than the
+// noise.
 TEST(test_noise_on_a_swing_changes_it_by_no_more_than_the_noise)
 {
     constexpr double noise = 0.5;
@@ -116,7 +117,8 @@ TEST(test_the_largest_is_kept)
     check(4, HZ, found_in([](double t) { return (t > 1 && t < 2 ? 4 : 3) * sine(t); }, 3 * SECOND));
 }
 
-// A ripple was taken off that the signal does not have: what is left swings, the signal rests, or goes the other way.
+// A ripple was taken off that the signal does not have: what is left swings, the signal rests, or
+// goes the other way.
 TEST(test_a_swing_that_the_signal_does_not_make_is_none)
 {
     const auto found_beside = [](double share) {

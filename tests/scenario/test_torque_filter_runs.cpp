@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Elastic shafts that make the drive swing, and what notch and low-pass of the torque current do about it.
+// Elastic shafts that make the drive swing, and what notch and low-pass of the torque current do
+// about it.
 #include "numbers.h"
 #include "rules.h"
 #include "scenario.h"
@@ -56,15 +57,16 @@ Words notch_at(double hz)
     return {fmt::format("speed_loop.notch_hz={:.1f}", hz)};
 }
 
-// The step of half the rated torque, and what it makes of a free shaft: J·dω/dt = ΔT for both masses, and they swing about
-// that with the amplitude ΔT/(J·2πf).
+// The step of half the rated torque, and what it makes of a free shaft: J·dω/dt = ΔT for both
+// masses, and they swing about that with the amplitude ΔT/(J·2πf).
 double free_swing_rpm(double resonance_hz)
 {
     return 0.5 * 7.8 / (0.003 * nf::TWO_PI * resonance_hz) / nf::rad_s_from_rpm(1);
 }
 
-// Nothing swings, and the dip of a step of load is that of a rigid shaft and the shaft's own swing, doubled at most: a loop
-// with 30° of margin and more makes little more than twice of any frequency.
+// Nothing swings, and the dip of a step of load is that of a rigid shaft and the shaft's own swing,
+// doubled at most: a loop with 30° of margin and more makes little more than twice of any
+// frequency.
 void assert_quiet(const nf::RunResult &result, double rigid_dip_rpm, double resonance_hz,
                   const std::string &what)
 {
@@ -75,7 +77,8 @@ void assert_quiet(const nf::RunResult &result, double rigid_dip_rpm, double reso
                              what.c_str());
 }
 
-// OSCILLATION, and its frequency. Ten half-waves of 5 slow periods tell it within 4 %, forty within 1 %.
+// OSCILLATION, and its frequency. Ten half-waves of 5 slow periods tell it within 4 %, forty within
+// 1 %.
 double named_hz(const Words &set)
 {
     const nf::RunResult result = run(set + Words{"supervision.oscillation_half_waves=40"});
@@ -85,8 +88,9 @@ double named_hz(const Words &set)
     return result.faults.front().swing_hz.value_or(0);
 }
 
-// Steel: 1 to 2 % of damping. The drive swings at its own bandwidth, and with the notch at what the fault names it does
-// not; nor with the resonance 7 % lower or a tenth higher than that of the day when the notch was set.
+// Steel: 1 to 2 % of damping. The drive swings at its own bandwidth, and with the notch at what the
+// fault names it does not; nor with the resonance 7 % lower or a tenth higher than that of the day
+// when the notch was set.
 TEST(test_a_notch_at_the_frequency_that_the_fault_names_ends_the_swing)
 {
     for (const Shaft &shaft : {Shaft{200, 1, 1}, Shaft{200, 1, 2}, Shaft{250, 1, 2}}) {
@@ -102,8 +106,8 @@ TEST(test_a_notch_at_the_frequency_that_the_fault_names_ends_the_swing)
     }
 }
 
-// Where the loop's own lag is a quarter of a turn it swings above the resonance. The notch there moves the swing to the
-// resonance, and the second fault names that.
+// Where the loop's own lag is a quarter of a turn it swings above the resonance. The notch there
+// moves the swing to the resonance, and the second fault names that.
 TEST(test_below_that_the_second_fault_names_the_resonance)
 {
     const Words shaft = RIGID + words_of({110, 1, 2});
@@ -115,7 +119,8 @@ TEST(test_below_that_the_second_fault_names_the_resonance)
     assert_quiet(run(shaft + notch_at(second_hz)), rigid_dip_rpm, 110, "second");
 }
 
-// A notch would have to know the frequency, and from half of the loop's rate on it does not reach it.
+// A notch would have to know the frequency, and from half of the loop's rate on it does not reach
+// it.
 TEST(test_a_low_pass_ends_the_swing_of_a_stiff_shaft)
 {
     const struct {
@@ -135,7 +140,8 @@ TEST(test_a_low_pass_ends_the_swing_of_a_stiff_shaft)
     }
 }
 
-// The phase margin that nfconfig tells is 0 from the bandwidth on at which the drive swings, within a tenth.
+// The phase margin that nfconfig tells is 0 from the bandwidth on at which the drive swings, within
+// a tenth.
 TEST(test_the_speed_loop_swings_from_where_on_its_margin_is_none)
 {
     for (const Words &filter :

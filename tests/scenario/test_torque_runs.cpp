@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Torque control in whole runs: how true the torque is at a speed, the ends of the window, the way through the start-up, and changes
-// between the three modes at any time.
+// Torque control in whole runs: how true the torque is at a speed, the ends of the window, the way
+// through the start-up, and changes between the three modes at any time.
 #include "run_bench.h"
 #include "voltage_drive_units.h"
 
@@ -27,14 +27,15 @@ constexpr double LOST_DEG = 90;
 
 // ---- the torque at a speed
 
-// Rotors: what 6 % of the rated torque takes the speed off in half a second is then a hundredth of rated speed, for motor A.
+// Rotors: what 6 % of the rated torque takes the speed off in half a second is then a hundredth of
+// rated speed, for motor A.
 constexpr double BENCH_INERTIA = 40;
 constexpr double ABOVE_HANDOVER = 0.2; // which is at 10 % of rated speed
 constexpr double IDEAL_PCT = 3;
 constexpr double ALL_PCT = 6;
 
-// How far the torque is off the command, in percent of it, where a load as large holds the speed. A mean over 0.3 s: many
-// periods of what the dead time makes.
+// How far the torque is off the command, in percent of it, where a load as large holds the speed. A
+// mean over 0.3 s: many periods of what the dead time makes.
 double off_pct(const Words &sets, double speed, double torque, const Words &more)
 {
     Words set = more;
@@ -73,7 +74,8 @@ TEST(test_the_torque_is_what_was_asked_for_at_each_speed)
     }
 }
 
-// Without a sensor the angle is not known there: the torque is that of the imposed vector, what the load takes.
+// Without a sensor the angle is not known there: the torque is that of the imposed vector, what the
+// load takes.
 TEST(test_with_a_sensor_the_torque_is_what_was_asked_for_at_standstill)
 {
     const Words sensor = {"drive.angle_source=sensor"};
@@ -85,7 +87,8 @@ TEST(test_with_a_sensor_the_torque_is_what_was_asked_for_at_standstill)
 
 // ---- the window
 
-// Nothing loads the motor, and it asks for its largest torque: the hardest landing. It comes to rest at the end of the window.
+// Nothing loads the motor, and it asks for its largest torque: the hardest landing. It comes to
+// rest at the end of the window.
 void land(const Machine &machine, double sign, double end)
 {
     const nf::Config plain = nf::load_parts(machine.motor, machine.board, machine.tuning, {}, {});
@@ -170,9 +173,10 @@ TEST(test_a_torque_goes_through_the_start_up_and_back_to_a_standstill)
     }
 }
 
-// A gimbal motor, hot: its R·i is three times the EMF, and 0.2 s of its rated torque bring it to rated speed. What an observer can find
-// from its error is too slow there: without the torque that leads it, the angle was off by 100° to 180°. The furthest it is off in RUN, in
-// three reversals through standstill.
+// A gimbal motor, hot: its R·i is three times the EMF, and 0.2 s of its rated torque bring it to
+// rated speed. What an observer can find from its error is too slow there: without the torque that
+// leads it, the angle was off by 100° to 180°. The furthest it is off in RUN, in three reversals
+// through standstill.
 double reversed_deg(double torque, const Words &set)
 {
     Bench bench(nf::load_scenario("zoo:gimbal:14@1", {"hot"}, set));
@@ -213,7 +217,8 @@ TEST(test_a_reversal_of_the_torque_keeps_the_angle_of_a_gimbal_motor)
     }
 }
 
-// A load above the torque slows the rotor down to the lowest speed of RUN, and does not turn it back.
+// A load above the torque slows the rotor down to the lowest speed of RUN, and does not turn it
+// back.
 TEST(test_a_load_above_the_torque_ends_at_the_lowest_speed)
 {
     Bench bench(MOTOR_A, {}, {});
@@ -230,7 +235,8 @@ TEST(test_a_load_above_the_torque_ends_at_the_lowest_speed)
     TEST_ASSERT_TRUE(bench.speed() > 0.3);
 }
 
-// A friction that is more than the torque: the speed loop holds the lowest speed of RUN, whatever the noise, and nothing starts anew.
+// A friction that is more than the torque: the speed loop holds the lowest speed of RUN, whatever
+// the noise, and nothing starts anew.
 void rest_at_the_lowest_speed(const Machine &machine, const Words &set, double torque,
                               double friction)
 {
@@ -347,7 +353,8 @@ Changes change_at_random(const Machine &machine, const Words &sets, unsigned see
             found.worst_deg = std::max(found.worst_deg, std::abs(nf::angle_error_deg(bench.now)));
         }
         const bool changes = mode != drive.mode;
-        // The voltage drive has no i_q*: it begins with the mean of the current, and the bridge goes on from there.
+        // The voltage drive has no i_q*: it begins with the mean of the current, and the bridge
+        // goes on from there.
         found.of_voltage_drive += changes && by_voltage && drive.state == DRIVE_STATE_RUN ? 1 : 0;
         if (!ran || drive.state != DRIVE_STATE_RUN || drive.voltage_drive.active) {
             continue;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The phase-compensated voltage drive on the simulated plant: its lead, its currents, and what they are without it.
+// The phase-compensated voltage drive on the simulated plant: its lead, its currents, and what they
+// are without it.
 #include "scenario.h"
 
 #include "figure.h"
@@ -129,8 +130,8 @@ double ideal_lead_deg(const Outcome &one)
            DEG;
 }
 
-// 0.3° are asked for. The drive's own share of it: no i_d to within an LSB of the converter, 10 mA, turns the lead by
-// ω·L_d·10 mA/U = 0.02°.
+// 0.3° are asked for. The drive's own share of it: no i_d to within an LSB of the converter, 10 mA,
+// turns the lead by ω·L_d·10 mA/U = 0.02°.
 TEST(the_lead_is_that_of_no_i_d)
 {
     constexpr double LEAD_DEG = 0.3;
@@ -151,7 +152,8 @@ TEST(the_lead_is_that_of_no_i_d)
     }
 }
 
-// α_r of the current that really flows, by the compensator's own block, and by how much the frame is off; means.
+// α_r of the current that really flows, by the compensator's own block, and by how much the frame
+// is off; means.
 class FrameCheck : public nf::TickSink
 {
 public:
@@ -185,7 +187,8 @@ private:
     double ticks_ = 0;
 };
 
-// Motor B has MTPA, which is off here: no i_d in the drive's frame to within a count of the converter, 10 mA of 2.67 A.
+// Motor B has MTPA, which is off here: no i_d in the drive's frame to within a count of the
+// converter, 10 mA of 2.67 A.
 TEST(under_current_control_the_angle_of_the_true_current_is_the_error_of_the_frame)
 {
     constexpr double COUNT_DEG = 0.01 / 2.67 * DEG;
@@ -205,8 +208,8 @@ TEST(under_current_control_the_angle_of_the_true_current_is_the_error_of_the_fra
     }
 }
 
-// What the paper is about. Without i_d a torque takes T/(1.5·P·φ); a lead that the limit keeps short costs what docs/voltage_drive.md
-// lists.
+// What the paper is about. Without i_d a torque takes T/(1.5·P·φ); a lead that the limit keeps
+// short costs what docs/voltage_drive.md lists.
 TEST(without_enough_lead_the_same_torque_takes_more_current)
 {
     const double without_i_d = LOAD_NM / (1.5 * 2 * 0.375);
@@ -220,7 +223,8 @@ TEST(without_enough_lead_the_same_torque_takes_more_current)
     TEST_ASSERT_TRUE(short_09.result.faults.empty());
 }
 
-// Without gain the lead stays that of no load: 3 N·m would take ω·L_q·i_q/R = 39 A of i_d. Current control has it before.
+// Without gain the lead stays that of no load: 3 N·m would take ω·L_q·i_q/R = 39 A of i_d. Current
+// control has it before.
 TEST(without_compensation_current_control_takes_the_load_before_it_runs_away)
 {
     const Outcome one = run("s4", {}, {"phase_compensator.gain=0"});
@@ -229,7 +233,8 @@ TEST(without_compensation_current_control_takes_the_load_before_it_runs_away)
     TEST_ASSERT_EQUAL_INT(1, run("s4", {}).settled.changes());
 }
 
-// Least currents, and a voltage that is lost in the legs: with a sensor the drive goes without regulators only under load.
+// Least currents, and a voltage that is lost in the legs: with a sensor the drive goes without
+// regulators only under load.
 TEST(with_dead_time_the_load_is_carried_without_regulators_and_without_i_d)
 {
     constexpr double NO_I_D_A = 0.05;
@@ -246,8 +251,8 @@ struct Noise {
     int seeds;
 };
 
-// What is asked of S5 in these sets, whatever the noise. Without a sensor a voltage that is lost in the legs is a turn of the
-// rotor to the observer.
+// What is asked of S5 in these sets, whatever the noise. Without a sensor a voltage that is lost in
+// the legs is a turn of the rotor to the observer.
 TEST(with_dead_time_and_without_a_sensor_the_voltage_drive_holds_with_any_noise)
 {
     constexpr double SPEED_PCT = 2.0;
@@ -283,7 +288,8 @@ TEST(without_the_virtual_resistance_dead_time_takes_the_angle)
     TEST_ASSERT_TRUE(one.result.metrics.angle_error_max_deg.value_or(0) > ANGLE_DEG);
 }
 
-// brake_max is reached at about half of this; what would follow is a rotor that its load accelerates.
+// brake_max is reached at about half of this; what would follow is a rotor that its load
+// accelerates.
 TEST(a_load_that_drives_is_braked_by_current_control)
 {
     for (const char *scenario : {"s4", "s5"}) {

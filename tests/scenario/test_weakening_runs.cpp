@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Beyond base speed, in whole runs: the torque against the largest that current and voltage allow, the torque of a current against the
-// largest there is, and a speed that only a weakened field reaches.
+// Beyond base speed, in whole runs: the torque against the largest that current and voltage allow,
+// the torque of a current against the largest there is, and a speed that only a weakened field
+// reaches.
 #include "modulator_units.h"
 #include "run_bench.h"
 #include "testing.h"
@@ -35,8 +36,8 @@ double voltage_of(const nf::MotorSettings &m, double omega, double d, double q)
                       m.resistance_ohm * q + omega * (m.inductance_d_h * d + m.flux_linkage_wb));
 }
 
-// The longest current in a direction (a length of 1) that this voltage holds at this speed: the larger root of
-// |length·u + j·emf|² = volts². Not a number where it holds none.
+// The longest current in a direction (a length of 1) that this voltage holds at this speed: the
+// larger root of |length·u + j·emf|² = volts². Not a number where it holds none.
 double longest_a(const nf::MotorSettings &m, double omega, double volts, double d, double q)
 {
     const double u_d = m.resistance_ohm * d - omega * m.inductance_q_h * q;
@@ -47,8 +48,9 @@ double longest_a(const nf::MotorSettings &m, double omega, double volts, double 
     return (std::sqrt(along * along - square * (emf * emf - volts * volts)) - along) / square;
 }
 
-// The largest torque of all currents within a circle that this voltage holds at this speed. In each direction the longest
-// current has the most; where the circle ends before the voltage allows any, there is none.
+// The largest torque of all currents within a circle that this voltage holds at this speed. In each
+// direction the longest current has the most; where the circle ends before the voltage allows any,
+// there is none.
 double envelope_nm(const nf::MotorSettings &m, double omega, double volts, double most_a)
 {
     constexpr double ROUNDED = 1 + 1e-9;
@@ -68,10 +70,12 @@ double envelope_nm(const nf::MotorSettings &m, double omega, double volts, doubl
 
 // ---- the torque-speed curve
 
-// So heavy that the rated torque takes this long to rated speed: in the mean of the torque the speed changes by a percent.
+// So heavy that the rated torque takes this long to rated speed: in the mean of the torque the
+// speed changes by a percent.
 constexpr double RISE_S = 6;
 constexpr double ENVELOPE_LEAST = 0.97;
-// The plant's torque of a mean current: noise is none, and what the converter's steps make is within this.
+// The plant's torque of a mean current: noise is none, and what the converter's steps make is
+// within this.
 constexpr double ENVELOPE_MOST = 1.005;
 
 void follow_the_curve(const Machine &machine, double sign)
@@ -153,10 +157,12 @@ TEST(test_the_salient_motors_have_the_largest_torque_of_their_current)
 // ---- speed beyond the base
 
 constexpr double ANGLE_MOST_DEG = 3;
-// `imp` on the compressor: X_q·i_q is as large as the EMF there, and the drive believes L −20 % until it has measured it.
+// `imp` on the compressor: X_q·i_q is as large as the EMF there, and the drive believes L −20 %
+// until it has measured it.
 constexpr double ANGLE_SALIENT_DEG = 6;
 constexpr double SPEED_WITHIN = 0.01;
-// Behind a rectifier nothing takes energy back: what this capacitor cannot hold a rotor loses in its winding and by friction.
+// Behind a rectifier nothing takes energy back: what this capacitor cannot hold a rotor loses in
+// its winding and by friction.
 const Words CAPACITOR = {"plant.bus_capacitance_f=0.001"};
 constexpr int PATIENCE_S = 60;
 

@@ -17,7 +17,10 @@
 #include <unity.h>
 
 #ifdef __cplusplus
-/* Unity's macros of these names would spoil the headers that come after it; only unity.c needs them. */
+/*
+ * Unity's macros of these names would spoil the headers that come after it; only unity.c needs
+ * them.
+ */
 #undef isinf
 #undef isnan
 extern "C" {
@@ -35,13 +38,16 @@ typedef struct registered_test {
 void testing_register(registered_test_t *test);
 
 /*
- * Runs all tests in the order of their file, or those alone that the command line names. Returns the exit status: 0, the
- * number of tests that failed, or 2 if a name is unknown: then a line on stderr says which are allowed. A program without
- * a main() of its own calls only this.
+ * Runs all tests in the order of their file, or those alone that the command line names. Returns
+ * the exit status: 0, the number of tests that failed, or 2 if a name is unknown: then a line on
+ * stderr says which are allowed. A program without a main() of its own calls only this.
  */
 int testing_main(int argc, char **argv);
 
-/* Whether a test that repeats a run does it often: not in `tools/dev test`, but in the evidence, which sets NF_MANY_RUNS=1. */
+/*
+ * Whether a test that repeats a run does it often: not in `tools/dev test`, but in the evidence,
+ * which sets NF_MANY_RUNS=1.
+ */
 bool testing_has_many_runs(void);
 
 /* The number of runs, or of seconds of one: `many` where testing_has_many_runs(), else `few`. */

@@ -3,8 +3,8 @@
 //
 //     record FOLDER SCENARIO [identify] [IMPERFECTION | SECTION.KEY=VALUE]...
 //
-// writes FOLDER/frames.nfr, what the drive was given, and FOLDER/results.nfr, what it made of it, tick
-// by tick from the first one on (hal/mps2/recording.h). With `identify` the drive measures the
+// writes FOLDER/frames.nfr, what the drive was given, and FOLDER/results.nfr, what it made of it,
+// tick by tick from the first one on (hal/mps2/recording.h). With `identify` the drive measures the
 // scenario's motor instead of running it. Exit status: 0, or 2 with a line on stderr.
 #include "measure.h"
 #include "scenario.h"

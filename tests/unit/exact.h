@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Wide arithmetic that expected values are made of, written in another way than what it is compared with.
+ * Wide arithmetic that expected values are made of, written in another way than what it is compared
+ * with.
  */
 #ifndef EXACT_H
 #define EXACT_H

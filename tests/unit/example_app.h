@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The application on a binding of memory: example_cfg.h measures what `measured` says, and `hardware.health` is the
- * binding's. Each test program has one.
+ * The application on a binding of memory: example_cfg.h measures what `measured` says, and
+ * `hardware.health` is the binding's. Each test program has one.
  */
 #ifndef EXAMPLE_APP_H
 #define EXAMPLE_APP_H

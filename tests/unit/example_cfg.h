@@ -5,7 +5,8 @@
  *
  *   T = 100 µs, slow period 1 ms; I_b = 40 A (twice full scale), U_b = 450 V
  *   R = 2.125 Ω, L = 11.6 mH, φ = 0.387 Wb, 2 pole pairs, J = 0.003 kg·m², up to 2000 rpm
- *   2000 rpm = 418.879 rad/s el. = 28633115 steps; speed_shift 11: Ω_b = 2^26/2^32·2π/T = 981.748 rad/s
+ *   2000 rpm = 418.879 rad/s el. = 28633115 steps
+ *   speed_shift 11: Ω_b = 2^26/2^32·2π/T = 981.748 rad/s
  *   φ/L = 33.362 A < I_b, so s = 1 and I_x = 80 A
  */
 #ifndef EXAMPLE_CFG_H
@@ -78,7 +79,9 @@ static inline current_loop_cfg_t example_current_loop_cfg(void)
 static inline speed_loop_cfg_t example_speed_loop_cfg(void)
 {
     return (speed_loop_cfg_t){
-        /* K_p = 2·2π·20/s·2·Ω_b/I_b/774 = 15.9393; K_i·T = (2π·20/s)²·2·Ω_b/I_b/774·1 ms = 1.00149 */
+        /*
+         * K_p = 2·2π·20/s·2·Ω_b/I_b/774 = 15.9393; K_i·T = (2π·20/s)²·2·Ω_b/I_b/774·1 ms = 1.00149
+         */
         .pi = {.kp = 32644, .ki = 16408, .kp_shift = 11U, .ki_shift = 3U},
         .soft = {.kp = 32644, .ki = 16408, .kp_shift = 11U, .ki_shift = 3U},
         .ramp = 143166,        /* 2.0944 rad/s el. a slow period */
@@ -193,7 +196,10 @@ static inline modulator_cfg_t example_modulator_cfg_with_dead_time(void)
     return cfg;
 }
 
-/* Pulses of up to 8 ticks, pauses 8 times as long: 80 ticks are a tenth of the time in which rated torque reaches 2000 rpm. */
+/*
+ * Pulses of up to 8 ticks, pauses 8 times as long: 80 ticks are a tenth of the time in which rated
+ * torque reaches 2000 rpm.
+ */
 static inline flying_start_cfg_t example_flying_start_cfg(void)
 {
     return (flying_start_cfg_t){
@@ -202,7 +208,10 @@ static inline flying_start_cfg_t example_flying_start_cfg(void)
         .pulse_ticks = 8U,
         .gap_factor = 8U,
         .pause_max = 80U,
-        /* φ/L/I_b = 0.834052, less T·R/(2·L) = 0.00916 of it: 3.96175e-5 LSB a tick per step, times 2^29 */
+        /*
+         * φ/L/I_b = 0.834052, less T·R/(2·L) = 0.00916 of it: 3.96175e-5 LSB a tick per step, times
+         * 2^29
+         */
         .emf_current = 21270,
         .emf_shift = 13U,
         .decay_q15 = 595, /* T·R/L = 0.018319 */
@@ -313,7 +322,10 @@ static inline voltage_drive_cfg_t example_voltage_drive_cfg(void)
     };
 }
 
-/* 11.6 N·m in 8 ms, the time of a speed loop of 20 Hz; K_p/K_i of it is 15.9 slow periods. As fast as the speed loop. */
+/*
+ * 11.6 N·m in 8 ms, the time of a speed loop of 20 Hz; K_p/K_i of it is 15.9 slow periods. As fast
+ * as the speed loop.
+ */
 static inline torque_loop_cfg_t example_torque_loop_cfg(void)
 {
     const step_t speed_max = example_speed_loop_cfg().speed_max;
@@ -326,7 +338,10 @@ static inline torque_loop_cfg_t example_torque_loop_cfg(void)
     };
 }
 
-/* Shorts a motor that is faster than this: the gates open once no change over 2 ms was as large for settle_ticks. */
+/*
+ * Shorts a motor that is faster than this: the gates open once no change over 2 ms was as large for
+ * settle_ticks.
+ */
 static inline safe_state_cfg_t example_safe_state_cfg(step_t open_speed, int32_t change_min,
                                                       uint32_t settle_ticks)
 {

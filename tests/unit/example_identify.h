@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * An identification on the application of example_app.h. A test of a plan puts the sums of the window that has ended where
- * the drive would have them.
+ * An identification on the application of example_app.h. A test of a plan puts the sums of the
+ * window that has ended where the drive would have them.
  */
 #ifndef EXAMPLE_IDENTIFY_H
 #define EXAMPLE_IDENTIFY_H

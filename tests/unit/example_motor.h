@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The motor and the inverter of example_cfg.h, as far as a closed loop in a unit test needs them. */
+/*
+ * The motor and the inverter of example_cfg.h, as far as a closed loop in a unit test needs them.
+ */
 #ifndef EXAMPLE_MOTOR_H
 #define EXAMPLE_MOTOR_H
 
@@ -24,8 +26,10 @@ static inline example_motor_t example_motor_at(double angle, double speed)
         .speed = speed, .angle = angle, .acting = {.phase = {4250U, 4250U, 4250U}}};
 }
 
-/* One period with the compare values of the tick before; those of `out` act in the next. Open gates: the diodes end
- * the current at once, as the EMF stays below the bus. */
+/*
+ * One period with the compare values of the tick before; those of `out` act in the next. Open
+ * gates: the diodes end the current at once, as the EMF stays below the bus.
+ */
 static inline void example_motor_tick(example_motor_t *m, const drive_out_t *out, double load_nm)
 {
     const double a = m->acting.phase[0];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The store's functions of hal.h over the flash of the simulated hardware (hal_host_flash.h). Where power fails, the program is
- * left by longjmp(power_off, 1).
+ * The store's functions of hal.h over the flash of the simulated hardware (hal_host_flash.h). Where
+ * power fails, the program is left by longjmp(power_off, 1).
  */
 #ifndef FLASH_MODEL_H
 #define FLASH_MODEL_H

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The PC at the other end of the link: hal_receive() and hal_send() over two pieces of memory, questions as frames, and the
- * frames that came back. The bytes between two frames are a person's text.
+ * The PC at the other end of the link: hal_receive() and hal_send() over two pieces of memory,
+ * questions as frames, and the frames that came back. The bytes between two frames are a person's
+ * text.
  */
 #ifndef LINK_LINE_H
 #define LINK_LINE_H

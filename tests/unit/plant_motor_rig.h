@@ -83,8 +83,10 @@ static inline void check_current(double tolerance_a, double i_d, double i_q)
     TEST_ASSERT_DOUBLE_WITHIN(tolerance_a, i_q, plant_motor_i_q(&motor));
 }
 
-/* Electrical energy in = stored + copper + friction + shaft + load, all but the first integrated by
- * the trapezoidal rule over h. */
+/*
+ * Electrical energy in = stored + copper + friction + shaft + load, all but the first integrated by
+ * the trapezoidal rule over h.
+ */
 static inline void check_energy(plant_motor_cfg_t cfg, double (*stored_j)(void))
 {
     const double h = 1.0e-6;
@@ -116,8 +118,10 @@ static inline void check_energy(plant_motor_cfg_t cfg, double (*stored_j)(void))
         before = i;
         loss_before = loss;
     }
-    /* Trapezoidal rule: (h * rate)^2 / 12 = 1e-8 for rate < 400 1/s, and half a step of the
-     * friction power at each of some ten reversals. */
+    /*
+     * Trapezoidal rule: (h * rate)^2 / 12 = 1e-8 for rate < 400 1/s, and half a step of the
+     * friction power at each of some ten reversals.
+     */
     const double tolerance = 1.0e-6;
     TEST_ASSERT_TRUE(in_j > 1.0);
     TEST_ASSERT_DOUBLE_WITHIN(tolerance * in_j, in_j + at_first_j, out_j + stored_j());

@@ -286,22 +286,24 @@ static void measure(const circuit_t *circuit)
 
 /*
  * 2622 LSB of current apart. Means of the current are off by up to ½, those of the voltage by ½ of
- * 495 LSB at R: 2·½/2622 + 2·½/495; what the regulator has left of the settling, e^-4; the difference
- * of the currents in 1/10488; the result rounded down.
+ * 495 LSB at R: 2·½/2622 + 2·½/495; what the regulator has left of the settling, e^-4; the
+ * difference of the currents in 1/10488; the result rounded down.
  */
 #define R_TOLERANCE (0.0004 + 0.0021 + 0.0005 + 0.0001 + 0.0007)
 
 /*
- * V0 = v_high − 2.5·(v_high − v_low), R·i apart: the means of the voltage are off by up to ½ LSB each, 0.5 + 2.5·1, and
- * those of the current by ½ at 0.19 LSB of voltage per LSB of current, 0.19·(0.5 + 2.5·1). What the regulator has left
- * of the settling is e^-4 of the step of current, 0.0005 of 495 LSB, 2.5 times. The distance is rounded down by 1/1024
- * of the change, 495/1024. 1 for the result, rounded down.
+ * V0 = v_high − 2.5·(v_high − v_low), R·i apart: the means of the voltage are off by up to ½ LSB
+ * each, 0.5 + 2.5·1, and those of the current by ½ at 0.19 LSB of voltage per LSB of current,
+ * 0.19·(0.5 + 2.5·1). What the regulator has left of the settling is e^-4 of the step of current,
+ * 0.0005 of 495 LSB, 2.5 times. The distance is rounded down by 1/1024 of the change, 495/1024. 1
+ * for the result, rounded down.
  */
 #define LOST_TOLERANCE (3.0 + (0.19 * 3.0) + (2.5 * 0.0005 * 495.0) + (495.0 / 1024.0) + 1.0)
 
 /*
- * Rounding: two currents ½ each and the ripple of the regulator, 1 of 2582/1.3; step_response ½ of 2582; R as measured, of
- * which R·t/(2·L) = 0.07 at most counts; the trapezoid of R·i (R·T/L)²/12; step_voltage and the results 1/16384 each.
+ * Rounding: two currents ½ each and the ripple of the regulator, 1 of 2582/1.3; step_response ½ of
+ * 2582; R as measured, of which R·t/(2·L) = 0.07 at most counts; the trapezoid of R·i (R·T/L)²/12;
+ * step_voltage and the results 1/16384 each.
  */
 #define L_TOLERANCE \
     ((2.0 / 1986.0) + (0.5 / 2582.0) + (0.07 * R_TOLERANCE * 1.3) + 0.0001 + (4.0 / 16384.0))
@@ -338,7 +340,10 @@ static int32_t lost_of(int32_t v_high, int32_t i_high, int32_t v_low, int32_t i_
     return found().lost_voltage;
 }
 
-/* Two currents so close to each other say nothing about zero: the voltage at four times their distance counts. */
+/*
+ * Two currents so close to each other say nothing about zero: the voltage at four times their
+ * distance counts.
+ */
 TEST(test_lost_voltage_of_two_close_currents_is_not_extrapolated_further_than_four_times)
 {
     TEST_ASSERT_INT32_WITHIN(1, 1000 - (4 * 100), lost_of(1000, 1000, 900, 999));
@@ -365,8 +370,8 @@ static bool rests_with(align_phase_t phase, int32_t current_q)
 }
 
 /*
- * The measurement `phase` of a rotor that swings: of each time that it is repeated the largest current across, below zero in
- * each second one. Returns how often it was measured.
+ * The measurement `phase` of a rotor that swings: of each time that it is repeated the largest
+ * current across, below zero in each second one. Returns how often it was measured.
  */
 static uint32_t measured_with(align_phase_t phase, const int32_t *swings, uint32_t count)
 {
@@ -400,8 +405,8 @@ TEST(test_rotor_rests_while_the_current_across_stays_within_its_limit)
 }
 
 /*
- * Each swing is 1/16 smaller than the larger one of the two before, 750 of 800: in one measurement there may be no top. What was
- * measured before the rotor rested does not count.
+ * Each swing is 1/16 smaller than the larger one of the two before, 750 of 800: in one measurement
+ * there may be no top. What was measured before the rotor rested does not count.
  */
 TEST(test_a_rotor_that_swings_is_measured_once_it_has_calmed_down)
 {

@@ -64,8 +64,9 @@ TEST(test_the_speed_stays_within_its_limit_in_either_direction)
 }
 
 /*
- * With x and v the errors of angle and speed before a tick, e = x, and after it x' = x(1 − 1/8) + v', v' = v − x/256 for a
- * rotor at constant acceleration a: v' = v + a − x/256. At rest x = 256·a, less the rounding of two shifts.
+ * With x and v the errors of angle and speed before a tick, e = x, and after it x' = x(1 − 1/8) +
+ * v', v' = v − x/256 for a rotor at constant acceleration a: v' = v + a − x/256. At rest x = 256·a,
+ * less the rounding of two shifts.
  */
 TEST(test_at_constant_acceleration_the_angle_lags_by_256_changes_of_the_speed)
 {

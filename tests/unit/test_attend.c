@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * An ordinary tick leaves attend_step() out: from any state within state.def, with any frame, that changes no word of the
- * state.
+ * An ordinary tick leaves attend_step() out: from any state within state.def, with any frame, that
+ * changes no word of the state.
  */
 #include "any_state.h"
 #include "attend.h"
@@ -39,7 +39,10 @@ static drive_in_t any_frame(void)
     };
 }
 
-/* In RUN, with nothing in state or frame that ends it at once, but for the current of one phase in eight. */
+/*
+ * In RUN, with nothing in state or frame that ends it at once, but for the current of one phase in
+ * eight.
+ */
 static void make_ordinary(drive_t *drive, drive_in_t *in)
 {
     drive->state = DRIVE_STATE_RUN;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The mailbox between background and interrupt. The background is a child process that is stopped after each of its
- * instructions; what an interrupt would take there is read from the memory that both share.
+ * The mailbox between background and interrupt. The background is a child process that is stopped
+ * after each of its instructions; what an interrupt would take there is read from the memory that
+ * both share.
  */
 #define _DEFAULT_SOURCE
 #include "command_mailbox.h"
@@ -104,7 +105,10 @@ TEST(test_a_bit_that_flips_changes_no_command_and_is_mended)
     }
 }
 
-/* A bit that flips in a command and the same one in its check word leave a sound slot of another command. */
+/*
+ * A bit that flips in a command and the same one in its check word leave a sound slot of another
+ * command.
+ */
 TEST(test_sound_slots_that_are_unlike_are_made_alike)
 {
     command_mailbox_t *const box = &shared->box;

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Commands over a line that loses, doubles, delays and reorders them, beside a person at the console, a PC that goes silent, and a
- * drive that fails: each run that a PC asks for starts the motor at most once, and never behind a stop, a fault or the end of a
- * session that came after it was asked for. All short sequences of what can happen, and random long ones.
+ * Commands over a line that loses, doubles, delays and reorders them, beside a person at the
+ * console, a PC that goes silent, and a drive that fails: each run that a PC asks for starts the
+ * motor at most once, and never behind a stop, a fault or the end of a session that came after it
+ * was asked for. All short sequences of what can happen, and random long ones.
  *
- * The link, the console and the commander are those of the firmware. Of the drive there is what they see of it: its state.
+ * The link, the console and the commander are those of the firmware. Of the drive there is what
+ * they see of it: its state.
  */
 #include "commander.h"
 #include "config_guard.h"

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* What the background asks of the drive: each changes its part of the command in force, or says why it is refused. */
+/*
+ * What the background asks of the drive: each changes its part of the command in force, or says why
+ * it is refused.
+ */
 #include "commander.h"
 #include "example_app.h"
 #include "testing.h"
@@ -94,7 +97,10 @@ TEST(test_a_torque_ends_speed_mode_and_leaves_the_request)
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, taken().request);
 }
 
-/* That of the largest current at the flux of the configuration; nothing before there is a configuration. */
+/*
+ * That of the largest current at the flux of the configuration; nothing before there is a
+ * configuration.
+ */
 TEST(test_the_largest_torque_is_that_of_the_largest_current)
 {
     app_t none = {.recorder = NULL};

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The ceilings of an image: each limit that another configuration lifts is named, and what protects as well or better is not. */
+/*
+ * The ceilings of an image: each limit that another configuration lifts is named, and what protects
+ * as well or better is not.
+ */
 #include "config_ceiling.h"
 
 #include "example_cfg.h"

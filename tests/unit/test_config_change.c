@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Change of the configuration: every row of cfg.def, and what stands between two configurations beside them. */
+/*
+ * Change of the configuration: every row of cfg.def, and what stands between two configurations
+ * beside them.
+ */
 #include "config_change.h"
 #include "example_cfg.h"
 #include "testing.h"
@@ -96,7 +99,10 @@ TEST(test_of_several_the_first_is_named)
     TEST_ASSERT_EQUAL_STRING("sampling.current_shift", config_change_refused(&from, &to));
 }
 
-/* With it the drive is in states that it could not leave, and without it nothing checks the rest of the start-up. */
+/*
+ * With it the drive is in states that it could not leave, and without it nothing checks the rest of
+ * the start-up.
+ */
 TEST(test_a_startup_neither_comes_nor_goes_while_it_runs)
 {
     to.startup.current_hold = 1;

@@ -11,8 +11,9 @@
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 
 /*
- * All fields are 32 bits wide; a shift is unsigned. lowest and highest are accepted in the example configuration with
- * start-up and voltage drive. One beyond them `below` and `above` are named: another field where two must agree.
+ * All fields are 32 bits wide; a shift is unsigned. lowest and highest are accepted in the example
+ * configuration with start-up and voltage drive. One beyond them `below` and `above` are named:
+ * another field where two must agree.
  */
 typedef struct {
     const char *name;
@@ -181,7 +182,10 @@ TEST(test_every_field_is_refused_just_outside_its_row)
     }
 }
 
-/* Beyond a rule a row has ends too: with all fields there at once, less those that a rule forbids then. */
+/*
+ * Beyond a rule a row has ends too: with all fields there at once, less those that a rule forbids
+ * then.
+ */
 TEST(test_all_fields_are_accepted_at_the_lower_ends_of_their_rows)
 {
     drive_cfg_t cfg;
@@ -235,7 +239,10 @@ TEST(test_with_a_sensor_a_trained_observer_is_named)
     TEST_ASSERT_EQUAL_STRING("sampling.sensor_pole_pairs", config_check(&cfg));
 }
 
-/* RUN reads them too, the ramp in torque control; that it does not read the currents is beyond the proof's intervals. */
+/*
+ * RUN reads them too, the ramp in torque control; that it does not read the currents is beyond the
+ * proof's intervals.
+ */
 TEST(test_without_a_hold_current_what_run_reads_of_the_startup_is_still_checked)
 {
     uint32_t refused = 0U;
@@ -315,7 +322,10 @@ TEST(test_an_empty_configuration_is_refused)
 
 TEST(test_every_field_has_a_row)
 {
-    /* Each field of 32 bits but crc stands in cfg.def exactly once, and a rule is of a field of the same name. */
+    /*
+     * Each field of 32 bits but crc stands in cfg.def exactly once, and a rule is of a field of the
+     * same name.
+     */
     TEST_ASSERT_EQUAL_size_t((sizeof(drive_cfg_t) / sizeof(int32_t)) - 1U, COUNT(ROWS));
     for (size_t i = 0; i < COUNT(ROWS); i++) {
         TEST_ASSERT_EQUAL_STRING(ROWS[i].field.name, field_at(i).name);

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Guard of the configuration: the CRC by its definition, every flipped bit found, in bounded time. */
+/*
+ * Guard of the configuration: the CRC by its definition, every flipped bit found, in bounded time.
+ */
 #include "config_guard.h"
 #include "example_cfg.h"
 #include "testing.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The whole console on another binding: the PC's, with the plant and a serial line behind it. A person types, the motor turns,
- * and a fault is told.
+ * The whole console on another binding: the PC's, with the plant and a serial line behind it. A
+ * person types, the motor turns, and a fault is told.
  */
 #include "example_cfg.h"
 #include "hal_host.h"

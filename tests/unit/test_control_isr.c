@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The control interrupt: sample, step, apply in this order, on a binding that only keeps a diary. */
+/*
+ * The control interrupt: sample, step, apply in this order, on a binding that only keeps a diary.
+ */
 #include "app.h"
 #include "example_cfg.h"
 #include "testing.h"
@@ -175,8 +177,8 @@ TEST(test_of_two_configurations_the_later_one_counts)
 }
 
 /*
- * 400 interrupts beside a drive alone, which takes the other configuration, if there is one, in front of the first step that
- * reads slow inputs from tick 350 on.
+ * 400 interrupts beside a drive alone, which takes the other configuration, if there is one, in
+ * front of the first step that reads slow inputs from tick 350 on.
  */
 static void assert_same_as_alone(const drive_cfg_t *other)
 {
@@ -249,7 +251,10 @@ TEST(test_fault_in_a_frame_reaches_the_gates_in_the_same_interrupt)
     TEST_ASSERT_FALSE(hal.applied.gate_enable);
 }
 
-/* The background tells of a fault by a request and a flag. A bit that flips by itself is only one of them. */
+/*
+ * The background tells of a fault by a request and a flag. A bit that flips by itself is only one
+ * of them.
+ */
 TEST(test_a_failure_without_its_request_is_not_told)
 {
     post(7, DRIVE_MODE_SPEED, 0U);

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The check value: against the polynomial itself, bit by bit, and against values of the standard. */
+/*
+ * The check value: against the polynomial itself, bit by bit, and against values of the standard.
+ */
 #include "crc32.h"
 #include "testing.h"
 

@@ -193,7 +193,10 @@ TEST(test_a_window_that_was_broken_off_begins_with_the_next_sample)
     TEST_ASSERT_TRUE(app.fails);
 }
 
-/* A background that comes by eight times in a window: 9 samples are no mean, the 17 of two windows are one. */
+/*
+ * A background that comes by eight times in a window: 9 samples are no mean, the 17 of two windows
+ * are one.
+ */
 TEST(test_a_window_with_few_samples_is_judged_with_the_next_one)
 {
     be_off();

@@ -15,7 +15,10 @@
 #define ONE (32768.0)
 #define INDUCTANCE (0.0116)
 
-/* Decoupling in LSB: speed × reactance rounded down, times |i| ≤ 20000 / 2^14; then the product, rounded down. */
+/*
+ * Decoupling in LSB: speed × reactance rounded down, times |i| ≤ 20000 / 2^14; then the product,
+ * rounded down.
+ */
 #define DECOUPLING_LSB (2.23)
 #define EMF_LSB (1.0)
 #define DROP_LSB (1.0) /* R·i* rounded down */
@@ -130,8 +133,8 @@ TEST(test_drop_of_the_resistance_is_that_of_the_reference_and_not_of_the_measure
 }
 
 /*
- * Integrals of 20000 and 7000, turned: sine and cosine are within 1 LSB (trig.h), 27000/2^15 in the sum of both
- * products; their amplitude is 32767, 21190/2^15 of the length; rounding ½.
+ * Integrals of 20000 and 7000, turned: sine and cosine are within 1 LSB (trig.h), 27000/2^15 in the
+ * sum of both products; their amplitude is 32767, 21190/2^15 of the length; rounding ½.
  */
 #define TURNED_LSB (2.0)
 
@@ -196,7 +199,10 @@ TEST(test_model_is_the_products_rounded_down_for_any_speed_gain_and_current)
     }
 }
 
-/* Between two plans the speed and the reference of the model stay: only the measured current is new. */
+/*
+ * Between two plans the speed and the reference of the model stay: only the measured current is
+ * new.
+ */
 TEST(test_model_keeps_speed_and_reference_of_the_last_plan)
 {
     const dq_t current = {300, 400};
@@ -255,7 +261,10 @@ TEST(test_d_axis_takes_the_whole_circle_first)
     }
 }
 
-/* A torque against the speed: v_q has the whole circle first. ω·φ and ω·L·i are nothing at a speed of 1 LSB. */
+/*
+ * A torque against the speed: v_q has the whole circle first. ω·φ and ω·L·i are nothing at a speed
+ * of 1 LSB.
+ */
 TEST(test_braking_q_axis_takes_the_whole_circle_first)
 {
     cfg.reactance_q_q13 = 32767;

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Current reference: the torque of a current and back, the least current, MTPA, weakening, the circle beside i_d*. */
+/*
+ * Current reference: the torque of a current and back, the least current, MTPA, weakening, the
+ * circle beside i_d*.
+ */
 #include "current_reference.h"
 
 #include "seeded.h"
@@ -11,7 +14,10 @@
 #define CURRENT_MAX (16384)
 #define GRID (2000)
 #define ASIN_1 (1.57079632679489662)
-/* Beyond c = 131071 i_d is 0: a torque of 1/(1 + (i_q/2c)²/2) of the largest, 0.2 % less. i_d is rounded to 1 of 2000. */
+/*
+ * Beyond c = 131071 i_d is 0: a torque of 1/(1 + (i_q/2c)²/2) of the largest, 0.2 % less. i_d is
+ * rounded to 1 of 2000.
+ */
 #define MTPA_LEAST (0.998)
 #define ROUNDED (1e-6) /* the grid does not meet the best angle */
 
@@ -100,7 +106,10 @@ TEST(test_the_least_current_comes_with_its_slope_and_goes_with_its_own_fall)
     TEST_ASSERT_EQUAL_INT32(2000, next_d(2000, 2000));
 }
 
-/* Of a salient machine: above the least current and below, so that its flux is back before the torque is there. */
+/*
+ * Of a salient machine: above the least current and below, so that its flux is back before the
+ * torque is there.
+ */
 TEST(test_a_fall_that_is_faster_than_the_rise_is_the_same_on_both_sides_of_the_least_current)
 {
     cfg.slope_down = 100;
@@ -118,7 +127,9 @@ TEST(test_the_least_current_waits_for_its_speed)
     TEST_ASSERT_EQUAL_INT32(640, next_d(0, 0));
 }
 
-/* At any speed and voltage: the start-up's own current. Above the least current it goes as it came. */
+/*
+ * At any speed and voltage: the start-up's own current. Above the least current it goes as it came.
+ */
 TEST(test_a_current_that_will_be_imposed_comes_before_the_least_one)
 {
     in.floor_speed = 2000000;
@@ -236,14 +247,20 @@ static int32_t mtpa_d(int32_t emf_q13, int32_t saliency_q13, int32_t q)
     return settled_d(q);
 }
 
-/* c = 8·16384 = 131072 is the first beyond the end; c = ⌊32767·16384/4096⌋ = 131068 the last before it: 2^28 / (4·(32767 + 33022)). */
+/*
+ * c = 8·16384 = 131072 is the first beyond the end; c = ⌊32767·16384/4096⌋ = 131068 the last before
+ * it: 2^28 / (4·(32767 + 33022)).
+ */
 TEST(test_mtpa_ends_where_the_magnet_is_eight_times_the_saliency)
 {
     TEST_ASSERT_EQUAL_INT32(0, mtpa_d(8192, 1024, 16384));
     TEST_ASSERT_EQUAL_INT32(-1020, mtpa_d(32767, 4096, 16384));
 }
 
-/* c = 32767 is whole: 2^28 / (32767 + 36634) = 3867.9. c = 32768 is counted in quarters: 16353² / (4·(8192 + 9155)) = 3853.9… */
+/*
+ * c = 32767 is whole: 2^28 / (32767 + 36634) = 3867.9. c = 32768 is counted in quarters: 16353² /
+ * (4·(8192 + 9155)) = 3853.9…
+ */
 TEST(test_mtpa_is_rounded_down_in_depth_on_both_sides_of_the_largest_square)
 {
     TEST_ASSERT_EQUAL_INT32(-3867, mtpa_d(32767, 16384, 16384));
@@ -357,7 +374,9 @@ TEST(test_i_q_ends_where_the_voltage_does)
     TEST_ASSERT_EQUAL_INT32(CURRENT_REFERENCE_ALL - 1, left.upper);
 }
 
-/* From i_d* = 0 to the least current itself the range is left as it is, also one beyond the circle. */
+/*
+ * From i_d* = 0 to the least current itself the range is left as it is, also one beyond the circle.
+ */
 TEST(test_from_zero_to_the_least_current_the_circle_takes_nothing)
 {
     const torque_range_t whole = {-10000, 10000};

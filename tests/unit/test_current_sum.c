@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The sum of three currents: by how much a sensor may be off, and that offsets, noise and few samples are no fault. */
+/*
+ * The sum of three currents: by how much a sensor may be off, and that offsets, noise and few
+ * samples are no fault.
+ */
 #include "current_sum.h"
 #include "example_cfg.h"
 #include "testing.h"
@@ -21,7 +24,10 @@ void setUp(void)
     current_sum_reset(&state);
 }
 
-/* One window of a turning vector. gain: what each sensor reads; zero: what the sum is off without current. */
+/*
+ * One window of a turning vector. gain: what each sensor reads; zero: what the sum is off without
+ * current.
+ */
 static fault_id_t window(const double gain[3], double amplitude, int32_t zero)
 {
     fault_id_t id = FAULT_NONE;
@@ -73,7 +79,10 @@ TEST(test_each_sensor_at_half_gain_is_found_with_the_mean_of_the_sum)
     }
 }
 
-/* Both sides of the limit: the sum's mean is (g − 1)·2/π of the amplitude, the limit sum_max + 6 % of (2 + g)·2/π of it. */
+/*
+ * Both sides of the limit: the sum's mean is (g − 1)·2/π of the amplitude, the limit sum_max + 6 %
+ * of (2 + g)·2/π of it.
+ */
 TEST(test_the_limit_is_a_share_of_the_currents_beside_a_constant)
 {
     const double mean = AMPLITUDE * 4.0 / TWO_PI;

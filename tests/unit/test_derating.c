@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Derating: each curve at its ends and in the middle, heat beside its equation, the faults beyond. */
+/*
+ * Derating: each curve at its ends and in the middle, heat beside its equation, the faults beyond.
+ */
 #include "derating.h"
 #include "example_cfg.h"
 #include "testing.h"
@@ -84,8 +86,10 @@ TEST(test_a_fade_without_gain_leaves_everything_at_any_x)
 /* Heat after a time from cold: (i/i_c)²·(1 − e^(−t/τ)). */
 TEST(test_heat_follows_the_squared_current_with_the_time_constant)
 {
-    /* Euler's method with T/τ = 2·10^-4: below 10^-4 of the end. The gain has 13 bits: 1.1·10^-4. A
-     * step rounds down 2 units of 2^24, which the low-pass contracts to 2·5000 units: 6·10^-4. */
+    /*
+     * Euler's method with T/τ = 2·10^-4: below 10^-4 of the end. The gain has 13 bits: 1.1·10^-4. A
+     * step rounds down 2 units of 2^24, which the low-pass contracts to 2·5000 units: 6·10^-4.
+     */
     const double tolerance = 1e-4 + 1.1e-4 + 6e-4;
     const double ratio = (double)MAX / CONTINUOUS;
     const double end = ratio * ratio;
@@ -158,7 +162,10 @@ TEST(test_overload_is_a_fault_above_its_heat_and_not_at_it)
     TEST_ASSERT_EQUAL_INT32(19661, fault.limit);
 }
 
-/* As behind another configuration, or a fault that was cleared. The square of 1.09 is below 1.2, that of 1.1 above. */
+/*
+ * As behind another configuration, or a fault that was cleared. The square of 1.09 is below 1.2,
+ * that of 1.1 above.
+ */
 TEST(test_a_heat_above_its_limit_is_no_overload_where_what_flows_lets_it_cool)
 {
     derating.heat_q24 = 30000 << 10;
@@ -206,8 +213,8 @@ TEST(test_heat_follows_the_square_of_a_current_that_is_far_above_the_continuous_
 }
 
 /*
- * Also where a fast winding's step is larger than the heat's scale, and where the square has no room in that scale: from
- * 4.2 times the continuous current on.
+ * Also where a fast winding's step is larger than the heat's scale, and where the square has no
+ * room in that scale: from 4.2 times the continuous current on.
  */
 TEST(test_heat_falls_to_that_of_a_current_that_is_far_above_the_continuous_one)
 {
@@ -224,8 +231,8 @@ TEST(test_heat_falls_to_that_of_a_current_that_is_far_above_the_continuous_one)
         const double ratio = 4.0 * falls[n].tenths / 10.0;
         const double end = ratio * ratio;
         /*
-         * The gain has 13 bits: 1.1·10^-4. A step rounds down 4 units of 2^24, which the low-pass contracts to 4/rate.
-         * The coarser scale has 64 units.
+         * The gain has 13 bits: 1.1·10^-4. A step rounds down 4 units of 2^24, which the low-pass
+         * contracts to 4/rate. The coarser scale has 64 units.
          */
         const double tolerance = (end * 1.1e-4) + (((4.0 / rate) + 64.0) / 16777216.0);
 
@@ -400,7 +407,10 @@ static void limit_bus_current(int32_t given, int32_t taken)
     cfg.bus_regeneration_max = taken;
 }
 
-/* (limit·bus − v_d·i_d)/|v_q|: with the voltage power is taken, against it fed back, whatever the speed. */
+/*
+ * (limit·bus − v_d·i_d)/|v_q|: with the voltage power is taken, against it fed back, whatever the
+ * speed.
+ */
 TEST(test_bus_current_limits_what_is_taken_and_what_is_fed_back_by_the_power)
 {
     static const struct {
@@ -419,7 +429,10 @@ TEST(test_bus_current_limits_what_is_taken_and_what_is_fed_back_by_the_power)
         const double power_d = (double)v.d * points[k].current_d;
         const double given = (((double)GIVEN * BUS_CALM) - power_d) / abs(v.q);
         const double taken = (((double)TAKEN * BUS_CALM) + power_d) / abs(v.q);
-        /* The low-pass stands still within 3 LSB of the voltage, of each axis; a quotient rounds by one. */
+        /*
+         * The low-pass stands still within 3 LSB of the voltage, of each axis; a quotient rounds by
+         * one.
+         */
         const double off = 1.0 + (3.0 * (given + taken + abs(points[k].current_d)) / abs(v.q));
 
         TEST_ASSERT_DOUBLE_WITHIN(off, given, with);
@@ -458,7 +471,10 @@ TEST(test_without_a_voltage_along_q_the_bus_current_limits_nothing)
     TEST_ASSERT_EQUAL_HEX32(0U, derating.flags);
 }
 
-/* i_d takes more than the bus may give, or feeds back more than it may take: nothing is left, and no more than that. */
+/*
+ * i_d takes more than the bus may give, or feeds back more than it may take: nothing is left, and
+ * no more than that.
+ */
 TEST(test_what_the_current_along_d_takes_is_missing_for_torque)
 {
     limit_bus_current(GIVEN, TAKEN);
@@ -474,7 +490,9 @@ TEST(test_a_bus_current_limit_beyond_all_that_flows_limits_nothing)
     TEST_ASSERT_EQUAL_HEX32(0U, derating.flags);
 }
 
-/* A step of the voltage goes by a quarter of what is missing each slow period; a reset forgets it. */
+/*
+ * A step of the voltage goes by a quarter of what is missing each slow period; a reset forgets it.
+ */
 TEST(test_the_voltage_of_the_bus_current_is_a_mean_of_some_slow_periods)
 {
     const derating_motion_t motion = {.bus = BUS_CALM, .voltage = {.d = -8192, .q = 16384}};
@@ -507,8 +525,8 @@ TEST(test_the_smallest_of_all_limits_holds)
 }
 
 /*
- * Half of the square in 2^1 of the scale. The gain is rounded, half of one in 15 bits, and so is the ratio of two gains, down
- * to one in 15 bits: 2^-14 for each change.
+ * Half of the square in 2^1 of the scale. The gain is rounded, half of one in 15 bits, and so is
+ * the ratio of two gains, down to one in 15 bits: 2^-14 for each change.
  */
 TEST(test_the_heat_of_a_current_is_that_of_the_same_current_in_another_scale)
 {

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Signs of a fault: each beside what the drive knows, at its bounds. The slow period of the example is 1 ms, 10 ticks. */
+/*
+ * Signs of a fault: each beside what the drive knows, at its bounds. The slow period of the example
+ * is 1 ms, 10 ticks.
+ */
 #include "config_guard.h"
 #include "diagnosis.h"
 #include "drive.h"
@@ -73,7 +76,10 @@ static void assert_swing(double hz, int32_t amplitude, fault_sign_t only)
     }
 }
 
-/* The shaft turns 3 times a second, 12 electrical turns. The loop lags by half a turn at 100 Hz: 16·10 sixteenths of 1 ms. */
+/*
+ * The shaft turns 3 times a second, 12 electrical turns. The loop lags by half a turn at 100 Hz:
+ * 16·10 sixteenths of 1 ms.
+ */
 TEST(test_each_swing_has_the_sign_of_its_frequency)
 {
     drive.speed_loop.reference = -step_of_hz(12.0);
@@ -93,7 +99,10 @@ TEST(test_each_swing_has_the_sign_of_its_frequency)
     assert_swing(48.0, 2000, FAULT_SIGN_SIX);
 }
 
-/* With three pole pairs a third harmonic of the shaft is once an electrical turn, with one all are the same. */
+/*
+ * With three pole pairs a third harmonic of the shaft is once an electrical turn, with one all are
+ * the same.
+ */
 TEST(test_with_few_pole_pairs_a_swing_has_two_causes)
 {
     drive.speed_loop.reference = step_of_hz(12.0);
@@ -108,7 +117,10 @@ TEST(test_with_few_pole_pairs_a_swing_has_two_causes)
     TEST_ASSERT_EQUAL_UINT32(sign_of(FAULT_SIGN_ELECTRIC), swing_signs_of(2U));
 }
 
-/* A load at 80 Hz that the loop answers to is below the limit; a loop that swings by itself is at it, whatever turns as fast. */
+/*
+ * A load at 80 Hz that the loop answers to is below the limit; a loop that swings by itself is at
+ * it, whatever turns as fast.
+ */
 TEST(test_a_swing_at_the_limit_of_the_current_is_the_loops_own)
 {
     drive.speed_loop.reference = step_of_hz(320.0);
@@ -197,7 +209,10 @@ TEST(test_a_rotor_follows_the_vector_of_a_start_with_half_of_its_speed)
     TEST_ASSERT_FALSE(has(FAULT_SIGN_NOT_FOLLOWED));
 }
 
-/* The cold end is the low one where the counts rise with the temperature, and the high one where they fall. */
+/*
+ * The cold end is the low one where the counts rise with the temperature, and the high one where
+ * they fall.
+ */
 TEST(test_an_open_thermistor_is_at_the_cold_end_whichever_side_that_is)
 {
     cfg.derating.temperature_lowest = 60;

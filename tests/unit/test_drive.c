@@ -511,8 +511,8 @@ static void run_at(step_t estimate, step_t reference)
 }
 
 /*
- * Where the estimate is lost the reference tells the speed. Below RUN a load may drive the rotor on while the vector is slow.
- * In RUN the vector is where the rotor was caught.
+ * Where the estimate is lost the reference tells the speed. Below RUN a load may drive the rotor on
+ * while the vector is slow. In RUN the vector is where the rotor was caught.
  */
 TEST(test_a_fault_of_a_rotor_that_may_be_fast_shorts_the_motor_in_its_tick)
 {
@@ -1094,9 +1094,10 @@ TEST(test_position_command_is_reached_by_a_motor_in_both_directions)
 }
 
 /*
- * One slow period. The profile keeps its own ramp. The reference adds the correction of the lag, which grows by
- * gain·lag·period, 3.1 % of the lag of the speed, in a period. The bridge takes three periods to the torque of the ramp: until then
- * the rotor falls back by 1, 2/3 and 1/3 of a ramp, two in all.
+ * One slow period. The profile keeps its own ramp. The reference adds the correction of the lag,
+ * which grows by gain·lag·period, 3.1 % of the lag of the speed, in a period. The bridge takes
+ * three periods to the torque of the ramp: until then the rotor falls back by 1, 2/3 and 1/3 of a
+ * ramp, two in all.
  */
 static void run_without_bump(example_motor_t *m)
 {
@@ -1139,7 +1140,10 @@ TEST(test_change_to_position_mode_at_speed_has_no_bump_and_comes_back_to_the_tar
     }
 }
 
-/* As after half a day at 1800 rpm. The zero is the start of the turn of the shaft that is nearest: half a turn of it is 1 electrical one. */
+/*
+ * As after half a day at 1800 rpm. The zero is the start of the turn of the shaft that is nearest:
+ * half a turn of it is 1 electrical one.
+ */
 TEST(test_a_change_to_position_mode_unwinds_no_turn_that_speed_control_has_made)
 {
     static const int64_t turns[] = {1000000, -1000000, 1000000001};
@@ -1429,7 +1433,9 @@ TEST(test_a_device_drop_without_dead_time_is_given_back_to_the_legs_with_current
     TEST_ASSERT_INT_WITHIN(1, -DROP_COUNTS, out.compare.phase[2] - without.compare.phase[2]);
 }
 
-/* As if nothing were planned before: what RUN begins with fits its own reference, speed and model. */
+/*
+ * As if nothing were planned before: what RUN begins with fits its own reference, speed and model.
+ */
 TEST(test_run_begins_with_a_plan_of_its_current_control)
 {
     current_loop_t fresh;

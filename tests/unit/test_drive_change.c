@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Another configuration while the drive runs: what it keeps, what it computes anew, and when it begins anew. */
+/*
+ * Another configuration while the drive runs: what it keeps, what it computes anew, and when it
+ * begins anew.
+ */
 #include "any_state.h"
 #include "config_change.h"
 #include "config_check.h"
@@ -110,7 +113,10 @@ TEST(test_the_same_configuration_changes_nothing_but_its_place)
     }
 }
 
-/* What a recording says of a change is its CRC: whoever follows the drive by its inputs sees none here. */
+/*
+ * What a recording says of a change is its CRC: whoever follows the drive by its inputs sees none
+ * here.
+ */
 TEST(test_the_same_configuration_leaves_the_hash_of_the_state)
 {
     const drive_t before = drive;
@@ -237,7 +243,10 @@ TEST(test_every_part_takes_the_change_over)
 
 /* ---- a measurement that is under way ---- */
 
-/* Whatever has changed: with other pulses its sums would be of both, and what was pulsed to one side would not be pulsed back. */
+/*
+ * Whatever has changed: with other pulses its sums would be of both, and what was pulsed to one
+ * side would not be pulsed back.
+ */
 TEST(test_an_alignment_measures_again)
 {
     go_to(DRIVE_STATE_ALIGN);
@@ -298,13 +307,13 @@ static next_t next_tick_of(drive_t copy)
 }
 
 /*
- * A motor that is 10 % another one. Without the integrals the voltage would jump by a tenth of R·i + ω·φ, 4 V or 300 LSB.
- * What is left are six products that are rounded down.
+ * A motor that is 10 % another one. Without the integrals the voltage would jump by a tenth of R·i
+ * + ω·φ, 4 V or 300 LSB. What is left are six products that are rounded down.
  */
 #define JUMP_MAX (6)
 /*
- * The network's current changes by what its weights do in one tick: a tenth of ω·φ·T/L, 0.042 A or 34 LSB at 600 rpm, a
- * tenth of R·i·T/L, 5 LSB, and the roundings of its states.
+ * The network's current changes by what its weights do in one tick: a tenth of ω·φ·T/L, 0.042 A or
+ * 34 LSB at 600 rpm, a tenth of R·i·T/L, 5 LSB, and the roundings of its states.
  */
 #define NETWORK_MAX (42)
 
@@ -359,7 +368,9 @@ TEST(test_an_imposed_current_does_not_jump)
     assert_near(JUMP_MAX, before, next_tick_of(drive).voltage);
 }
 
-/* A filter that comes into force holds the torque current of now, not that of the beginning of RUN. */
+/*
+ * A filter that comes into force holds the torque current of now, not that of the beginning of RUN.
+ */
 TEST(test_a_torque_filter_begins_with_the_present_torque)
 {
     int32_t torque;
@@ -487,7 +498,10 @@ TEST(test_a_latched_fault_stays)
 
 /* ---- any state, any configuration ---- */
 
-/* Half of the rows that may change, anywhere in their ranges, as far as the rules between two settings allow it. */
+/*
+ * Half of the rows that may change, anywhere in their ranges, as far as the rules between two
+ * settings allow it.
+ */
 static void choose_change(void)
 {
     other = cfg;
@@ -506,7 +520,10 @@ static void choose_change(void)
     other.crc = config_guard_crc(&other);
 }
 
-/* The low bytes come first. Narrow words have a sign unless their range is above that of int32_t or is a byte. */
+/*
+ * The low bytes come first. Narrow words have a sign unless their range is above that of int32_t or
+ * is a byte.
+ */
 static int64_t word_of(const state_word_t *word)
 {
     int64_t value = 0;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The parts of the drive, called one by one on states put together by hand: what each begins with, what it looks at and
- * what it leaves behind. What a run shows only after long, or only together with other faults, is told here at once.
+ * The parts of the drive, called one by one on states put together by hand: what each begins with,
+ * what it looks at and what it leaves behind. What a run shows only after long, or only together
+ * with other faults, is told here at once.
  */
 #include "drive.h"
 #include "estimate.h"
@@ -153,7 +154,10 @@ TEST(test_a_run_begins_with_nothing_counted)
     }
 }
 
-/* Whatever slot falls on the tick of the start: it has measured nothing that a motion loop could use. */
+/*
+ * Whatever slot falls on the tick of the start: it has measured nothing that a motion loop could
+ * use.
+ */
 TEST(test_a_start_moves_nothing_in_its_own_tick)
 {
     cfg.startup.current_hold = 0;
@@ -299,7 +303,10 @@ TEST(test_a_hand_over_begins_to_count_and_counts_each_period)
     TEST_ASSERT_EQUAL_UINT32(1U, drive.attempts);
 }
 
-/* It may be lost again at once: failed starts count until RUN has lasted, 100 times as long as a rotor is lost for. */
+/*
+ * It may be lost again at once: failed starts count until RUN has lasted, 100 times as long as a
+ * rotor is lost for.
+ */
 TEST(test_failed_starts_are_forgotten_when_run_has_lasted_and_not_before)
 {
     const uint32_t lasting = 100U * cfg.startup.lost_periods;
@@ -332,7 +339,10 @@ TEST(test_a_start_that_fails_counts_the_time_of_run_anew)
     TEST_ASSERT_EQUAL_UINT32(0U, drive.held_periods);
 }
 
-/* One period in HANDOVER, whose vector of 3000 lies 30° ahead of the rotor. Returns what the vector's ramp feeds forward. */
+/*
+ * One period in HANDOVER, whose vector of 3000 lies 30° ahead of the rotor. Returns what the
+ * vector's ramp feeds forward.
+ */
 static int32_t hand_over_with(step_t change)
 {
     const step_t reference = cfg.startup.handover_speed + change;
@@ -411,9 +421,10 @@ TEST(test_a_rotor_is_lost_when_periods_above_the_limit_outweigh_those_below)
 /* ---- the hand-back ---- */
 
 /*
- * From RUN, slow and with the imposed current faded in, the rotor at an eighth of a turn, all currents others than before.
- * They are as long as before, and in the frame, which has turned forwards from the rotor by the angle of the reference:
- * that of the torque current that the speed loop has just set.
+ * From RUN, slow and with the imposed current faded in, the rotor at an eighth of a turn, all
+ * currents others than before. They are as long as before, and in the frame, which has turned
+ * forwards from the rotor by the angle of the reference: that of the torque current that the speed
+ * loop has just set.
  */
 TEST(test_the_hand_back_begins_with_what_flows_and_nothing_older)
 {
@@ -471,7 +482,10 @@ TEST(test_the_residual_is_that_across_the_flux_and_at_rest_that_along_the_vector
 
 /* ---- the observer's static part ---- */
 
-/* rho has the sign of the speed that sets it: of the rotor's own speed `own`, or of the opposite one asked for. */
+/*
+ * rho has the sign of the speed that sets it: of the rotor's own speed `own`, or of the opposite
+ * one asked for.
+ */
 static void assert_rho_follows(step_t own, step_t speed)
 {
     enter(DRIVE_STATE_RUN);
@@ -494,7 +508,10 @@ TEST(test_the_static_part_follows_the_estimate_from_twice_the_hand_over_speed_on
 
 /* ---- ramp and profile under a torque that derating narrows ---- */
 
-/* One slow period in RUN, `change` of the reference asked for, the torque limited to `range`, the profile elsewhere. */
+/*
+ * One slow period in RUN, `change` of the reference asked for, the torque limited to `range`, the
+ * profile elsewhere.
+ */
 static void ramp_under(torque_range_t range, step_t change)
 {
     enter(DRIVE_STATE_RUN);
@@ -588,7 +605,10 @@ static step_t estimate_after(step_t begun, step_t change, int32_t share_q14)
     return drive.observer.speed;
 }
 
-/* Within a quarter of the hand-over speed of the reference, which begins at 0, the rotor follows it. */
+/*
+ * Within a quarter of the hand-over speed of the reference, which begins at 0, the rotor follows
+ * it.
+ */
 TEST(test_the_estimate_of_a_rotor_that_is_elsewhere_is_left_alone)
 {
     const step_t near = cfg.startup.handover_speed / 4;
@@ -652,7 +672,10 @@ TEST(test_the_least_current_comes_with_its_slope_and_goes_with_its_own)
     TEST_ASSERT_EQUAL_INT32(2000, current_d_after(2000, 2000));
 }
 
-/* i_d* after one slow period at a speed whose EMF is a sixteenth above the bus of setUp(), with this demand. */
+/*
+ * i_d* after one slow period at a speed whose EMF is a sixteenth above the bus of setUp(), with
+ * this demand.
+ */
 static int32_t current_d_beyond_base_speed(dq_t demand)
 {
     const int32_t limit = modulator_limit(&cfg.modulator, drive.signals.bus);
@@ -901,8 +924,9 @@ static int32_t dead_time_after_an_alignment_at(int64_t angle)
 }
 
 /*
- * R = 512·(v_h − v_l)/(i_h − i_l) says 800 − 0.2·1500 = 500 of 1000 at zero current: far above the compensation. A vector off
- * the axis of phase a loads the legs otherwise: after a catch the rotor is held where it came to rest.
+ * R = 512·(v_h − v_l)/(i_h − i_l) says 800 − 0.2·1500 = 500 of 1000 at zero current: far above the
+ * compensation. A vector off the axis of phase a loads the legs otherwise: after a catch the rotor
+ * is held where it came to rest.
  */
 TEST(test_what_the_alignment_finds_lost_corrects_the_dead_time_within_its_limits)
 {
@@ -937,7 +961,10 @@ TEST(test_each_further_attempt_sweeps_the_other_way)
 
 /* ---- the compensation of an imposed current ---- */
 
-/* Counts by which the leg of phase a is driven longer, without a voltage. Half a period is timer_counts / 2. */
+/*
+ * Counts by which the leg of phase a is driven longer, without a voltage. Half a period is
+ * timer_counts / 2.
+ */
 static int32_t compensated_a(int32_t reference, int32_t mean)
 {
     frame_t frame;
@@ -1030,7 +1057,10 @@ TEST(test_with_a_load_run_goes_down_to_the_loaded_speed)
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, after_a_period_at(settled + 1, load));
 }
 
-/* A position profile still brakes at three quarters. Below half a load angle holds the position, whatever the load. */
+/*
+ * A position profile still brakes at three quarters. Below half a load angle holds the position,
+ * whatever the load.
+ */
 TEST(test_the_hand_back_of_a_position_profile_waits_for_half_of_the_hold_speed)
 {
     const step_t half = cfg.startup.hold_speed / 2;
@@ -1068,7 +1098,10 @@ TEST(test_the_voltage_drive_takes_over_after_its_periods_and_counts_anew)
     TEST_ASSERT_EQUAL_UINT32(0U, drive.voltage_drive.end_periods);
 }
 
-/* A fiftieth of the speed is missing: 113 LSB of proportional part; 1 of integral a period, and 1 for each of four roundings. */
+/*
+ * A fiftieth of the speed is missing: 113 LSB of proportional part; 1 of integral a period, and 1
+ * for each of four roundings.
+ */
 TEST(test_the_voltage_drive_begins_with_the_voltage_that_acts_whatever_speed_is_missing)
 {
     int32_t begun;
@@ -1123,7 +1156,10 @@ TEST(test_the_voltage_drive_gives_back_after_its_periods_and_current_control_cou
 
 /* ---- the torque filter ---- */
 
-/* A speed loop that asks for `current`, and a low-pass at `begun` that takes over half of a change in a period. */
+/*
+ * A speed loop that asks for `current`, and a low-pass at `begun` that takes over half of a change
+ * in a period.
+ */
 static void filter_torque(int32_t current, int32_t begun, int32_t limit)
 {
     cfg.torque_filter = (torque_filter_cfg_t){.smooth_rate_q15 = 16384};
@@ -1351,7 +1387,10 @@ static void look_at_phases(uint32_t count)
     }
 }
 
-/* Phase a stands still and b swings for this many half turns of the rotor, and of the imposed vector. */
+/*
+ * Phase a stands still and b swings for this many half turns of the rotor, and of the imposed
+ * vector.
+ */
 static void turn_with_a_dead_phase(int32_t of_rotor, int32_t of_vector)
 {
     const int32_t samples = 10; /* a half turn; an arc is of 8 at least */
@@ -1367,7 +1406,10 @@ static void turn_with_a_dead_phase(int32_t of_rotor, int32_t of_vector)
     }
 }
 
-/* In RUN the rotor's angle counts, below it that of the imposed vector, which the other has not to follow. */
+/*
+ * In RUN the rotor's angle counts, below it that of the imposed vector, which the other has not to
+ * follow.
+ */
 TEST(test_phases_are_watched_over_the_turns_of_what_turns_in_this_state)
 {
     const struct {
@@ -1482,7 +1524,9 @@ TEST(test_the_torques_limits_follow_the_rotor_where_it_runs_and_the_vector_where
     TEST_ASSERT_EQUAL_INT32(0, drive.torque_range.upper);
 }
 
-/* A rotor that stands at full torque is stalled in either direction, and not with one LSB to spare. */
+/*
+ * A rotor that stands at full torque is stalled in either direction, and not with one LSB to spare.
+ */
 TEST(test_a_stall_is_told_from_either_limit_of_the_torque)
 {
     const int32_t torques[] = {8192, -8192, 8191, -8191};
@@ -1517,8 +1561,8 @@ static void swing_for(uint32_t periods)
     }
 }
 
-#define SWING_FOUND \
-    (650U) /* 20 half-waves of 25, three more to begin with, and the end of the last */
+/* 20 half-waves of 25, three more to begin with, and the end of the last */
+#define SWING_FOUND (650U)
 
 TEST(test_a_swing_in_run_is_a_fault_with_its_amplitude)
 {
@@ -1569,7 +1613,10 @@ TEST(test_a_swing_of_the_voltage_drive_is_a_fault_at_once)
     TEST_ASSERT_EQUAL_UINT32(0U, drive.speed_loop.halvings);
 }
 
-/* In position control the reference of the speed follows the measured position: a swing of it is none that is asked for. */
+/*
+ * In position control the reference of the speed follows the measured position: a swing of it is
+ * none that is asked for.
+ */
 TEST(test_a_swing_in_position_control_is_found_while_the_profile_rests_and_only_then)
 {
     for (int32_t profile = 0; profile <= 100; profile += 100) {

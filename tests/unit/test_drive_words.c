@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The state as words: none is missed, none is the machine's, and each goes back to where it came from.
+ * The state as words: none is missed, none is the machine's, and each goes back to where it came
+ * from.
  */
 #include "drive_words.h"
 #include "testing.h"
@@ -9,9 +10,10 @@
 #include <string.h>
 
 /*
- * Bytes of drive_t on a 64-bit PC that belong to the machine: the pointer to the configuration, the rest of the
- * words of the mode, of the count of the slow period and of five flags, and where 64-bit fields ask for alignment a word: before the position loop,
- * before and in the vector, in the angle sensor, at the end.
+ * Bytes of drive_t on a 64-bit PC that belong to the machine: the pointer to the configuration, the
+ * rest of the words of the mode, of the count of the slow period and of five flags, and where
+ * 64-bit fields ask for alignment a word: before the position loop, before and in the vector, in
+ * the angle sensor, at the end.
  */
 #define FLAGS_AND_BYTES (7U)
 #define BYTE_PADDING (FLAGS_AND_BYTES * 3U)

@@ -99,13 +99,19 @@ static flying_start_result_t look_from(double speed, double angle, int32_t noise
     return look(&m, noise);
 }
 
-/* Of a current of so many LSB rounding and noise turn the direction by (½ + noise)·√2 of it; atan2 2^-17 turn. */
+/*
+ * Of a current of so many LSB rounding and noise turn the direction by (½ + noise)·√2 of it; atan2
+ * 2^-17 turn.
+ */
 static double direction_error(double current, double noise)
 {
     return (((0.5 + noise) * 1.4143) / current) + (TWO_PI / 131072.0);
 }
 
-/* Least current at the end of a pulse: that at which it ends, or what 8 ticks give, less R·t/L/2 of it. */
+/*
+ * Least current at the end of a pulse: that at which it ends, or what 8 ticks give, less R·t/L/2 of
+ * it.
+ */
 static double least_current(double speed)
 {
     const double per_tick = fabs(speed) * FLUX / INDUCTANCE * PERIOD_S / CURRENT_LSB_A;
@@ -120,8 +126,9 @@ typedef struct {
 } worst_t;
 
 /*
- * Speed: two directions, over the time between both pulses. Angle: one direction, and the mean of the EMF lies
- * R·t²/(12·L)·ω behind the middle of the pulse, t ≤ 0.8 ms; the speed's error times half the pulse.
+ * Speed: two directions, over the time between both pulses. Angle: one direction, and the mean of
+ * the EMF lies R·t²/(12·L)·ω behind the middle of the pulse, t ≤ 0.8 ms; the speed's error times
+ * half the pulse.
  */
 static void look_at(double speed, double angle, int32_t noise, worst_t *worst)
 {
@@ -167,10 +174,10 @@ TEST(test_noise_of_a_count_turns_the_directions_and_nothing_else)
 }
 
 /*
- * Two directions give the speed and two magnitudes the current; each magnitude is off by half a count in both axes. While the
- * current rises the EMF turns: of a pulse that turns by x the sum of the EMF is 1 − x²/24 of that of a rotor that rests,
- * x ≤ 0.1 here. R is written as that of L = 1: of a pulse of t it takes R·t/(2·L), 0.075 at most, which another L makes 0.7 to 1.5
- * times that.
+ * Two directions give the speed and two magnitudes the current; each magnitude is off by half a
+ * count in both axes. While the current rises the EMF turns: of a pulse that turns by x the sum of
+ * the EMF is 1 − x²/24 of that of a rotor that rests, x ≤ 0.1 here. R is written as that of L = 1:
+ * of a pulse of t it takes R·t/(2·L), 0.075 at most, which another L makes 0.7 to 1.5 times that.
  */
 static double inductance_tolerance(double speed, double ratio)
 {
@@ -388,7 +395,10 @@ static step_t speed_of_live_current(double turn, int32_t noise)
     return start.speed;
 }
 
-/* The directions of the first current and of the last are off by noise and rounding, which counts over all ticks. */
+/*
+ * The directions of the first current and of the last are off by noise and rounding, which counts
+ * over all ticks.
+ */
 TEST(test_a_current_that_does_not_end_tells_its_speed)
 {
 
@@ -439,8 +449,8 @@ static flying_start_result_t judge(double current, double turned_rad)
 }
 
 /*
- * A twentieth of a turn in 9 ticks: 23860929 steps, for which φ/L·ω·T, less what R takes in a tick, is 945.3 LSB. A quarter of
- * a turn: 119304647 steps, for which that is 4726 LSB, rounded down.
+ * A twentieth of a turn in 9 ticks: 23860929 steps, for which φ/L·ω·T, less what R takes in a tick,
+ * is 945.3 LSB. A quarter of a turn: 119304647 steps, for which that is 4726 LSB, rounded down.
  */
 TEST(test_a_current_that_the_speed_explains_within_a_factor_of_two_is_believed)
 {

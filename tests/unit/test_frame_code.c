@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The code of frames: what was coded comes back, it is short where it should be, and no bytes do harm. */
+/*
+ * The code of frames: what was coded comes back, it is short where it should be, and no bytes do
+ * harm.
+ */
 #include "frame_code.h"
 #include "seeded.h"
 #include "testing.h"
@@ -13,7 +16,10 @@
 #define CHANGE_MARK (0x8000U)
 #define TURN_RAD (6.283185307179586)
 
-/* In bits: five modes; the first frame with a bit in front and five lengths; an escape for each channel. */
+/*
+ * In bits: five modes; the first frame with a bit in front and five lengths; an escape for each
+ * channel.
+ */
 #define MODES (5U * 6U)
 #define FIRST_MAX (1U + (5U * (5U + 16U)))
 #define NEXT_MAX (5U * (11U + 16U))
@@ -125,7 +131,10 @@ TEST(test_frames_that_do_not_change_take_no_more_than_the_first_one)
     TEST_ASSERT_LESS_OR_EQUAL_UINT32((MODES + FIRST_MAX + 7U) / 8U, round_trip(MAX));
 }
 
-/* As with a sensor at a constant speed: a bit for each frame, and some more where the second differs from the first. */
+/*
+ * As with a sensor at a constant speed: a bit for each frame, and some more where the second
+ * differs from the first.
+ */
 TEST(test_an_angle_that_advances_evenly_takes_a_bit_a_frame)
 {
     for (uint32_t k = 0U; k < MAX; k++) {
@@ -151,9 +160,10 @@ static uint32_t count_of(double value)
 }
 
 /*
- * 4 A of 20 A at 50 Hz of 10 kHz, 12 bits, noise of 1 count rms on currents and bus. A difference of two such values has 2.55
- * bits (log2(√2·√(2πe))) and a Rice code of a normal one some 0.2 more: 3 channels are 1.03 bytes; what the sine bends and the
- * first values, 0.12 bytes, come on top of it. What the line bears is 1.9.
+ * 4 A of 20 A at 50 Hz of 10 kHz, 12 bits, noise of 1 count rms on currents and bus. A difference
+ * of two such values has 2.55 bits (log2(√2·√(2πe))) and a Rice code of a normal one some 0.2 more:
+ * 3 channels are 1.03 bytes; what the sine bends and the first values, 0.12 bytes, come on top of
+ * it. What the line bears is 1.9.
  */
 TEST(test_a_running_motor_with_noise_takes_no_more_than_1_9_bytes_a_tick)
 {
@@ -346,7 +356,10 @@ TEST(test_the_last_mode_there_is_has_a_code)
 #define BEFORE_14 (15U)
 #define LINE_14 (15U + 15U)
 
-/* The prediction as the head of frame_code.c says it, of what the last values are: before[0] is the value before. */
+/*
+ * The prediction as the head of frame_code.c says it, of what the last values are: before[0] is the
+ * value before.
+ */
 static int32_t predicted(uint32_t mode, const int32_t before[4])
 {
     int32_t value = before[0];
@@ -359,7 +372,10 @@ static int32_t predicted(uint32_t mode, const int32_t before[4])
     return value;
 }
 
-/* A board of before sends the code to a PC of today: the values that these differences make stay the same. */
+/*
+ * A board of before sends the code to a PC of today: the values that these differences make stay
+ * the same.
+ */
 TEST(test_each_prediction_makes_the_values_that_it_is_said_to_make)
 {
     static const uint32_t modes[] = {BEFORE_14, LINE_14, SMOOTH_14};

@@ -10,8 +10,8 @@
 #define BAUD (115200U)
 #define FAST_BAUD (921600U) /* 9.2 bytes a tick: more than a FIFO holds */
 #define BYTES_PER_S (BAUD / 10U)
-#define LAST_ROOM \
-    (2U) /* bytes that leave in the last tick, which nobody fills up: 1.15, rounded up */
+/* bytes that leave in the last tick, which nobody fills up: 1.15, rounded up */
+#define LAST_ROOM (2U)
 
 static hal_host_line_t line;
 static hal_t hardware;
@@ -23,7 +23,10 @@ void setUp(void)
     hardware.line = &line;
 }
 
-/* Bytes that the board can send in a second, offered as a background does: once a tick, until there is no room. */
+/*
+ * Bytes that the board can send in a second, offered as a background does: once a tick, until there
+ * is no room.
+ */
 static uint32_t sent_in_a_second(void)
 {
     uint32_t bytes = 0U;

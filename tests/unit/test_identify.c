@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The identification as a whole: its lines and words with the drive behind them, its begin and its ends. */
+/*
+ * The identification as a whole: its lines and words with the drive behind them, its begin and its
+ * ends.
+ */
 #include "commander.h"
 #include "example_identify.h"
 #include "identify_rest.h"
@@ -246,7 +249,10 @@ TEST(test_a_drive_that_leaves_probe_by_another_command_ends_it)
     TEST_ASSERT_EQUAL_INT32(TARGET, command_mailbox_take(&app.mailbox).target);
 }
 
-/* Of the example: 20 s, and a largest current of 1.34 times the continuous one: 1.2 − 0.1 − 8/20 · 1.34² is 0.38. */
+/*
+ * Of the example: 20 s, and a largest current of 1.34 times the continuous one: 1.2 − 0.1 − 8/20 ·
+ * 1.34² is 0.38.
+ */
 TEST(test_it_waits_until_a_winding_that_may_be_warm_has_cooled)
 {
     app.drive.derating.heat_q24 = 0xE66666; /* 0.9 */
@@ -386,7 +392,9 @@ TEST(test_it_says_nothing_while_a_line_waits)
     TEST_ASSERT_EQUAL_STRING_LEN("= pulse", next_line(), 7U);
 }
 
-/* A fault that is cleared in the pass in which it is seen; or another link that commands the drive. */
+/*
+ * A fault that is cleared in the pass in which it is seen; or another link that commands the drive.
+ */
 TEST(test_another_request_than_its_own_is_left_to_the_user)
 {
     static const uint8_t requests[] = {DRIVE_REQUEST_CLEAR, DRIVE_REQUEST_RUN};
@@ -412,7 +420,10 @@ static void assert_says_of(identify_phase_t phase, const char *line)
     TEST_ASSERT_EQUAL_STRING(line, pass());
 }
 
-/* 6.71875 A and the largest, and half of 2000 rpm with a third for swings: before each phase a person knows what the shaft will do. */
+/*
+ * 6.71875 A and the largest, and half of 2000 rpm with a third for swings: before each phase a
+ * person knows what the shaft will do.
+ */
 TEST(test_each_phase_is_told_before_it_begins)
 {
     begin();
@@ -708,7 +719,10 @@ TEST(test_a_vector_that_does_not_arrive_is_caught_twice_and_then_refused)
     assert_ended();
 }
 
-/* On a ramp with a bus that takes no braking power the reason is the bus, before the vector is caught again. */
+/*
+ * On a ramp with a bus that takes no braking power the reason is the bus, before the vector is
+ * caught again.
+ */
 TEST(test_a_ramp_that_waits_for_the_bus_too_long_names_the_bus)
 {
     for (uint32_t high = 0U; high < 2U; high++) {
@@ -850,7 +864,9 @@ static void expect_largest(identify_phase_t phase, uint32_t step, uint32_t slowe
     }
 }
 
-/* 5/4 of the continuous current, half way from the largest one to the fault, and the fault itself. */
+/*
+ * 5/4 of the continuous current, half way from the largest one to the fault, and the fault itself.
+ */
 TEST(test_a_current_beyond_that_of_the_phase_ends_it)
 {
     const int32_t fault = cfg.protection.current_max;

@@ -39,7 +39,10 @@ TEST(test_a_phase_begins_with_its_first_step_and_a_refusal_is_the_last_phase)
     TEST_ASSERT_EQUAL_UINT32(0U, identify.step);
 }
 
-/* L/8 a tick along the current as a mantissa and a shift; its integral 40 times slower, with 11 bits more. */
+/*
+ * L/8 a tick along the current as a mantissa and a shift; its integral 40 times slower, with 11
+ * bits more.
+ */
 TEST(test_gains_follow_the_inductance_that_was_found)
 {
     identify.rest.inductance_q16 = 1441;

@@ -146,7 +146,10 @@ static int32_t pulse_after(uint32_t axis, dq_t peak)
     return identify.rest.pulse;
 }
 
-/* 344, 1/16 of the continuous current, wherever exchanged wires turn it: a quarter more of 88 follows, not twice as much. */
+/*
+ * 344, 1/16 of the continuous current, wherever exchanged wires turn it: a quarter more of 88
+ * follows, not twice as much.
+ */
 TEST(test_a_current_shows_in_any_direction_of_any_axis)
 {
     static const dq_t directions[] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
@@ -185,7 +188,10 @@ static void expect_next_pulse(int32_t pulse, int32_t peak, int32_t next, bool lo
     TEST_ASSERT_EQUAL((peak > 0) && !longer, identify.rest.fine);
 }
 
-/* 4515 and 2822 are the last ones of which a quarter more and twice as much are a quarter of the bus. */
+/*
+ * 4515 and 2822 are the last ones of which a quarter more and twice as much are a quarter of the
+ * bus.
+ */
 TEST(test_the_next_pulse_ends_at_a_quarter_of_the_bus)
 {
     TEST_ASSERT_EQUAL_INT32(5645 - 1, app.drive.signals.bus / 4);
@@ -210,7 +216,10 @@ static bool lags(int32_t fast, int32_t slow)
     return identify.rest.lag;
 }
 
-/* 5/4 of the current is right, and 13/8 of it iron's most. 86 is 1/64 of the continuous current: less is no answer. */
+/*
+ * 5/4 of the current is right, and 13/8 of it iron's most. 86 is 1/64 of the continuous current:
+ * less is no answer.
+ */
 TEST(test_sensors_follow_late_where_a_longer_pulse_has_much_more_current)
 {
     TEST_ASSERT_FALSE(lags(200, 250));
@@ -280,7 +289,10 @@ TEST(test_two_exchanged_phases_are_named)
     expect_verdict(names[0], (dq_t){1400, 0}, (dq_t){800, 801}, (dq_t){800, -801});
 }
 
-/* A reversed sensor of a, both reversed, wires exchanged in a circle: the current lies along none of the pulses. */
+/*
+ * A reversed sensor of a, both reversed, wires exchanged in a circle: the current lies along none
+ * of the pulses.
+ */
 TEST(test_three_axes_that_are_turned_are_refused)
 {
     const char *const why = "a current sensor is reversed, or the wires or the sensors of all "
@@ -294,7 +306,10 @@ TEST(test_three_axes_that_are_turned_are_refused)
 
 /* ---- CATCH ---- */
 
-/* A small current rises, the vector turns in two quarters, the rest of the current follows; then it looks. */
+/*
+ * A small current rises, the vector turns in two quarters, the rest of the current follows; then it
+ * looks.
+ */
 TEST(test_the_rotor_is_caught_half_a_turn_away_and_taken_along)
 {
     static const int32_t eighths[] = {1, 2, 2, 2, 3, 4, 5, 6, 7, 8, 8};
@@ -344,7 +359,10 @@ TEST(test_a_rotor_at_rest_goes_on_and_one_that_never_rests_is_refused)
     TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
 }
 
-/* With half as much current again, where it is caught first. One that was lost in the experiments has been tried. */
+/*
+ * With half as much current again, where it is caught first. One that was lost in the experiments
+ * has been tried.
+ */
 TEST(test_a_salient_rotor_is_tried_once)
 {
     identify.rest.unlike = 500;
@@ -583,7 +601,10 @@ static void leave_still(const int32_t *resistances, int32_t unsteady)
     (void)identify_rest_plan_still(&identify);
 }
 
-/* A phase of 640 or 280 beside two of 1000: 33/256 explain 515. Up to 32 they are a winding that gets warm. */
+/*
+ * A phase of 640 or 280 beside two of 1000: 33/256 explain 515. Up to 32 they are a winding that
+ * gets warm.
+ */
 TEST(test_a_rotor_that_moves_is_the_reason_only_as_far_as_its_motion_explains)
 {
     static const int32_t unlike[IDENTIFY_AXES] = {940, 940, 760};
@@ -679,7 +700,10 @@ static const char *refusal_at_rest(uint32_t axis, int32_t a, int32_t b)
     return identify.why;
 }
 
-/* Nothing flows along its axis, less than 1/8 of what was asked for; along another one it has less than 1/8 of the largest. */
+/*
+ * Nothing flows along its axis, less than 1/8 of what was asked for; along another one it has less
+ * than 1/8 of the largest.
+ */
 TEST(test_a_phase_that_opens_under_a_current_is_the_reason)
 {
     TEST_ASSERT_EQUAL_STRING("phase a is open", refusal_at_rest(0U, 999, -500));
@@ -720,7 +744,10 @@ static void plan_burst(uint32_t burst)
     TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
 }
 
-/* Twice the same ten. The slow ones have half of the voltage of those before, and twice their ticks. */
+/*
+ * Twice the same ten. The slow ones have half of the voltage of those before, and twice their
+ * ticks.
+ */
 TEST(test_bursts_have_their_shares_of_current_along_and_across_another_one)
 {
     static const int32_t bias[] = {800, 1600, 1600, 500, 300, 200, 200, 200, 200, 800};
@@ -781,7 +808,10 @@ static void answer_across(int32_t current, int32_t inductance_q16, int32_t next_
     TEST_ASSERT_EQUAL_INT32(next_volts, word(PROBE_PULSE_Q));
 }
 
-/* Volts of the pulses before, and L for what is more. The first ones say nothing of L: the legs may take most of their volts. */
+/*
+ * Volts of the pulses before, and L for what is more. The first ones say nothing of L: the legs may
+ * take most of their volts.
+ */
 TEST(test_pulses_across_take_the_volts_of_those_before_and_the_inductance_of_the_change)
 {
     begin_bursts();

@@ -161,7 +161,10 @@ TEST(test_each_further_attempt_has_half_of_the_slope_and_any_speed_has_one)
     TEST_ASSERT_EQUAL_INT32(1, first_word(PROBE_RAMP));
 }
 
-/* 12/16 of 0.5485 of the bus, 9286: with 3000 across at a quarter of it 9272/3000 of that are there. */
+/*
+ * 12/16 of 0.5485 of the bus, 9286: with 3000 across at a quarter of it 9272/3000 of that are
+ * there.
+ */
 TEST(test_the_highest_speed_is_that_for_which_the_bus_is_there)
 {
     const double lsb = QUARTER / 3000.0;
@@ -183,7 +186,10 @@ static identify_phase_t phase_with(int32_t inductance_q16, int32_t flux_q14)
     return identify.phase;
 }
 
-/* 1/20 of the voltage at the highest speed: 12382/20 at 13981 is a flux of 725, and 4 are L·i; 77.7 at 1747. */
+/*
+ * 1/20 of the voltage at the highest speed: 12382/20 at 13981 is a flux of 725, and 4 are L·i; 77.7
+ * at 1747.
+ */
 TEST(test_a_rotor_that_does_not_turn_has_no_emf)
 {
     /* a highest speed below one of Q15 counts as one: 1/20 of the voltage is a flux of 619 */
@@ -203,7 +209,10 @@ TEST(test_a_rotor_that_does_not_turn_has_no_emf)
     TEST_ASSERT_EQUAL(IDENTIFY_SPIN, phase_with(INDUCTANCE, 725 + 4));
 }
 
-/* Of 100 times the inductance L·i is 442: 1768 of Q13 times 4128/2^14. Of 1000 times it is 4420, and 1/4 of that above it counts. */
+/*
+ * Of 100 times the inductance L·i is 442: 1768 of Q13 times 4128/2^14. Of 1000 times it is 4420,
+ * and 1/4 of that above it counts.
+ */
 TEST(test_the_voltage_of_the_inductance_is_no_emf)
 {
     TEST_ASSERT_EQUAL(IDENTIFY_CATCH, phase_with(100 * INDUCTANCE, 442 + 724));
@@ -311,8 +320,9 @@ TEST(test_the_first_ramp_of_a_further_attempt_has_half_of_the_slope_and_fits_its
 }
 
 /*
- * A low bus leaves 1791690 of the highest speed, half of which is far below the quarter where that shows: 3.0 s in a first
- * attempt, and twice as much in each further one. A vector that takes 5 s, and twice as much, is lost (identify.c).
+ * A low bus leaves 1791690 of the highest speed, half of which is far below the quarter where that
+ * shows: 3.0 s in a first attempt, and twice as much in each further one. A vector that takes 5 s,
+ * and twice as much, is lost (identify.c).
  */
 TEST(test_no_vector_moves_so_long_as_one_that_is_lost)
 {
@@ -365,7 +375,10 @@ TEST(test_half_of_the_current_comes_last)
     TEST_ASSERT_EQUAL_INT32(CURRENT, word(PROBE_CURRENT));
 }
 
-/* Of half of the current R·i is 389, and the legs lose 100: what is above it along the current is EMF. */
+/*
+ * Of half of the current R·i is 389, and the legs lose 100: what is above it along the current is
+ * EMF.
+ */
 static identify_phase_t phase_after_half(int32_t emf_d, int32_t emf_q)
 {
     spin_to(5U);
@@ -571,7 +584,10 @@ static int32_t swing_after(int32_t ramp, step_t low)
     return identify.turn.swing_ticks;
 }
 
-/* 1228 of 2^14 are 76 of the 307 that are enough: 16158 becomes 4000. A longer one ends its slope above half of the speed. */
+/*
+ * 1228 of 2^14 are 76 of the 307 that are enough: 16158 becomes 4000. A longer one ends its slope
+ * above half of the speed.
+ */
 TEST(test_a_ramp_of_more_than_400_ms_goes_less_far_down)
 {
     (void)swing_after(16158, TOP / 2);

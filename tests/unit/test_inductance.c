@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* L_d and L_q from a pulse and a step of the voltage: salient windings, a loaded rotor, any response. */
+/*
+ * L_d and L_q from a pulse and a step of the voltage: salient windings, a loaded rotor, any
+ * response.
+ */
 #include "example_cfg.h"
 #include "figure.h"
 #include "inductance.h"
@@ -96,7 +99,10 @@ static vector_t turned(vector_t v, double angle)
                       (v.q * cos(angle)) - (v.d * sin(angle))};
 }
 
-/* One period, rotor at rest. L·di/dt = v − R·i in the frame of the rotor; i and v are in that of the vector. */
+/*
+ * One period, rotor at rest. L·di/dt = v − R·i in the frame of the rotor; i and v are in that of
+ * the vector.
+ */
 static vector_t period(const winding_t *w, vector_t i, vector_t v)
 {
     const double angle = w->angle_deg * RAD_PER_DEG;
@@ -150,9 +156,10 @@ static double worst_d; /* as shares of their bounds */
 static double worst_q;
 
 /*
- * Half a count of the converter, 4 LSB, in each sample: ΔL_d/L_d from two samples of the fall. In the pulse four samples count
- * once, twice, twice and once. Euler's steps, and the trapezoid of R·i: (R·T/L)²/12 of the share of R·i, below 0.1 %. Q14 and
- * Q13 are exact to 0.02 %. An angle mixes both, and the root of the cross response: the errors add.
+ * Half a count of the converter, 4 LSB, in each sample: ΔL_d/L_d from two samples of the fall. In
+ * the pulse four samples count once, twice, twice and once. Euler's steps, and the trapezoid of
+ * R·i: (R·T/L)²/12 of the share of R·i, below 0.1 %. Q14 and Q13 are exact to 0.02 %. An angle
+ * mixes both, and the root of the cross response: the errors add.
  */
 static void check(const winding_t *w)
 {
@@ -208,7 +215,10 @@ TEST(test_a_loaded_rotor_off_the_vector_is_measured_in_its_own_axes)
     figure_check("L_q/L_d off the vector, as a share of its bound", worst_q, 1.0, 0.2);
 }
 
-/* A gimbal motor's winding: 7 times the resistance, R·T/L = 0.13; the pulse does not reach its height. */
+/*
+ * A gimbal motor's winding: 7 times the resistance, R·T/L = 0.13; the pulse does not reach its
+ * height.
+ */
 TEST(test_a_winding_that_decays_within_the_pulse_is_measured)
 {
     worst_d = 0.0;
@@ -254,7 +264,10 @@ TEST(test_rotor_gets_no_momentum_and_the_current_across_comes_back)
     }
     /* 0.3 of the current, less what R·i takes in three ticks and in six. */
     TEST_ASSERT_DOUBLE_WITHIN(0.1 * 2.4, 2.4, highest);
-    /* R·t/L of a quarter is 0.055: to first order both vanish, to second 0.055² of the height and of its area are left. */
+    /*
+     * R·t/L of a quarter is 0.055: to first order both vanish, to second 0.055² of the height and
+     * of its area are left.
+     */
     TEST_ASSERT_DOUBLE_WITHIN(2.0 * 0.055 * 0.055 * 2.4, 0.0, current.q);
     TEST_ASSERT_DOUBLE_WITHIN(0.055 * 2.4 * 6.0, 0.0, momentum);
 }
@@ -307,7 +320,10 @@ TEST(test_a_cross_response_that_no_winding_has_leaves_the_saliency_unknown)
     TEST_ASSERT_EQUAL_INT32(INDUCTANCE_UNKNOWN, inductance_result(&test, &cfg, 0).saliency_q13);
 }
 
-/* Twice the mean of 4 ticks, 8·5000: with R = 10904 it takes 5000·10904/8192 = 6655, the whole step. */
+/*
+ * Twice the mean of 4 ticks, 8·5000: with R = 10904 it takes 5000·10904/8192 = 6655, the whole
+ * step.
+ */
 TEST(test_when_the_resistance_takes_the_whole_voltage_nothing_is_known)
 {
     test.step.change.d = cfg.step_response;
@@ -416,7 +432,10 @@ TEST(test_what_is_expected_follows_the_voltage_that_the_resistance_leaves)
                 16384, INDUCTANCE_UNKNOWN);
 }
 
-/* Bound 262143; expected 513·511 = 262143 and 16384·16 = 262144: a change of one more or less is seen. */
+/*
+ * Bound 262143; expected 513·511 = 262143 and 16384·16 = 262144: a change of one more or less is
+ * seen.
+ */
 TEST(test_changes_end_at_18_bits)
 {
     response_t step = unit;

@@ -92,7 +92,10 @@ TEST(test_the_winding_counts_as_warm_where_no_valid_words_were_kept)
     }
 }
 
-/* A reset may come while one copy is written: each bit of it may be wrong, and the other one counts. */
+/*
+ * A reset may come while one copy is written: each bit of it may be wrong, and the other one
+ * counts.
+ */
 TEST(test_a_copy_that_is_broken_is_none_and_the_other_one_counts)
 {
     const drive_cfg_t image = cfg;

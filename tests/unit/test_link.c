@@ -747,7 +747,10 @@ TEST(test_a_recording_of_a_fault_is_kept_and_no_stream_begins_before_it_is_given
     TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, app.drive.state);
 }
 
-/* A run, some other message, and what comes between them; then the run once more, as a line that delays makes of it. */
+/*
+ * A run, some other message, and what comes between them; then the run once more, as a line that
+ * delays makes of it.
+ */
 static void assert_late_run(const char *between)
 {
     uint8_t body[10];
@@ -783,7 +786,10 @@ TEST(test_a_run_of_before_a_hello_starts_nothing)
     assert_verdict(COMMANDER_STALE, LINK_COMMAND, body, sizeof body);
 }
 
-/* An adapter may hold a message back while the board is switched off and on. Each session of a PC has another salt. */
+/*
+ * An adapter may hold a message back while the board is switched off and on. Each session of a PC
+ * has another salt.
+ */
 TEST(test_a_run_of_before_the_board_was_switched_off_starts_nothing)
 {
     static const uint8_t again[] = {LINK_VERSION, 0x79U, 0x56U, 0x34U, 0x12U};
@@ -795,7 +801,10 @@ TEST(test_a_run_of_before_the_board_was_switched_off_starts_nothing)
     assert_verdict(COMMANDER_STALE, LINK_COMMAND, body, sizeof body);
 }
 
-/* The line was a person's meanwhile. The hello is the same, as a line that delays makes of it, and makes no ticket itself. */
+/*
+ * The line was a person's meanwhile. The hello is the same, as a line that delays makes of it, and
+ * makes no ticket itself.
+ */
 TEST(test_a_run_of_before_a_pause_starts_nothing)
 {
     uint8_t body[10];

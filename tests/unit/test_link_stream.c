@@ -154,8 +154,9 @@ TEST(test_before_the_ring_has_a_segment_the_stream_waits_for_it)
 }
 
 /*
- * A message holds 64 entries at most, and so 100 ticks for each are too many. On a line that is slower yet the ring loses a segment
- * before its message has left: this reader looks into the ring only then.
+ * A message holds 64 entries at most, and so 100 ticks for each are too many. On a line that is
+ * slower yet the ring loses a segment before its message has left: this reader looks into the ring
+ * only then.
  */
 TEST(test_a_line_that_is_too_slow_leaves_ticks_out_and_says_how_many)
 {

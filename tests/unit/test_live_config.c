@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The block in force and the one that is prepared: what takes its place, when, and what is refused with which words. */
+/*
+ * The block in force and the one that is prepared: what takes its place, when, and what is refused
+ * with which words.
+ */
 #include "commander.h"
 #include "config_guard.h"
 #include "example_app.h"
@@ -167,7 +170,10 @@ TEST(test_an_apply_that_is_asked_for_again_has_the_same_verdict_and_no_effect)
     TEST_ASSERT_FALSE(app_changes(&app));
 }
 
-/* Whoever asks for a block that he has not written must not take the verdict about another one for its own. */
+/*
+ * Whoever asks for a block that he has not written must not take the verdict about another one for
+ * its own.
+ */
 TEST(test_only_the_crc_of_the_last_apply_has_its_verdict_again)
 {
     want_gain();
@@ -327,7 +333,10 @@ TEST(test_the_configuration_of_the_image_is_locked_too_while_the_drive_runs)
     assert_verdict(NULL, NULL, live_config_restore(&live));
 }
 
-/* Twice as wide as at the start, and no step further; what was unlocked is where the next steps begin. */
+/*
+ * Twice as wide as at the start, and no step further; what was unlocked is where the next steps
+ * begin.
+ */
 TEST(test_many_small_steps_take_no_limit_away)
 {
     wanted.cfg.supervision.overspeed *= 2;

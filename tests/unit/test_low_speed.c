@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Start-up and low speed: the sequence of states with a motor, stops and faults in each of them, any frame. */
+/*
+ * Start-up and low speed: the sequence of states with a motor, stops and faults in each of them,
+ * any frame.
+ */
 #include "driven_motor.h"
 #include "fault_frames.h"
 #include "seeded.h"
@@ -176,8 +179,9 @@ TEST(test_a_high_speed_is_reached_through_hand_over_and_handed_back_to_come_to_r
 }
 
 /*
- * The bearing's friction is only viscous, so nothing but the ripple keeps the rotor from the vector: a count of
- * the converter, 10 mA of 8 A, is 0.07°; of the swing, damped with 0.7 at 79 rad/s, nothing is left after 1 s.
+ * The bearing's friction is only viscous, so nothing but the ripple keeps the rotor from the
+ * vector: a count of the converter, 10 mA of 8 A, is 0.07°; of the swing, damped with 0.7 at 79
+ * rad/s, nothing is left after 1 s.
  */
 #define ALIGNED_RAD (0.2 * EXAMPLE_PI / 180.0)
 
@@ -198,9 +202,10 @@ TEST(test_alignment_brings_the_rotor_from_every_angle_to_the_angle_of_the_frame)
 }
 
 /*
- * A motor that is as configured: R within 1 %, for the voltage is rounded by the modulator to 1/8500 of 310 V,
- * 36 mV of 6.8 V between both levels, and the current by the converter, 10 mA of 3.2 A. L within 2 %: two
- * counts of the converter, 20 mA, of 3.2 A and the same again for the quantised voltage.
+ * A motor that is as configured: R within 1 %, for the voltage is rounded by the modulator to
+ * 1/8500 of 310 V, 36 mV of 6.8 V between both levels, and the current by the converter, 10 mA of
+ * 3.2 A. L within 2 %: two counts of the converter, 20 mA, of 3.2 A and the same again for the
+ * quantised voltage.
  */
 #define R_TOLERANCE (0.01)
 #define L_TOLERANCE (0.02)
@@ -266,8 +271,9 @@ static void catch_it(void)
 }
 
 /*
- * The converter's half a count is 4 LSB in both axes, 5.7 of the 670 LSB in which a pulse of two ticks ends: each direction is off by
- * 0.0085 rad at most, and each magnitude by as large a share. The rotor turns by 0.63 rad from one to the other: 3.6 % together.
+ * The converter's half a count is 4 LSB in both axes, 5.7 of the 670 LSB in which a pulse of two
+ * ticks ends: each direction is off by 0.0085 rad at most, and each magnitude by as large a share.
+ * The rotor turns by 0.63 rad from one to the other: 3.6 % together.
  */
 #define PULSE_L_TOLERANCE (0.036)
 #define TELLING_GAP (24U) /* pulses */
@@ -473,8 +479,8 @@ TEST(test_a_rotor_that_turns_when_its_start_is_repeated_is_caught)
 }
 
 #define TORN_RPM (300.0) /* 10 turns of the field a second */
-#define TORN_PERIODS \
-    (20U) /* of the 100 in a turn; the residual falls towards the end of each half */
+/* of the 100 in a turn; the residual falls towards the end of each half */
+#define TORN_PERIODS (20U)
 
 /* A load turns the rotor away under the vector; what else would notice that is switched off. */
 TEST(test_a_rotor_that_is_torn_from_the_vector_makes_the_start_begin_again)

@@ -15,8 +15,9 @@
 #define FAST (10000000)            /* above flux_speed_min */
 
 /*
- * Ratios are Q14: that of R rounded down from 1547ths, 1 of at least 0.5; 1/L rounded down, 1 of 0.74 and L as an
- * integer ½ of 0.65; that of φ likewise 1 of 0.75. Twice for L². Each product is rounded down: up to 2 of 1/L.
+ * Ratios are Q14: that of R rounded down from 1547ths, 1 of at least 0.5; 1/L rounded down, 1 of
+ * 0.74 and L as an integer ½ of 0.65; that of φ likewise 1 of 0.75. Twice for L². Each product is
+ * rounded down: up to 2 of 1/L.
  */
 #define RATIO_TOLERANCE ((2.0 + 1.4 + 1.4 + 0.8) / ONE_Q14)
 #define ROUNDING (1.0 + 2.0)
@@ -345,9 +346,9 @@ TEST(test_each_correction_is_switched_off_alone)
 #define KAPPA_SPEED (20000000) /* likewise >> 11 */
 
 /*
- * A speed is cut to 2^-13 of full_speed at least, and so is full_speed for the gain, whose rounding is 2^-14. The share and
- * each product with it are rounded down: 2^-14 of the share, 1 of the mantissa. η takes pace twice and κ once: three shares,
- * five products.
+ * A speed is cut to 2^-13 of full_speed at least, and so is full_speed for the gain, whose rounding
+ * is 2^-14. The share and each product with it are rounded down: 2^-14 of the share, 1 of the
+ * mantissa. η takes pace twice and κ once: three shares, five products.
  */
 #define SHARE_TOLERANCE ((2.0 / 8192.0) + (2.0 / ONE_Q14))
 #define SHARES_ROUNDING (5.0)
@@ -458,7 +459,10 @@ TEST(test_any_share_cfg_in_range_keeps_the_gains_in_range)
 
 /* ---- flux ---- */
 
-/* Slow periods beside a motor whose flux is `ratio` times the nominal; e'_d as an ideal observer shows it. */
+/*
+ * Slow periods beside a motor whose flux is `ratio` times the nominal; e'_d as an ideal observer
+ * shows it.
+ */
 static void track(double ratio, int32_t periods, step_t speed)
 {
     for (int32_t k = 0; k < periods; k++) {
@@ -484,7 +488,10 @@ TEST(test_flux_converges_to_that_of_the_motor_in_both_directions_of_rotation)
     }
 }
 
-/* flux_rate is 1 ms/50 ms; (1 − 0.02)^50 = 0.364 of the first error is left, e'_d rounded to LSB: ½ of 2733. */
+/*
+ * flux_rate is 1 ms/50 ms; (1 − 0.02)^50 = 0.364 of the first error is left, e'_d rounded to LSB: ½
+ * of 2733.
+ */
 TEST(test_flux_converges_with_its_time_constant)
 {
     track(0.9, 50, FAST);
@@ -616,7 +623,10 @@ static void configure_another(void)
     hold_loop.pi_d.kp++;
 }
 
-/* The same ratios on the new values, as if they had been measured then: no number is of the configuration before. */
+/*
+ * The same ratios on the new values, as if they had been measured then: no number is of the
+ * configuration before.
+ */
 TEST(test_a_change_is_what_the_same_ratios_make_of_the_new_values)
 {
     model_t fresh;

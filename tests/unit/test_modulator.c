@@ -15,8 +15,9 @@
 #define HALF_SQRT3 (0.8660254037844386)
 
 /*
- * Settled reciprocal, relative to 1/bus: a residue 1 − r·bus below 1/4096 is rounded down to 0, and half
- * an LSB of r ≥ 4096 from rounding the product. Documented is 2^-11 for any bus above 1/8, after 8 ticks.
+ * Settled reciprocal, relative to 1/bus: a residue 1 − r·bus below 1/4096 is rounded down to 0, and
+ * half an LSB of r ≥ 4096 from rounding the product. Documented is 2^-11 for any bus above 1/8,
+ * after 8 ticks.
  */
 #define SETTLED (1.5 / 4096.0)
 #define SETTLED_DOCUMENTED (2.0 / 4096.0)
@@ -28,9 +29,10 @@
 #define STEP_MARGIN ((0.6 + 1.0 + 0.5) / 4096.0)
 
 /*
- * Phase-to-phase voltage in Q15 of the bus. β·√3/2 rounded down 1, its constant 0.1 (28377.9 as 28378);
- * α/2 rounded down 0.5. b − c holds β·√3/2 twice: 2.2; the others once and α/2 once: 1.6. At the limit
- * radius 1/√3 that may exceed the bus by as much and is cut. Rounding to counts: ½ for each phase.
+ * Phase-to-phase voltage in Q15 of the bus. β·√3/2 rounded down 1, its constant 0.1 (28377.9 as
+ * 28378); α/2 rounded down 0.5. b − c holds β·√3/2 twice: 2.2; the others once and α/2 once: 1.6.
+ * At the limit radius 1/√3 that may exceed the bus by as much and is cut. Rounding to counts: ½ for
+ * each phase.
  */
 #define LINE_Q15 (2.2)
 #define LINE_COUNTS(timer) ((2.0 * LINE_Q15 * (timer) / ONE) + 1.0)
@@ -98,10 +100,16 @@ static void correct_at(int32_t bus, int32_t lost)
     (void)modulator_correct(&mod, &cfg, lost);
 }
 
-/* The reciprocal is within 2 LSB of 2^-12 of 1, lost and the ratio are rounded down by 1 each, ¾ of it by 1. */
+/*
+ * The reciprocal is within 2 LSB of 2^-12 of 1, lost and the ratio are rounded down by 1 each, ¾ of
+ * it by 1.
+ */
 #define CORRECTED_TOLERANCE(change) ((abs(change) * 2.0 / 4096.0) + 3.0)
 
-/* A vector along phase a: legs b and c have half of its current, each loses Δt_d/T·u_bus: 4/3 of it together. */
+/*
+ * A vector along phase a: legs b and c have half of its current, each loses Δt_d/T·u_bus: 4/3 of it
+ * together.
+ */
 TEST(test_dead_time_in_force_grows_by_three_quarters_of_the_lost_share_of_the_bus)
 {
     cfg.dead_time_q15 = 600;
@@ -390,11 +398,17 @@ TEST(test_largest_duty_is_full_up_to_16384_counts_and_one_count_short_above)
 
 #define BUS_310V (22573)
 
-/* What 2 µs and 1.2 V take from a leg at 310 V, in Q15: 655.4 and 126.8 less 0.7 for two roundings down. */
+/*
+ * What 2 µs and 1.2 V take from a leg at 310 V, in Q15: 655.4 and 126.8 less 0.7 for two roundings
+ * down.
+ */
 #define LOSS_Q15 (781)
 /* Of the current, from none to all of it: 32768/512 = 64, and one for the rounding. */
 #define EDGE_LSB (65)
-/* The share ends at 32767/32768 and the product is rounded down, 1; counts of 1/32767 are rounded, 1. */
+/*
+ * The share ends at 32767/32768 and the product is rounded down, 1; counts of 1/32767 are rounded,
+ * 1.
+ */
 #define SHARE_LSB (2)
 
 /* Timer of 32767 counts: a count is a LSB of the duty. */
@@ -494,9 +508,9 @@ TEST(test_nothing_is_given_back_within_the_ripple_and_everything_a_few_counts_ab
 }
 
 /*
- * r = ripple·(s − 9·u²) of the leg in the middle, found as the current from which on something is compensated.
- * s holds three roundings down and 9·u² nine, 12·16384/2^15 = 6; the first LSB of duty that shows takes
- * 2·2^15/(819·781) < 1 of current more, and r is rounded down.
+ * r = ripple·(s − 9·u²) of the leg in the middle, found as the current from which on something is
+ * compensated. s holds three roundings down and 9·u² nine, 12·16384/2^15 = 6; the first LSB of duty
+ * that shows takes 2·2^15/(819·781) < 1 of current more, and r is rounded down.
  */
 #define RIPPLE_LSB (8.0)
 
@@ -570,8 +584,9 @@ TEST(test_what_is_given_back_cannot_leave_duty_zero_to_one)
 }
 
 /*
- * u = √2, beyond the format: a leg that far out has no edges, so no ripple holds back what it is given. Its duty of
- * 1.56 = √2 + ½ − (√2 − √½)/2 less the loss 2^-2 + 2^-4·8 of a current backwards is below 1 again.
+ * u = √2, beyond the format: a leg that far out has no edges, so no ripple holds back what it is
+ * given. Its duty of 1.56 = √2 + ½ − (√2 − √½)/2 less the loss 2^-2 + 2^-4·8 of a current backwards
+ * is below 1 again.
  */
 TEST(test_a_leg_far_beyond_full_duty_is_given_back_all_within_the_ripple_of_others)
 {
@@ -589,7 +604,9 @@ TEST(test_a_leg_far_beyond_full_duty_is_given_back_all_within_the_ripple_of_othe
                              compare_with(ratio, current).phase[0]);
 }
 
-/* Both saturate in both axes, turned: √2. Half of the runs are at the ends, a quarter has no loss. */
+/*
+ * Both saturate in both axes, turned: √2. Half of the runs are at the ends, a quarter has no loss.
+ */
 TEST(test_duties_stay_between_zero_and_one_for_any_current_and_any_loss)
 {
     seeded_t seed = {0xD07E6U};

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Speed and position loops: ramp, limits, feed-forward, and the promises of the position profile. */
+/*
+ * Speed and position loops: ramp, limits, feed-forward, and the promises of the position profile.
+ */
 #include "example_cfg.h"
 #include "motion_loop.h"
 #include "seeded.h"
@@ -87,7 +89,10 @@ TEST(test_ramp_never_goes_beyond_the_largest_speed_for_any_target)
     }
 }
 
-/* Half of K_p and a quarter of K_i below the limit of the reference, whatever was measured; from there on those of before. */
+/*
+ * Half of K_p and a quarter of K_i below the limit of the reference, whatever was measured; from
+ * there on those of before.
+ */
 TEST(test_below_its_limit_the_loop_has_the_soft_gains)
 {
     const step_t limit = 1000000;
@@ -146,7 +151,10 @@ TEST(test_both_ends_of_any_range_are_reached)
     }
 }
 
-/* The integral ends where the demand does: what lies beyond would have to be unwound before the demand moves. */
+/*
+ * The integral ends where the demand does: what lies beyond would have to be unwound before the
+ * demand moves.
+ */
 TEST(test_an_integral_held_at_either_end_of_an_uneven_range_leaves_it_at_once)
 {
     static const torque_range_t ranges[] = {{0, 1000}, {-1000, 0}, {200, 1000}};
@@ -168,7 +176,10 @@ TEST(test_an_integral_held_at_either_end_of_an_uneven_range_leaves_it_at_once)
     }
 }
 
-/* 3 steps lifted by 2^14: 3·2^14·24576 / 2^16 = 18432 cut to the range; a step is 6144. From 2^16 steps on the lift ends. */
+/*
+ * 3 steps lifted by 2^14: 3·2^14·24576 / 2^16 = 18432 cut to the range; a step is 6144. From 2^16
+ * steps on the lift ends.
+ */
 TEST(test_a_change_is_lifted_where_a_step_takes_more_than_half_an_lsb)
 {
     static const step_t changes[] = {1, -1, 0, 3, -3, 65537, -65537, 0x20000000, -0x20000000};
@@ -264,8 +275,11 @@ TEST(test_start_goes_on_with_the_given_current_at_a_steady_speed)
 
 /* ---- position ---- */
 
-/* Slow periods that the profile may need for a distance: full speed all the way, twice the time to
- * full speed, and the fade-out: time constant softness = 2cB/speed_max of 15 units in natural logarithms. */
+/*
+ * Slow periods that the profile may need for a distance: full speed all the way, twice the time to
+ * full speed, and the fade-out: time constant softness = 2cB/speed_max of 15 units in natural
+ * logarithms.
+ */
 static int32_t longest_time(int64_t distance_q32)
 {
     const int64_t cruise = magnitude(distance_q32) / ((int64_t)cfg.speed_max * (int64_t)ticks);
@@ -411,7 +425,10 @@ TEST(test_profile_that_turns_round_stands_for_a_moment_and_does_not_jump)
     }
 }
 
-/* Distance in which the profile stops from its present speed, generously: twice v²/2a and one period. */
+/*
+ * Distance in which the profile stops from its present speed, generously: twice v²/2a and one
+ * period.
+ */
 static int64_t stopping_distance(void)
 {
     const int64_t v = loop.profile_speed;
@@ -455,7 +472,10 @@ TEST(test_profile_keeps_its_limits_and_arrives_for_targets_changed_to_anywhere)
     TEST_ASSERT_EQUAL_INT64(0, loop.profile_q32);
 }
 
-/* As after a change of mode: 1800 rpm, twice the profile's own limit, and the target is where it is. */
+/*
+ * As after a change of mode: 1800 rpm, twice the profile's own limit, and the target is where it
+ * is.
+ */
 TEST(test_profile_started_too_fast_slows_by_one_ramp_a_period_and_comes_back)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
@@ -551,7 +571,10 @@ TEST(test_speed_reference_leads_by_the_lag_up_to_half_a_turn_times_the_gain)
     }
 }
 
-/* Gain 1. The lag is rounded down to 2^-16 turn; half a turn forwards is one LSB short of it, as Q15 has no +1. */
+/*
+ * Gain 1. The lag is rounded down to 2^-16 turn; half a turn forwards is one LSB short of it, as
+ * Q15 has no +1.
+ */
 TEST(test_lag_is_rounded_down_up_to_where_it_saturates)
 {
     static const int64_t lags_q32[] = {
@@ -586,8 +609,8 @@ TEST(test_lag_adds_at_most_the_profile_speed_limit_to_the_profile)
 }
 
 /*
- * Without softness the braking curve ends vertically and the profile leaves it where a period costs more
- * than one ramp: it passes the target by less than the way of two ramps in a period.
+ * Without softness the braking curve ends vertically and the profile leaves it where a period costs
+ * more than one ramp: it passes the target by less than the way of two ramps in a period.
  */
 TEST(test_profile_without_softness_keeps_its_limits_and_passes_the_target_by_two_ramps_at_most)
 {
@@ -666,7 +689,9 @@ TEST(test_half_the_bandwidth_holds_for_the_finest_gains)
 
 #define RATIO_ONE_Q17 (131072)
 
-/* The ramp's torque is 0.0154835·143166 = 2216.7 LSB: 2^17/(2216.7·2^11) = 0.0288719, times 2^20. */
+/*
+ * The ramp's torque is 0.0154835·143166 = 2216.7 LSB: 2^17/(2216.7·2^11) = 0.0288719, times 2^20.
+ */
 static void allow_learning(void)
 {
     speed_cfg.inertia_rate = 30274;
@@ -693,7 +718,10 @@ static void assert_not_learned(step_t change, int32_t added_lsb)
     TEST_ASSERT_EQUAL_INT32((100 + added_lsb) * 2048, speed_loop.pi.integral_q26);
 }
 
-/* The ramp's torque is 2216.7 LSB: a tenth of it is a tenth of J. Mantissa of 15 bits, one rounding down. */
+/*
+ * The ramp's torque is 2216.7 LSB: a tenth of it is a tenth of J. Mantissa of 15 bits, one rounding
+ * down.
+ */
 #define LEARNED_Q17 (2)
 
 TEST(test_what_the_integral_takes_over_on_a_ramp_goes_to_the_inertia)
@@ -748,7 +776,10 @@ TEST(test_what_is_less_than_an_lsb_of_the_inertia_stays_with_the_integral)
     TEST_ASSERT_EQUAL_INT32(10, speed_loop.pi.integral_q26);
 }
 
-/* The smallest rate: 2^16 of Q26 are one of J's LSB. The smallest ramp: a change of one step is all of it. */
+/*
+ * The smallest rate: 2^16 of Q26 are one of J's LSB. The smallest ramp: a change of one step is all
+ * of it.
+ */
 TEST(test_the_smallest_rate_and_the_smallest_ramp_learn_too)
 {
     allow_learning();
@@ -775,7 +806,9 @@ TEST(test_without_limits_to_move_in_or_a_rate_nothing_is_learned)
     assert_not_learned(speed_cfg.ramp, -222);
 }
 
-/* 1548 LSB for the file's J, test_acceleration_feed_forward_follows_the_change_of_the_reference(). */
+/*
+ * 1548 LSB for the file's J, test_acceleration_feed_forward_follows_the_change_of_the_reference().
+ */
 TEST(test_the_feed_forward_is_that_of_the_inertia_in_force)
 {
     speed_cfg.pi.kp = 0;
@@ -799,7 +832,10 @@ TEST(test_from_one_and_a_half_of_the_inertia_on_half_of_the_integral_gain_acts)
     TEST_ASSERT_INT32_WITHIN(1, integral[0] / 2, integral[1]);
 }
 
-/* A rotor of `ratio` times the file's J on a ramp and behind it. Returns how far it overshoots, steps. */
+/*
+ * A rotor of `ratio` times the file's J on a ramp and behind it. Returns how far it overshoots,
+ * steps.
+ */
 static step_t overshoot_behind_a_ramp(double ratio)
 {
     const step_t target = 100 * speed_cfg.ramp;
@@ -821,8 +857,8 @@ static step_t overshoot_behind_a_ramp(double ratio)
 }
 
 /*
- * The speed of a period is measured before its torque acts. So without an error the rotor is a period ahead on a ramp: one
- * change of 100. More than 3 without a J that is learned.
+ * The speed of a period is measured before its torque acts. So without an error the rotor is a
+ * period ahead on a ramp: one change of 100. More than 3 without a J that is learned.
  */
 TEST(test_a_wrong_inertia_no_longer_overshoots_behind_a_ramp_once_it_is_learned)
 {
@@ -869,8 +905,8 @@ static speed_window_t window;
 static torque_range_t uneven;
 
 /*
- * K_p = 1 and K_i·T = 1: i = error + I, and I grows by the error. A change of the reference by 4 steps takes 1 LSB of current. The
- * integral follows the load by a quarter.
+ * K_p = 1 and K_i·T = 1: i = error + I, and I grows by the error. A change of the reference by 4
+ * steps takes 1 LSB of current. The integral follows the load by a quarter.
  */
 static void open_window(void)
 {
@@ -914,7 +950,10 @@ TEST(test_each_end_decides_beyond_its_sum_and_not_at_it)
     }
 }
 
-/* No end has to hold back what the range cuts off anyway: the ends allow ±4000, the range −3000…2500. */
+/*
+ * No end has to hold back what the range cuts off anyway: the ends allow ±4000, the range
+ * −3000…2500.
+ */
 TEST(test_what_is_beyond_the_range_is_cut_before_an_end_decides)
 {
     open_window();
@@ -933,7 +972,10 @@ TEST(test_the_ends_of_a_window_are_within_the_largest_speed)
     expect_within(0, 0, -2400, -2000, SPEED_END_LOWER);
 }
 
-/* A change of 400 takes 100 of 500: the load is 400, and a quarter of it is 100; then 300 of 100 are missing: 175. */
+/*
+ * A change of 400 takes 100 of 500: the load is 400, and a quarter of it is 100; then 300 of 100
+ * are missing: 175.
+ */
 TEST(test_between_the_ends_the_integral_follows_the_current_less_the_inertia)
 {
     speed_end_t end = SPEED_END_UPPER;
@@ -991,7 +1033,10 @@ TEST(test_between_the_ends_the_largest_current_has_15_bits)
 
 /* ---- what a torque makes of the speed ---- */
 
-/* The currents that accelerate() returns are rounded down: a change is found again within what an LSB of current is. */
+/*
+ * The currents that accelerate() returns are rounded down: a change is found again within what an
+ * LSB of current is.
+ */
 TEST(test_the_response_to_a_torque_is_the_change_that_asks_for_it)
 {
     static const int32_t ratios_q17[] = {32768, 131072, 200000, 524288};

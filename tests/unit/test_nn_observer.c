@@ -34,26 +34,28 @@
 #define LARGEST_GRADIENT (32768) /* (8192·32768 + 8192·32768) >> 12, saturated */
 
 /*
- * Ripple of ω̂ beside a motor of constant speed, rad/s electrical. Locked, the mean of ω̂ is the true speed,
- * for the angle is its integral. One LSB of e_q (40 A / 2^15) stands for ω̃ = e/(T·φ/L) = 0.366 rad/s.
- * Noise of e_q in LSB, each rounding spread evenly over its step: measurement 1, î 1, the sine 2 of 2^15 times the
- * flux (27330 LSB) 1.7, b >> 12 (2^12/13665 = 0.3): √(1 + 1 + 2.8 + 0.1)/√12 = 0.64 rms. The training is a low pass
- * of 1/κ = 200 samples: √(κ/2) = 0.05 of it passes, 0.012 rad/s rms; four times that is not exceeded in a run.
+ * Ripple of ω̂ beside a motor of constant speed, rad/s electrical. Locked, the mean of ω̂ is the true
+ * speed, for the angle is its integral. One LSB of e_q (40 A / 2^15) stands for ω̃ = e/(T·φ/L) =
+ * 0.366 rad/s. Noise of e_q in LSB, each rounding spread evenly over its step: measurement 1, î 1,
+ * the sine 2 of 2^15 times the flux (27330 LSB) 1.7, b >> 12 (2^12/13665 = 0.3): √(1 + 1 + 2.8 +
+ * 0.1)/√12 = 0.64 rms. The training is a low pass of 1/κ = 200 samples: √(κ/2) = 0.05 of it passes,
+ * 0.012 rad/s rms; four times that is not exceeded in a run.
  */
 #define SPEED_BOUND_RAD_S (0.047)
 
 /*
- * Bias of the current model in LSB of I_b, as an angle error: R + jωL times the bias must be made up by φ·ω·sin θ̃.
- * Sine and cosine 2 of 2^15 of the flux, 1.7·√2 = 2.4; î rounded down 1, and with what its turn by half a step rounds
- * 2.5 in the resistance's drop; the decay as an integer 10^-4 of 3277 LSB = 0.4; noise of ω̂ during the 55 samples of
- * τ: 0.047 rad/s·T·27300·55/2 = 3.5.
+ * Bias of the current model in LSB of I_b, as an angle error: R + jωL times the bias must be made
+ * up by φ·ω·sin θ̃. Sine and cosine 2 of 2^15 of the flux, 1.7·√2 = 2.4; î rounded down 1, and with
+ * what its turn by half a step rounds 2.5 in the resistance's drop; the decay as an integer 10^-4
+ * of 3277 LSB = 0.4; noise of ω̂ during the 55 samples of τ: 0.047 rad/s·T·27300·55/2 = 3.5.
  */
 #define MODEL_BIAS_LSB (9.8)
 #define LEAST_SHARE (0.1)
 
 /*
- * One tick of training in a held state, relative: e rounded 0.5/2733, x rounded down 1/13665, b >> 12
- * rounded down 1/9117, weights as integers 0.25/600 at worst, momentum rounded to 2 steps: 10^-4.
+ * One tick of training in a held state, relative: e rounded 0.5/2733, x rounded down 1/13665, b >>
+ * 12 rounded down 1/9117, weights as integers 0.25/600 at worst, momentum rounded to 2 steps:
+ * 10^-4.
  */
 #define TRAINING_TOLERANCE (1.3e-3)
 #define TRAINING_ERROR_RAD_S (1000.0) /* ω̃ that gives e_q = 2733 LSB */
@@ -279,7 +281,10 @@ TEST(test_with_a_frame_share_the_gradient_leaves_out_what_the_current_turns)
     }
 }
 
-/* Without saliency and with the whole share it is the flux, and a tick's b is e'_q·φ/L_d, whatever the current. */
+/*
+ * Without saliency and with the whole share it is the flux, and a tick's b is e'_q·φ/L_d, whatever
+ * the current.
+ */
 TEST(test_with_the_whole_share_the_gradient_of_a_round_motor_does_not_follow_the_current)
 {
     static const int32_t currents[] = {-12000, 0, 12000};
@@ -352,7 +357,9 @@ TEST(test_estimates_find_a_motor_already_running_and_follow_it)
 
 TEST(test_published_law_follows_a_motor_with_exact_parameters)
 {
-    /* κ = 0.03 lets √(0.03/0.005) times the noise through, and its damping is low: as much again. */
+    /*
+     * κ = 0.03 lets √(0.03/0.005) times the noise through, and its damping is low: as much again.
+     */
     const double bound = 2.0 * 2.45 * SPEED_BOUND_RAD_S;
 
     cfg.eta = 28788;
@@ -389,7 +396,10 @@ TEST(test_voltage_drives_its_own_axis_by_the_gain)
     assert_state_near(0.0, cartesian(alpha + drive, 0.0));
 }
 
-/* At speed the current of the middle is that of the rotor half a step ago: turned back by half a step's angle. */
+/*
+ * At speed the current of the middle is that of the rotor half a step ago: turned back by half a
+ * step's angle.
+ */
 TEST(test_resistance_acts_in_the_middle_of_the_turn)
 {
     for (int32_t k = -7; k <= 7; k++) {
@@ -415,8 +425,8 @@ TEST(test_resistance_acts_in_the_middle_of_the_turn)
 TEST(test_current_output_is_in_the_base_of_the_measurement)
 {
     /*
-     * 1000 LSB of I_b = 500 of I_x in Q15. L_d/L_q = ½ halves i_q. A cosine of 32767 leaves out 2^-15 of 13165 in
-     * Q15 of I_x, 0.8 of I_b; rounded down once in d, twice in q.
+     * 1000 LSB of I_b = 500 of I_x in Q15. L_d/L_q = ½ halves i_q. A cosine of 32767 leaves out
+     * 2^-15 of 13165 in Q15 of I_x, 0.8 of I_b; rounded down once in d, twice in q.
      */
     cfg.iq_gain_q14 = 8192;
     set_state(cfg.flux_q27 - (500 * 4096), 500 * 4096);
@@ -572,7 +582,10 @@ TEST(test_integral_speed_stops_at_its_limit_and_the_proportional_path_goes_beyon
     }
 }
 
-/* (22) alone: the largest step, 2^30 less what rounding takes, from one end of the speed to near the other. */
+/*
+ * (22) alone: the largest step, 2^30 less what rounding takes, from one end of the speed to near
+ * the other.
+ */
 TEST(test_without_momentum_the_weight_step_is_not_cut)
 {
     cfg.eta = 32767;
@@ -652,7 +665,9 @@ TEST(test_weight_step_with_momentum_saturates_to_30_bits_on_both_sides)
     }
 }
 
-/* Twice 13665 in Q15 of I_x, times e_q, >> 12: 4910 give ±32761.6 and 4911 ±32768.3, rounded down. */
+/*
+ * Twice 13665 in Q15 of I_x, times e_q, >> 12: 4910 give ±32761.6 and 4911 ±32768.3, rounded down.
+ */
 TEST(test_gradient_saturates_to_16_bits_on_both_sides)
 {
     static const int32_t errors[] = {4910, 4911, 8191, -4910, -4911, -8191};
@@ -736,8 +751,8 @@ TEST(test_states_speeds_and_errors_stay_in_range_for_extreme_inputs_and_weights)
 /* ---- rotation ---- */
 
 /*
- * A state s in the frame beside the exact one, Q15 of I_x: sine and cosine are within 2 of 2^15 of the exact ones, in
- * both products; products and state rounded down, 1.
+ * A state s in the frame beside the exact one, Q15 of I_x: sine and cosine are within 2 of 2^15 of
+ * the exact ones, in both products; products and state rounded down, 1.
  */
 TEST(test_the_frame_sees_its_state_turned_exactly_at_every_speed)
 {
@@ -775,7 +790,10 @@ static double use_feedback(double feedback)
     return cfg.decay * 2.0 / 524288.0;
 }
 
-/* The network alone at a given turn in a tick, with the motor's EMF and a voltage error: the error's shadow in the state. */
+/*
+ * The network alone at a given turn in a tick, with the motor's EMF and a voltage error: the
+ * error's shadow in the state.
+ */
 static double complex state_after(double turn, double start_d, double complex excess, int32_t ticks)
 {
     const double complex voltage = cartesian(0.0, turn / PERIOD_S * FLUX) + excess;
@@ -798,8 +816,8 @@ static double complex state_after(double turn, double start_d, double complex ex
 /* Two networks beside the same motor, one 5 A off: what is left between them after 20 ticks. */
 #define APART_Q27 (8388608.0)
 /*
- * Of each tick in each: î rounded, its share of the measured current, its turn and the voltage, 6 LSB of 2048 times D; the
- * state and the sine's 2^-15 of what is apart. All decays with D.
+ * Of each tick in each: î rounded, its share of the measured current, its turn and the voltage, 6
+ * LSB of 2048 times D; the state and the sine's 2^-15 of what is apart. All decays with D.
  */
 static double apart_bound(double decay)
 {
@@ -1099,9 +1117,10 @@ static void change(const nn_observer_cfg_t *now, angle_t angle)
 }
 
 /*
- * The network's current is (x̂ − φ/L_d) + j·ŷ/(L_q/L_d) in its own frame: what these two change by is what the states do, in
- * the stationary frame. A product is rounded down to one in 2^13, which is `unit` of the state; sine and cosine to 2 of 2^15 of
- * both parts; and two roundings down of one, doubled.
+ * The network's current is (x̂ − φ/L_d) + j·ŷ/(L_q/L_d) in its own frame: what these two change by
+ * is what the states do, in the stationary frame. A product is rounded down to one in 2^13, which
+ * is `unit` of the state; sine and cosine to 2 of 2^15 of both parts; and two roundings down of
+ * one, doubled.
  */
 TEST(test_other_weights_change_the_states_by_what_their_flux_and_saliency_do)
 {
@@ -1131,7 +1150,9 @@ TEST(test_other_weights_change_the_states_by_what_their_flux_and_saliency_do)
     }
 }
 
-/* At 0 and 90 degrees the parts are the states'. Cosine and sine are 32767: 2^-15 of the part less. */
+/*
+ * At 0 and 90 degrees the parts are the states'. Cosine and sine are 32767: 2^-15 of the part less.
+ */
 TEST(test_a_change_of_weights_saturates_each_state_and_the_part_of_the_saliency)
 {
     const int32_t nearly = STATE_LIMIT / 32768;

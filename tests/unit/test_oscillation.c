@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Oscillation: what goes on swinging is found with its amplitude and time; transients, noise and asked motion are not. */
+/*
+ * Oscillation: what goes on swinging is found with its amplitude and time; transients, noise and
+ * asked motion are not.
+ */
 #include "example_cfg.h"
 #include "oscillation.h"
 #include "seeded.h"
@@ -54,7 +57,10 @@ static uint32_t found_after(const swing_t *swing, uint32_t periods)
     return 0U;
 }
 
-/* One half-wave to find a direction, one of each direction to compare with, and a part of one to see the last turn. */
+/*
+ * One half-wave to find a direction, one of each direction to compare with, and a part of one to
+ * see the last turn.
+ */
 TEST(test_a_swing_is_found_after_its_half_waves_up_to_a_quarter_of_the_rate)
 {
     static const double waves[] = {4.0, 7.3, 20.0, 101.0, 500.0};
@@ -141,7 +147,10 @@ TEST(test_a_change_of_the_motion_forgets_what_was_counted)
     TEST_ASSERT_TRUE(found_after(&swing, 1000U) > 200U);
 }
 
-/* Half-waves of 10 and of 35 in turn, so that each is unlike the last one of its direction: loads that come and go. */
+/*
+ * Half-waves of 10 and of 35 in turn, so that each is unlike the last one of its direction: loads
+ * that come and go.
+ */
 TEST(test_half_waves_of_unlike_lengths_are_no_swing)
 {
     double level = 4000.0;
@@ -200,7 +209,10 @@ TEST(test_noise_is_no_swing_whatever_its_size)
     }
 }
 
-/* A half-wave, and a sixth of a wave until it has come back by a quarter of its height: 500 of 750 slow periods. */
+/*
+ * A half-wave, and a sixth of a wave until it has come back by a quarter of its height: 500 of 750
+ * slow periods.
+ */
 TEST(test_what_is_slower_than_the_longest_half_wave_is_no_swing)
 {
     const swing_t slow = {8000.0, 760.0, 0.0, 0.0};

@@ -32,7 +32,10 @@ static int32_t step(dq_t current, bool forwards)
     return phase_compensator_step(&comp, &CFG, current, 0U, 0, forwards);
 }
 
-/* (41): what is measured now turns θ_s of the next sample but one, which the lead of that one shows. */
+/*
+ * (41): what is measured now turns θ_s of the next sample but one, which the lead of that one
+ * shows.
+ */
 TEST(test_a_current_turns_the_lead_two_steps_later)
 {
     TEST_ASSERT_EQUAL_INT32(0, step((dq_t){3000, 3000}, true));
@@ -141,7 +144,10 @@ TEST(test_a_small_vector_has_no_large_angle)
     TEST_ASSERT_EQUAL_INT32(0, comp.current_angle);
 }
 
-/* i_d at i_q = 0 and its α_r = atan(i_d/current_min): it fades with the vector, and so does the step of the lead. */
+/*
+ * i_d at i_q = 0 and its α_r = atan(i_d/current_min): it fades with the vector, and so does the
+ * step of the lead.
+ */
 TEST(test_the_smaller_the_vector_the_less_the_lead_moves)
 {
     static const int32_t i_d[] = {1000, 250, 10, 0};

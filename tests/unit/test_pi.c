@@ -152,7 +152,10 @@ TEST(test_integral_still_moves_out_of_a_limit_that_feed_forward_holds)
 
 TEST(test_integral_saturates_at_one_on_both_sides)
 {
-    /* 32767·2^-10 a step: full scale takes 1024 steps. The feed-forward keeps the output off its limit. */
+    /*
+     * 32767·2^-10 a step: full scale takes 1024 steps. The feed-forward keeps the output off its
+     * limit.
+     */
     for (int32_t i = 0; i < 1100; i++) {
         (void)pi_step(&pi, &ONLY_KI, 32767, -32000, 32767);
     }

@@ -181,8 +181,10 @@ TEST(test_open_bridge_rectifies_when_the_emf_exceeds_the_bus)
     TEST_ASSERT_TRUE(least_power < -0.5);
 }
 
-/* Rectified energy: what the shaft gives = copper loss + what the diodes and the bus take. Small
- * segments, trapezoidal rule. */
+/*
+ * Rectified energy: what the shaft gives = copper loss + what the diodes and the bus take. Small
+ * segments, trapezoidal rule.
+ */
 static void check_rectified_energy(plant_motor_cfg_t cfg)
 {
     const double h = 2.0e-6;
@@ -212,8 +214,10 @@ static void check_rectified_energy(plant_motor_cfg_t cfg)
     const double i_d = plant_motor_i_d(&motor);
     const double i_q = plant_motor_i_q(&motor);
     const double magnetic_j = 0.75 * ROUND_ROTOR.inductance_d_h * (i_d * i_d + i_q * i_q);
-    /* (w h)^2 / 12 = 1e-7 of the smooth part; a kink of slope at each of 6 commutations a turn, at
-     * worst h^2/8 of 10^5 W/s each: 600 * 5e-8 J of 100 J. */
+    /*
+     * (w h)^2 / 12 = 1e-7 of the smooth part; a kink of slope at each of 6 commutations a turn, at
+     * worst h^2/8 of 10^5 W/s each: 600 * 5e-8 J of 100 J.
+     */
     TEST_ASSERT_TRUE(shaft_j > 1.0);
     TEST_ASSERT_DOUBLE_WITHIN(2.0e-6 * shaft_j, shaft_j, sink_j + magnetic_j);
 }
@@ -318,7 +322,10 @@ TEST(test_result_does_not_depend_on_how_segments_are_cut)
     check_independence_of_cuts(with_saturation());
 }
 
-/* Beside a floating leg the star point follows the EMF: what a magnet of order 5 and 7 adds to the terminal. */
+/*
+ * Beside a floating leg the star point follows the EMF: what a magnet of order 5 and 7 adds to the
+ * terminal.
+ */
 TEST(test_floating_terminal_shows_the_emf_of_its_phase)
 {
     plant_motor_cfg_t cfg = with_harmonics();
@@ -331,7 +338,10 @@ TEST(test_floating_terminal_shows_the_emf_of_its_phase)
         const double x = cfg.initial_angle_el_rad;
         const double emf_v =
             -100.0 * cfg.flux_linkage_wb * (sin(x) + 0.05 * sin(5.0 * x) - 0.03 * sin(7.0 * x));
-        /* b and c at zero volts without current: the star point is at minus the mean of their EMF, e_a / 2. */
+        /*
+         * b and c at zero volts without current: the star point is at minus the mean of their EMF,
+         * e_a / 2.
+         */
         TEST_ASSERT_DOUBLE_WITHIN(
             1.0e-10, 1.5 * emf_v,
             plant_motor_floating_potential(&motor, none, plant_bridge_axis[0]));

@@ -11,8 +11,10 @@
 #define BRAKING_A (-5.0)
 #define BRAKING_PERIODS 300
 
-/* The trapezoidal rule is within 5e-5 of the leg currents (bridge.h), which are up to 1/0.4 of their
- * share in the bus current at the modulation that this speed asks for. */
+/*
+ * The trapezoidal rule is within 5e-5 of the leg currents (bridge.h), which are up to 1/0.4 of
+ * their share in the bus current at the modulation that this speed asks for.
+ */
 #define CHARGE_ERROR (5.0e-5 / 0.4)
 
 static const plant_cfg_t LOSSLESS = {
@@ -32,7 +34,10 @@ static uint32_t compare_of(double phase_v)
     return (uint32_t)((0.5 + phase_v / view.bus_v) * COUNTS + 0.5);
 }
 
-/* A controller of doubles: proportional, with the EMF fed forward, for the middle of the next period. */
+/*
+ * A controller of doubles: proportional, with the EMF fed forward, for the middle of the next
+ * period.
+ */
 static void control(double i_q_wanted_a)
 {
     const double omega = PAIRS * view.omega_mech_rad_s;
@@ -118,8 +123,10 @@ TEST(test_what_the_resistance_heats_does_not_come_back)
                               balance.taken - balance.heat, balance.stored);
 }
 
-/* Current flows back through the diodes of the dead time too; a leg's current that passes through zero
- * within a period is not in the loss as added up here. */
+/*
+ * Current flows back through the diodes of the dead time too; a leg's current that passes through
+ * zero within a period is not in the loss as added up here.
+ */
 TEST(test_what_switches_and_diodes_drop_does_not_come_back)
 {
     plant_cfg_t cfg = LOSSLESS;
@@ -155,7 +162,10 @@ TEST(test_an_open_bridge_charges_the_capacitor_until_it_meets_the_emf)
     TEST_ASSERT_DOUBLE_WITHIN(CHARGE_ERROR * before_j, before_j, capacitor_j() + machine_j());
 }
 
-/* A coil in steady state: i_a = (2/3) d v / R, and the bus gives d i_a, so v = s - R_s (2/3) d^2 v / R. */
+/*
+ * A coil in steady state: i_a = (2/3) d v / R, and the bus gives d i_a, so v = s - R_s (2/3) d^2 v
+ * / R.
+ */
 TEST(test_the_source_resistance_drops_its_voltage_under_load)
 {
     const double ohm = 10.0;
@@ -173,8 +183,10 @@ TEST(test_the_source_resistance_drops_its_voltage_under_load)
     write_compare(3187U, 1062U, 1062U); /* d = 1/2 */
     run(5000);                          /* 50 L/R, 266 R_s C */
     const double expected = BUS_V / (1.0 + source_ohm * 2.0 / 3.0 * share * share / ohm);
-    /* Ripple of the coil: T R / L of the current, squared. The energy of a period is given while the bus
-     * sags within it, by a charge that is larger by sag / 2 v; the source makes up for it. */
+    /*
+     * Ripple of the coil: T R / L of the current, squared. The energy of a period is given while
+     * the bus sags within it, by a charge that is larger by sag / 2 v; the source makes up for it.
+     */
     const double ripple = PERIOD_S * ohm / 0.1 * PERIOD_S * ohm / 0.1;
     const double sag_v = PERIOD_S * (BUS_V - expected) / source_ohm / CAPACITANCE_F;
     const double tolerance_v = ripple * BUS_V + 0.5 * sag_v / expected * (BUS_V - expected);

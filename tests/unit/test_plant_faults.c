@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* What can go wrong at run time: wires, shaft, the rotor's place, the temperature; and what comparators do about it. */
+/*
+ * What can go wrong at run time: wires, shaft, the rotor's place, the temperature; and what
+ * comparators do about it.
+ */
 #include "plant_rig.h"
 
 #define RESISTANCE_OHM 2.125
@@ -140,7 +143,10 @@ TEST(test_a_blocked_shaft_holds_with_coulomb_friction_and_open_wires_too)
     TEST_ASSERT_TRUE(view.omega_mech_rad_s == 0.0);
 }
 
-/* w' = -c/J w^2 from w_0 on: w = w_0/(1 + w_0 c t/J). A weak magnet, whose EMF stays below the bus, takes no part. */
+/*
+ * w' = -c/J w^2 from w_0 on: w = w_0/(1 + w_0 c t/J). A weak magnet, whose EMF stays below the bus,
+ * takes no part.
+ */
 TEST(test_a_fan_alone_slows_the_shaft_hyperbolically_either_way)
 {
     const double fan = 1.0e-4;
@@ -177,7 +183,10 @@ TEST(test_a_fan_comes_on_top_of_the_load)
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_A, fan_nm, plant.motor.load_torque_nm);
 }
 
-/* A voltage along leg a drives the current of the phase that hangs there, and the sensors and the wire are the leg's. */
+/*
+ * A voltage along leg a drives the current of the phase that hangs there, and the sensors and the
+ * wire are the leg's.
+ */
 TEST(test_a_phase_is_driven_seen_and_opened_at_the_leg_where_it_hangs)
 {
     static const unsigned WIRES[][PLANT_LEGS] = {{0, 0, 0}, {1, 1, 1}, {2, 2, 2},
@@ -266,8 +275,10 @@ static double settled(double from_a, double volt, double time_s)
     return end_a + (from_a - end_a) * exp(-time_s * RESISTANCE_OHM / INDUCTANCE_H);
 }
 
-/* The whole bus into phase a from the second period on, 1.8 A a period: 5 A flow in the fourth. Then the diodes put the
- * bus against it. */
+/*
+ * The whole bus into phase a from the second period on, 1.8 A a period: 5 A flow in the fourth.
+ * Then the diodes put the bus against it.
+ */
 static void check_trip(double sign)
 {
     const uint32_t into = (sign > 0.0) ? COUNTS : 0U;

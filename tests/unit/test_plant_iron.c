@@ -108,7 +108,10 @@ TEST(test_at_the_stated_current_the_inductances_have_fallen_as_stated)
     }
 }
 
-/* The magnet is there already: i_d < 0 takes saturation away, up to twice the inductance where all flux is gone. */
+/*
+ * The magnet is there already: i_d < 0 takes saturation away, up to twice the inductance where all
+ * flux is gone.
+ */
 TEST(test_against_the_magnet_the_d_axis_has_more_inductance)
 {
     cfg.fall_d = PLANT_IRON_FALL_D_MAX;
@@ -138,8 +141,10 @@ TEST(test_the_maps_are_reciprocal)
     }
 }
 
-/* Around a closed way the currents do no work: Simpson's rule along the sides of a rectangle, exact for the third powers
- * that the currents have along each. */
+/*
+ * Around a closed way the currents do no work: Simpson's rule along the sides of a rectangle, exact
+ * for the third powers that the currents have along each.
+ */
 TEST(test_a_closed_way_takes_no_energy)
 {
     const double corners[5][2] = {{-1.5, -0.5}, {1.0, -0.5}, {1.0, 2.0}, {-1.5, 2.0}, {-1.5, -0.5}};
@@ -201,7 +206,10 @@ TEST(test_the_q_axis_has_no_sign)
     }
 }
 
-/* What saturates acts along the flux, the magnet's share included, whatever its direction: x and y of one iron. */
+/*
+ * What saturates acts along the flux, the magnet's share included, whatever its direction: x and y
+ * of one iron.
+ */
 TEST(test_iron_that_both_axes_share_has_no_direction)
 {
     cfg.inductance_q_h = cfg.inductance_d_h;

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Soft commutation of the simulated bridge: the charge of the output capacitance, the energy, and its limits. */
+/*
+ * Soft commutation of the simulated bridge: the charge of the output capacitance, the energy, and
+ * its limits.
+ */
 #include "knee.h"
 #include "plant_rig.h"
 
@@ -35,15 +38,20 @@ static double i_a(const plant_motor_t *motor)
     return plant_motor_current(motor).alpha;
 }
 
-/* Volt-seconds that a leg loses against a current i > 0 in the dead times of one period: the current takes the charge of
- * the output capacitance, C = i_k t_d / U, from one rail to the other. */
+/*
+ * Volt-seconds that a leg loses against a current i > 0 in the dead times of one period: the
+ * current takes the charge of the output capacitance, C = i_k t_d / U, from one rail to the other.
+ */
 static double lost_vs(double current_a)
 {
     const double capacitance_f = KNEE_A * DEAD_S / BUS_V;
     const double swing_s = capacitance_f * BUS_V / current_a;
     /* Before it goes high the leg stays low for the whole dead time, where the current keeps it. */
     const double rising = BUS_V * DEAD_S;
-    /* Before it goes low it falls by i/C from the bus to zero, or as far as it comes before the switch closes. */
+    /*
+     * Before it goes low it falls by i/C from the bus to zero, or as far as it comes before the
+     * switch closes.
+     */
     const double ramp_s = fmin(swing_s, DEAD_S);
     const double kept = BUS_V * ramp_s - 0.5 * current_a / capacitance_f * ramp_s * ramp_s;
 
@@ -65,7 +73,10 @@ static const double CURRENTS_A[] = {0.01, 0.1, 0.3, 0.45, 0.6, 1.0, 3.0, 20.0};
 
 TEST(test_a_leg_loses_what_the_charge_of_its_output_takes)
 {
-    /* The voltage is e(i) = BUS_V DEAD_S / PERIOD_S f(i / knee), of slope at most half of e over the knee. */
+    /*
+     * The voltage is e(i) = BUS_V DEAD_S / PERIOD_S f(i / knee), of slope at most half of e over
+     * the knee.
+     */
     const double tolerance_v = BUS_V * DEAD_S / PERIOD_S / (2.0 * KNEE_A) * RIPPLE_A;
 
     for (size_t k = 0; k < sizeof CURRENTS_A / sizeof CURRENTS_A[0]; k++) {
@@ -116,8 +127,10 @@ static plant_motor_t motor_with(double inductance_h, double speed_mech_rad_s)
     return motor;
 }
 
-/* What the bus gives is what the shaft, the windings' heat and field, and the drops take; with h for the trapezoidal
- * rule, the drops' heat is drop f i of each leg. */
+/*
+ * What the bus gives is what the shaft, the windings' heat and field, and the drops take; with h
+ * for the trapezoidal rule, the drops' heat is drop f i of each leg.
+ */
 TEST(test_energy_from_the_bus_is_conserved)
 {
     const double h = 0.25e-6;
@@ -150,8 +163,11 @@ TEST(test_energy_from_the_bus_is_conserved)
     const double i_q = plant_motor_i_q(&motor);
     const double field_j = 0.75 * MOTOR.inductance_d_h * (i_d * i_d + i_q * i_q);
     const double in_j = charge_c * BUS_V;
-    /* Trapezoidal rule: of the power, which turns in 2 pi / w, (w h)^2 / 12 = 1e-10; of the charge of an open leg,
-     * whose current changes by 310 V / L h in a part, (that / knee)^2 / 12 = 4e-5 of what flows in dead times. */
+    /*
+     * Trapezoidal rule: of the power, which turns in 2 pi / w, (w h)^2 / 12 = 1e-10; of the charge
+     * of an open leg, whose current changes by 310 V / L h in a part, (that / knee)^2 / 12 = 4e-5
+     * of what flows in dead times.
+     */
     TEST_ASSERT_TRUE(fabs(in_j) > 0.1);
     TEST_ASSERT_DOUBLE_WITHIN(4.0e-5 * fabs(in_j), in_j, out_j + field_j);
 }
@@ -184,8 +200,10 @@ TEST(test_result_does_not_depend_on_how_segments_are_cut)
     TEST_ASSERT_DOUBLE_WITHIN(tolerance_a, plant_motor_i_q(&cut), plant_motor_i_q(&whole));
 }
 
-/* One leg is open beside two at the same rail. In the first part of a dead time its current passes zero, then it
- * approaches the value at which the leg is at their rail as well. */
+/*
+ * One leg is open beside two at the same rail. In the first part of a dead time its current passes
+ * zero, then it approaches the value at which the leg is at their rail as well.
+ */
 TEST(test_a_small_inductance_is_followed_through_zero)
 {
     const plant_segment_t to_low = {2.0e-6, 0, 6};
@@ -232,7 +250,9 @@ TEST(test_a_small_knee_is_an_ideal_diode)
     TEST_ASSERT_DOUBLE_WITHIN(tolerance_a, plant_motor_i_q(&hard), plant_motor_i_q(&soft));
 }
 
-/* Phase a is broken, b open, c low: what b has left of the bus drives a current through two phases. */
+/*
+ * Phase a is broken, b open, c low: what b has left of the bus drives a current through two phases.
+ */
 TEST(test_a_broken_phase_floats_beside_soft_legs)
 {
     const plant_segment_t segment = {0.5e-3, 0, 4};
@@ -264,7 +284,10 @@ TEST(test_without_gates_the_diodes_let_the_current_die)
     TEST_ASSERT_TRUE(i_a(&plant.motor) == 0.0);
 }
 
-/* The level is reached in the first period. The rest of it is of the diodes: the bus takes the current to zero. */
+/*
+ * The level is reached in the first period. The rest of it is of the diodes: the bus takes the
+ * current to zero.
+ */
 TEST(test_after_a_trip_the_diodes_let_the_current_die)
 {
     plant_cfg_t cfg = CHOKE;

@@ -12,7 +12,9 @@
 /* Volts: flux linkages of 1 V s with roundings of 2^-53, over a period, some ten operations. */
 #define ROUNDING_V 1.0e-10
 
-/* A coil: no resistance, no magnet, too heavy to turn. Its current is the integral of the voltage. */
+/*
+ * A coil: no resistance, no magnet, too heavy to turn. Its current is the integral of the voltage.
+ */
 static const plant_cfg_t COIL = {
     .motor = {.pole_pairs = 1,
               .inductance_d_h = INDUCTANCE_H,
@@ -242,8 +244,10 @@ TEST(test_sample_reads_the_present_currents_and_bus)
     TEST_ASSERT_EQUAL_UINT16(floor(BUS_V * 4096.0 / 400.0 + 0.5), adc.bus);
 }
 
-/* A magnet that turns in shorted windings at the corner of the sensors: what they show is behind by 45 degrees and
- * smaller by 1/sqrt(2). */
+/*
+ * A magnet that turns in shorted windings at the corner of the sensors: what they show is behind by
+ * 45 degrees and smaller by 1/sqrt(2).
+ */
 TEST(test_sensors_lag_behind_the_current_of_the_plant)
 {
     plant_cfg_t cfg = drive_cfg();
@@ -278,7 +282,10 @@ static double after_ramp(double shown, double from, double slope, double time_s,
     return from + slope * time_s - slope * tau_s + (shown - from + slope * tau_s) * kept;
 }
 
-/* The coil's current rises straight to the level of the comparators and falls as fast through the diodes. */
+/*
+ * The coil's current rises straight to the level of the comparators and falls as fast through the
+ * diodes.
+ */
 TEST(test_sensors_lag_across_a_trip_of_the_comparators)
 {
     plant_cfg_t cfg = COIL;
@@ -373,8 +380,10 @@ TEST(test_a_copy_goes_on_as_the_original)
     TEST_ASSERT_EQUAL_MEMORY(&copy, &plant, sizeof plant);
 }
 
-/* Any compare values, gates on and off, at any speed: currents sum to zero and stay below what the
- * bus and the EMF together could drive through the resistance. */
+/*
+ * Any compare values, gates on and off, at any speed: currents sum to zero and stay below what the
+ * bus and the EMF together could drive through the resistance.
+ */
 TEST(test_random_operation_stays_within_physical_bounds)
 {
     plant_cfg_t cfg = drive_cfg();

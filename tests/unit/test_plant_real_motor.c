@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* What a real motor has beyond an ideal one: closed forms, its energy balance, and itself with finer steps. */
+/*
+ * What a real motor has beyond an ideal one: closed forms, its energy balance, and itself with
+ * finer steps.
+ */
 #include "plant_motor_rig.h"
 
 #define EMF_5TH 0.05
@@ -121,7 +124,10 @@ TEST(test_emf_of_each_phase_has_its_harmonics)
     }
 }
 
-/* The electrical power that the EMF takes is the mechanical one, at any angle and current; reluctance has its own. */
+/*
+ * The electrical power that the EMF takes is the mechanical one, at any angle and current;
+ * reluctance has its own.
+ */
 TEST(test_torque_has_the_power_of_emf_and_current)
 {
     plant_motor_cfg_t cfg = with(HARMONICS);
@@ -143,8 +149,11 @@ TEST(test_torque_has_the_power_of_emf_and_current)
     }
 }
 
-/* Shorted windings of a magnet that turns: the wave of order 6 in the rotor frame is a motor of its own. With L_d = L_q
- * the current is the sum of three: I_n = -E_n / (R + j n w L) of orders 1, -5 and 7. */
+/*
+ * Shorted windings of a magnet that turns: the wave of order 6 in the rotor frame is a motor of its
+ * own. With L_d = L_q the current is the sum of three: I_n = -E_n / (R + j n w L) of orders 1, -5
+ * and 7.
+ */
 TEST(test_short_circuit_current_is_the_sum_of_its_harmonics)
 {
     plant_motor_cfg_t cfg = with(HARMONICS);
@@ -195,7 +204,10 @@ TEST(test_cogging_is_a_sine_of_the_shaft_whatever_the_turn)
     }
 }
 
-/* A free shaft: what the cogging takes from the kinetic energy it gives back, nothing is left after a turn. */
+/*
+ * A free shaft: what the cogging takes from the kinetic energy it gives back, nothing is left after
+ * a turn.
+ */
 TEST(test_cogging_is_conservative)
 {
     plant_motor_cfg_t cfg = with(COGGING);
@@ -251,7 +263,9 @@ TEST(test_stiction_holds_on_a_slope_of_the_cogging)
     TEST_ASSERT_TRUE(motor.now.omega_el_rad_s < 0.0);
 }
 
-/* Swings of a shaft with dry friction end in a valley between two angles of |cogging| = friction. */
+/*
+ * Swings of a shaft with dry friction end in a valley between two angles of |cogging| = friction.
+ */
 TEST(test_swings_end_where_the_friction_holds)
 {
     plant_motor_cfg_t cfg = with(COGGING);
@@ -346,7 +360,10 @@ TEST(test_the_potential_of_a_floating_phase_holds_its_current)
     }
 }
 
-/* Two phases in series, the third floats: the flux along their axis is the volt-seconds, less those of R. */
+/*
+ * Two phases in series, the third floats: the flux along their axis is the volt-seconds, less those
+ * of R.
+ */
 TEST(test_a_floating_phase_stays_without_current)
 {
     plant_motor_cfg_t cfg = with(EVERYTHING);
@@ -398,7 +415,10 @@ TEST(test_result_does_not_depend_on_the_step)
     check_independence_of_step(&cfg, 1.0e-4, 60.0, ACCURACY);
 }
 
-/* At more than 30 times the stated current the inductances have fallen to hundredths, so R/L has risen. */
+/*
+ * At more than 30 times the stated current the inductances have fallen to hundredths, so R/L has
+ * risen.
+ */
 TEST(test_result_does_not_depend_on_the_step_deep_in_saturation)
 {
     plant_motor_cfg_t cfg = with(SATURATION);

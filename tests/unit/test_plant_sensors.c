@@ -213,7 +213,10 @@ TEST(test_decay_agrees_with_the_library)
     }
 }
 
-/* A ramp of slope s from rest: the low pass is behind by s tau (1 - e^(-t/tau)), in whatever steps it is followed. */
+/*
+ * A ramp of slope s from rest: the low pass is behind by s tau (1 - e^(-t/tau)), in whatever steps
+ * it is followed.
+ */
 TEST(test_low_pass_lags_behind_a_ramp_by_its_time_constant)
 {
     const double tau_s = 1.0 / (PLANT_TWO_PI * 20.0e3);
@@ -289,7 +292,9 @@ TEST(test_temperature_is_linear_between_its_ends_and_clipped_beyond)
     check_temperature(200.0, 4095);
 }
 
-/* 10 kOhm and 3380 K above 4.7 kOhm, as a line of two points: 5.9 % at -20, 27.92 % at 20 degrees. */
+/*
+ * 10 kOhm and 3380 K above 4.7 kOhm, as a line of two points: 5.9 % at -20, 27.92 % at 20 degrees.
+ */
 TEST(test_beyond_its_line_a_thermistor_reads_as_its_divider_and_an_open_one_an_end)
 {
     plant_sensor_cfg_t cfg = CLEAN;

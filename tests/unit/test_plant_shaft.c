@@ -1,8 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* A load behind an elastic shaft: resonance, antiresonance and frequency response of two masses, momentum, friction. */
+/*
+ * A load behind an elastic shaft: resonance, antiresonance and frequency response of two masses,
+ * momentum, friction.
+ */
 #include "plant_motor_rig.h"
 
-/* Of a frequency: the method of the second order, whose steps are below 0.0078, is off by x^2/6 = 1e-5. */
+/*
+ * Of a frequency: the method of the second order, whose steps are below 0.0078, is off by x^2/6 =
+ * 1e-5.
+ */
 #define FREQUENCY 2.0e-5
 
 #define MOTOR_KG_M2 0.002
@@ -36,8 +42,10 @@ static double shaft_nm(void)
            DAMPING_NM_S * (omega_mech() - motor.now.load_speed_rad_s);
 }
 
-/* Hz, of free swings of the shaft: from the first to the last of so many passes of the twist through zero upwards,
- * each between two steps along a line. */
+/*
+ * Hz, of free swings of the shaft: from the first to the last of so many passes of the twist
+ * through zero upwards, each between two steps along a line.
+ */
 static double swings_hz(int passes)
 {
     double first_s = 0.0;
@@ -84,7 +92,10 @@ TEST(test_blocked_rotor_leaves_the_antiresonance)
     TEST_ASSERT_TRUE(motor.now.theta_el_rad == 0.0);
 }
 
-/* Swings fade by e^(-pi D / sqrt(1 - D^2)) from one peak to the next of the other sign, D = d/2 sqrt(1/k (1/J_M + 1/J_L)). */
+/*
+ * Swings fade by e^(-pi D / sqrt(1 - D^2)) from one peak to the next of the other sign, D = d/2
+ * sqrt(1/k (1/J_M + 1/J_L)).
+ */
 TEST(test_swings_fade_by_the_damping)
 {
     plant_motor_cfg_t cfg = TWO_MASSES;
@@ -147,8 +158,10 @@ static complex_t quotient(complex_t a, complex_t b)
                        (a.imaginary * b.real - a.real * b.imaginary) / square};
 }
 
-/* Motor speed for a torque of the motor at s = j w:
- * (J_L s^2 + d s + k) / (s (J_M J_L s^2 + (J_M + J_L) (d s + k))). */
+/*
+ * Motor speed for a torque of the motor at s = j w:
+ * (J_L s^2 + d s + k) / (s (J_M J_L s^2 + (J_M + J_L) (d s + k))).
+ */
 static complex_t wanted_response(double w)
 {
     const double sum = MOTOR_KG_M2 + LOAD_KG_M2;
@@ -159,8 +172,10 @@ static complex_t wanted_response(double w)
     return quotient(above, below);
 }
 
-/* A torque amplitude * sin(w t) of the q current, which is set before each step; Fourier's integral over the last
- * quarter of whole periods. */
+/*
+ * A torque amplitude * sin(w t) of the q current, which is set before each step; Fourier's integral
+ * over the last quarter of whole periods.
+ */
 static complex_t measured_response(double w, double amplitude_nm)
 {
     plant_motor_cfg_t cfg = TWO_MASSES;
@@ -201,8 +216,11 @@ TEST(test_motor_answers_torque_as_two_masses_do)
         const double w = frequencies[k];
         const complex_t wanted = wanted_response(w);
         const complex_t measured = measured_response(w, 0.1);
-        /* Stairs of x = 2 pi / STAIRS are smaller than their sine by x^2/24. Those of their harmonics that speed samples
-         * at the stairs cannot tell from it add x^2/12 of what the motor's own mass does. */
+        /*
+         * Stairs of x = 2 pi / STAIRS are smaller than their sine by x^2/24. Those of their
+         * harmonics that speed samples at the stairs cannot tell from it add x^2/12 of what the
+         * motor's own mass does.
+         */
         const double x = 2.0 * PLANT_PI / STAIRS;
         const double tolerance =
             1.1 * x * x *
@@ -328,7 +346,10 @@ static void check_steps(double stiffness_nm, double damping_nm_s)
 {
     const plant_motor_state_t coarse = struck(stiffness_nm, damping_nm_s, 1);
     const plant_motor_state_t fine = struck(stiffness_nm, damping_nm_s, 500);
-    /* A step of x <= 0.1 is off by x^5/120, a radian of the swing by x^4/120; there are 258 at most. */
+    /*
+     * A step of x <= 0.1 is off by x^5/120, a radian of the swing by x^4/120; there are 258 at
+     * most.
+     */
     const double tolerance = 258.0 * 1.0e-4 / 120.0 * 10.0;
 
     TEST_ASSERT_DOUBLE_WITHIN(tolerance, fine.load_speed_rad_s, coarse.load_speed_rad_s);

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Windings that differ: against the circuit of three windings with a common star point, phase by phase. */
+/*
+ * Windings that differ: against the circuit of three windings with a common star point, phase by
+ * phase.
+ */
 #include "plant_motor_rig.h"
 
 #include <string.h>
@@ -49,7 +52,10 @@ static double ohm_of(int phase)
     return UNEQUAL.resistance_ohm * turns_of(phase) + UNEQUAL.contact_ohm[phase];
 }
 
-/* Flux linkage of a winding by the currents: L of a turn's axis times what the turns of all three make there. */
+/*
+ * Flux linkage of a winding by the currents: L of a turn's axis times what the turns of all three
+ * make there.
+ */
 static double linkage_of(int phase, const double i[PLANT_LEGS])
 {
     double sum = 0.0;
@@ -88,7 +94,10 @@ TEST(test_a_steady_current_is_that_of_the_three_resistances)
     }
 }
 
-/* The voltage of a winding is that of its resistance and its flux linkage, less what the star point has. */
+/*
+ * The voltage of a winding is that of its resistance and its flux linkage, less what the star point
+ * has.
+ */
 TEST(test_a_change_is_that_of_the_three_coupled_inductances)
 {
     const double v[PLANT_LEGS] = {100.0, -30.0, 40.0};

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The probe: its words and their limits, the sums of a window, pulses, and how the vector turns. All words are exact. */
+/*
+ * The probe: its words and their limits, the sums of a window, pulses, and how the vector turns.
+ * All words are exact.
+ */
 #include "probe.h"
 #include "seeded.h"
 #include "testing.h"
@@ -394,7 +397,10 @@ TEST(test_what_the_legs_lose_is_no_torque)
     TEST_ASSERT_EQUAL_INT32(100 * 10, torque((dq_t){40, 100}, (dq_t){10, 10}, 1));
 }
 
-/* The power of 500 along and of 100 across, whose EMF of the sample has the R of another current in it: R is 1 at 8192. */
+/*
+ * The power of 500 along and of 100 across, whose EMF of the sample has the R of another current in
+ * it: R is 1 at 8192.
+ */
 TEST(test_r_takes_its_part_of_the_torque_from_the_current_that_flows)
 {
     static const struct {
@@ -542,7 +548,10 @@ TEST(test_the_voltage_of_pulses_saturates)
     check_voltage(-32768, -22768, -32767);
 }
 
-/* Sample k of a window is the (k+1)th: what is demanded in tick k changes the current from sample k+1 to k+2. */
+/*
+ * Sample k of a window is the (k+1)th: what is demanded in tick k changes the current from sample
+ * k+1 to k+2.
+ */
 static void check_changes(uint32_t ticks, uint32_t quarter, bool along)
 {
     dq_t current[SAMPLES] = {{0, 0}};
@@ -834,7 +843,10 @@ static step_t first_step(step_t speed, int32_t damping, dq_t emf)
     return turn(emf);
 }
 
-/* floor(K·lag/2^16) of the lag less its mean, which the first tick finds at 0 and the second at 19660/2^14, 1.2. */
+/*
+ * floor(K·lag/2^16) of the lag less its mean, which the first tick finds at 0 and the second at
+ * 19660/2^14, 1.2.
+ */
 TEST(test_the_vector_is_damped_by_what_the_lag_is_off_its_mean)
 {
     TEST_ASSERT_EQUAL_INT32(-SPEED + (16 * 19660), first_step(-SPEED, K_1, BEHIND));
@@ -877,7 +889,10 @@ TEST(test_damping_takes_or_adds_half_of_the_speed_at_most)
     TEST_ASSERT_EQUAL_INT32(-1000001 - 500000, first_step(-1000001, SPEED_MAX, AHEAD));
 }
 
-/* 3·2^14 ticks bring the mean to 0.95 of 32767. Against it the lag is −1.95, which counts as −1: 2^16·(−1). */
+/*
+ * 3·2^14 ticks bring the mean to 0.95 of 32767. Against it the lag is −1.95, which counts as −1:
+ * 2^16·(−1).
+ */
 TEST(test_a_lag_that_is_off_its_mean_by_more_than_one_counts_as_one)
 {
     begin_to_turn(SPEED);
@@ -900,7 +915,9 @@ TEST(test_tracking_moves_the_own_speed_by_the_whole_lag)
     TEST_ASSERT_EQUAL_INT32(19660 + 19658 + 19657, probe.mean_lag_q29);
 }
 
-/* The first 2^15 ticks bring the mean to 0.86 of the lag: without tracking it would be taken off. */
+/*
+ * The first 2^15 ticks bring the mean to 0.86 of the lag: without tracking it would be taken off.
+ */
 TEST(test_tracking_damps_with_the_whole_lag)
 {
     begin_to_turn(SPEED);

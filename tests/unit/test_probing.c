@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* PROBE: when it begins and ends, what protects the drive in it, and what a motor shows of its words. */
+/*
+ * PROBE: when it begins and ends, what protects the drive in it, and what a motor shows of its
+ * words.
+ */
 #include "driven_motor.h"
 #include "fault_frames.h"
 #include "probing.h"
@@ -167,7 +170,10 @@ TEST(test_it_begins_with_no_word_no_current_and_nothing_that_a_run_has_left)
     }
 }
 
-/* The current of a voltage drive is compared with its mean: the last run's is no reference of this one. */
+/*
+ * The current of a voltage drive is compared with its mean: the last run's is no reference of this
+ * one.
+ */
 TEST(test_after_a_run_of_the_voltage_drive_no_current_is_missed)
 {
     drive.voltage_drive.active = true;
@@ -312,7 +318,10 @@ TEST(test_pulses_ride_on_what_the_control_demands_without_an_error)
     assert_dq((dq_t){1000 + 3000, -300}, drive.signals.voltage);
 }
 
-/* The voltage of the last demand less the model: R·i* of the plan; its reactances are 0. Torque: e·i over the speed. */
+/*
+ * The voltage of the last demand less the model: R·i* of the plan; its reactances are 0. Torque:
+ * e·i over the speed.
+ */
 TEST(test_the_emf_is_the_demand_less_what_the_model_needs)
 {
     dq_t i;
@@ -354,7 +363,10 @@ TEST(test_the_vector_turns_with_its_speed_and_is_the_position)
     TEST_ASSERT_EQUAL_INT32(0, drive.vector.step);
 }
 
-/* What the legs lose is to be measured: with a dead time in the configuration the compare values are those without. */
+/*
+ * What the legs lose is to be measured: with a dead time in the configuration the compare values
+ * are those without.
+ */
 TEST(test_dead_time_is_not_compensated_and_the_voltage_is_turned_for_its_period)
 {
     cfg.modulator = example_modulator_cfg_with_dead_time();
@@ -420,15 +432,19 @@ TEST(test_along_pulses_the_control_holds_its_voltage)
     ticks(1U);
     TEST_ASSERT_TRUE(probe_is_done(&drive.probe, 64));
     TEST_ASSERT_TRUE(integral != drive.current_loop.pi_d.integral_q26);
-    /* R·t/L of a quarter is 0.073: to second order it takes 0.073²/2 a quarter; and a count of 8 LSB at both ends */
+    /*
+     * R·t/L of a quarter is 0.073: to second order it takes 0.073²/2 a quarter; and a count of 8
+     * LSB at both ends
+     */
     TEST_ASSERT_INT32_WITHIN((int32_t)(64.0 * 3000.0 * RISE * 0.01) + 128,
                              (int32_t)lround(64.0 * 3000.0 * RISE), drive.probe.sums.change.d);
 }
 
 /*
- * A load holds the rotor back, by δ against the way it turns: T = 1.5·P·φ·i·sin δ, with the friction of 0.001 Nm·s. The EMF at 300 rpm is 24.3 V: 1770 LSB,
- * of which a count of each current in R and L·ω takes up to 4, and Q13 of R and L another 1: 0.003 of sin δ. The torque is
- * 3 % off at most: 1 LSB of the sine of the frame, half a count in each current of 6.7 A, and the same EMF.
+ * A load holds the rotor back, by δ against the way it turns: T = 1.5·P·φ·i·sin δ, with the
+ * friction of 0.001 Nm·s. The EMF at 300 rpm is 24.3 V: 1770 LSB, of which a count of each current
+ * in R and L·ω takes up to 4, and Q13 of R and L another 1: 0.003 of sin δ. The torque is 3 % off
+ * at most: 1 LSB of the sine of the frame, half a count in each current of 6.7 A, and the same EMF.
  */
 TEST(test_a_load_shows_as_lag_and_torque_in_both_directions)
 {

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Flight recorder: what it keeps is the run, however interrupt and background meet, also through changes of the configuration;
- * and a reader that follows the ring sees all of it. */
+/*
+ * Flight recorder: what it keeps is the run, however interrupt and background meet, also through
+ * changes of the configuration; and a reader that follows the ring sees all of it.
+ */
 #define _POSIX_C_SOURCE 200809L /* signals and their timer */
 
 #include "drive_words.h"
@@ -108,7 +110,10 @@ static void miss_background(void)
     }
 }
 
-/* The margin is left over in each segment, a change begins it, and the last one keeps the ticks of a slow period free. */
+/*
+ * The margin is left over in each segment, a change begins it, and the last one keeps the ticks of
+ * a slow period free.
+ */
 TEST(test_all_but_one_segments_of_history_are_there_whenever_it_ends)
 {
     const uint32_t ring = (RECORDER_SEGMENTS - 1U) * (RUN_SEGMENT_ENTRIES - RECORDER_MARGIN - 1U);

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A bit of the flight recorder flips by itself while it records. Nothing outside of the ring changes, the drive does what it does
- * without it, and the recording is whole afterwards, or there is none.
+ * A bit of the flight recorder flips by itself while it records. Nothing outside of the ring
+ * changes, the drive does what it does without it, and the recording is whole afterwards, or there
+ * is none.
  *
- * Left out: the pointers to configurations, which on a PC lead nowhere, and the states, whose bits are those of a recording: the
- * replay departs. All moments with NF_MANY_RUNS=1, else one of 61.
+ * Left out: the pointers to configurations, which on a PC lead nowhere, and the states, whose bits
+ * are those of a recording: the replay departs. All moments with NF_MANY_RUNS=1, else one of 61.
  */
 #include "drive_words.h"
 #include "recorded_run.h"
@@ -18,7 +19,8 @@
 #define RING_ENTRIES (RECORDER_SEGMENTS * RUN_SEGMENT_ENTRIES)
 #define FEW (61U)
 #define BEFORE_TICKS (1000U) /* the ring has been full once */
-#define ALONE_TICKS (30U) /* three slow periods: the interrupt alone has to keep within the ring */
+/* three slow periods: the interrupt alone has to keep within the ring */
+#define ALONE_TICKS (30U)
 #define AFTER_TICKS (150U)
 #define FREEZE_TICKS (400U)
 #define SPREAD (7U)

@@ -116,7 +116,10 @@ TEST(test_without_a_speed_nothing_shorts_it)
     TEST_ASSERT_FALSE(safe_state_step(&safe, &open, &in)); /* a change of the configuration */
 }
 
-/* At half of it an open wire and a clipped sensor are slow too; at 3/4 of a healthy one's change the gates are still shut. */
+/*
+ * At half of it an open wire and a clipped sensor are slow too; at 3/4 of a healthy one's change
+ * the gates are still shut.
+ */
 TEST(test_the_short_circuit_lasts_while_the_rotor_is_fast_whatever_one_sensor_does)
 {
     static const double fast[] = {1.0, 1.6, 3.0, 5.0, -1.0, -2.0};
@@ -167,7 +170,10 @@ TEST(test_a_bus_above_its_limit_shorts_the_motor)
     TEST_ASSERT_TRUE(step((ab_t){0, 0}, BUS_MAX + 1));
 }
 
-/* It has no room for the energy of the windings, and with dead sensors nothing else tells of a fast rotor. */
+/*
+ * It has no room for the energy of the windings, and with dead sensors nothing else tells of a fast
+ * rotor.
+ */
 TEST(test_the_gates_do_not_open_while_the_bus_is_above_its_limit)
 {
     uint32_t count = 0U;

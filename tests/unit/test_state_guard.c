@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Each bit of drive_t flips by itself, one in a run: at speed under a load, with a weak field, in position control, held at rest, in
- * READY and in FAULT. 100 ms later the drive has found it, or has the speed, the currents and in position control the angle that it
- * has without it, within 10 %. 300 ms later likewise. All bits with NF_MANY_RUNS=1, else one of 37. The tick of the flip goes round the slow
- * period.
+ * Each bit of drive_t flips by itself, one in a run: at speed under a load, with a weak field, in
+ * position control, held at rest, in READY and in FAULT. 100 ms later the drive has found it, or
+ * has the speed, the currents and in position control the angle that it has without it, within 10
+ * %. 300 ms later likewise. All bits with NF_MANY_RUNS=1, else one of 37. The tick of the flip goes
+ * round the slow period.
  *
  * Left out: the pointer to the configuration, which on a PC leads nowhere, and the padding.
  */
@@ -18,12 +19,15 @@
 #define MEAN_TICKS (100U)
 #define SPREAD (7U) /* of the ticks in which bits flip; 10 are a slow period */
 #define SLOW_TICKS (10U)
-#define LEAST_SPEED \
-    (200.0) /* rpm: 10 % of the rated speed, where 10 % of the present one is less */
+/* rpm: 10 % of the rated speed, where 10 % of the present one is less */
+#define LEAST_SPEED (200.0)
 #define CURRENT_SHARE (1.0) /* A: 10 % of the largest current */
 #define TURN_SHARE (0.1)    /* of the shaft */
 #define PHASE_LIMIT (18.0)  /* A: the fault's */
-/* The bus and the EMF at 2400 rpm, 370 V on 11.6 mH, in the period before the sample that shows it: 3.2 A; 1/2 count 0.01 A. */
+/*
+ * The bus and the EMF at 2400 rpm, 370 V on 11.6 mH, in the period before the sample that shows it:
+ * 3.2 A; 1/2 count 0.01 A.
+ */
 #define BEYOND_A_FAULT (3.4)
 #define TRIP (25.0) /* A: of the comparators of the power stage */
 
@@ -234,8 +238,8 @@ static void run_at_with(double rpm, double load, uint32_t count)
 }
 
 /*
- * The gains that this motor gets by rule. Those of the example are the published ones: a speed loop of 20 Hz on a slower estimate, which
- * swings for 55 ms after any kick.
+ * The gains that this motor gets by rule. Those of the example are the published ones: a speed loop
+ * of 20 Hz on a slower estimate, which swings for 55 ms after any kick.
  */
 static void set_gains_by_rule(void)
 {
@@ -270,7 +274,10 @@ TEST(test_at_speed_under_load_no_flip_is_left_to_act)
     TEST_ASSERT_TRUE(flip_all() > testing_runs(20U, 1000U));
 }
 
-/* A flip of timer_counts is not judged here: the compare values of the very next tick follow from it. */
+/*
+ * A flip of timer_counts is not judged here: the compare values of the very next tick follow from
+ * it.
+ */
 TEST(test_no_flip_of_a_setting_is_left_to_act)
 {
     power_on_at(0.3, 0.0);
@@ -335,7 +342,10 @@ TEST(test_at_a_position_under_load_no_flip_is_left_to_act)
     TEST_ASSERT_TRUE(flip_all() > testing_runs(20U, 1000U));
 }
 
-/* A flip of slow_count is not judged: a long period makes the motion late by 25 ms at most, and it ends where it has to. */
+/*
+ * A flip of slow_count is not judged: a long period makes the motion late by 25 ms at most, and it
+ * ends where it has to.
+ */
 TEST(test_on_the_way_to_a_position_no_flip_is_left_to_act)
 {
     hold_position_against(1.0);

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the guard of the state finds, part by part: a word that has changed by itself, and the part that the fault names.
- * test_state_guard flips each bit of a running drive.
+ * What the guard of the state finds, part by part: a word that has changed by itself, and the part
+ * that the fault names. test_state_guard flips each bit of a running drive.
  */
 #include "driven_motor.h"
 #include "open_loop.h"
 #include "state_guard.h"
 #include "transitions.h"
 
-#define LONG_TICKS \
-    (3000U) /* 0.3 s: longer than a round of the parts (32 ms), shorter than the CRC's (2 s) */
+/* 0.3 s: longer than a round of the parts (32 ms), shorter than the CRC's (2 s) */
+#define LONG_TICKS (3000U)
 #define STEP (1000000) /* of a vector that turns */
 
 static fault_t fault;

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The store: whatever step power fails in, the next start finds the old block or the new one, whole. */
+/*
+ * The store: whatever step power fails in, the next start finds the old block or the new one,
+ * whole.
+ */
 #include "config_block.h"
 #include "crc32.h"
 #include "example_cfg.h"
@@ -14,8 +17,9 @@
 #define STORES 4U  /* of a sequence in which each step is cut */
 #define CHANCES 4U /* ways in which a step is left half done */
 #define BLOCK_UNITS ((CONFIG_BLOCK_WORDS + 1U) / 2U)
-#define FIRST_STEPS (BLOCK_UNITS + 2U) /* of a write: an erase, the units of the block, its stamp */
-#define STEPS (FIRST_STEPS + 2U)       /* with two stamps of the block that is kept */
+/* of a write: an erase, the units of the block, its stamp */
+#define FIRST_STEPS (BLOCK_UNITS + 2U)
+#define STEPS (FIRST_STEPS + 2U) /* with two stamps of the block that is kept */
 #define NONE UINT32_MAX
 
 struct hal {
@@ -55,7 +59,10 @@ static const char *write(uint32_t number)
     return store_write(&store, &block);
 }
 
-/* What a start finds: the number of the block, NONE without one. Anything else than a block that was written is a failure. */
+/*
+ * What a start finds: the number of the block, NONE without one. Anything else than a block that
+ * was written is a failure.
+ */
 static uint32_t start(void)
 {
     uint32_t number = NONE;
@@ -272,7 +279,9 @@ TEST(test_a_block_whose_stamp_is_changed_or_unreadable_is_not_found)
     TEST_ASSERT_EQUAL_UINT32(NONE, start());
 }
 
-/* A block that is longer, as that of another firmware, is whole: who reads it says what is wrong. */
+/*
+ * A block that is longer, as that of another firmware, is whole: who reads it says what is wrong.
+ */
 static void write_words(const uint32_t *words, uint32_t count)
 {
     uint32_t crc = CRC32_START;
@@ -370,7 +379,9 @@ static uint32_t next_step(uint32_t step)
     return step + (at_an_end ? 1U : 23U);
 }
 
-/* A cut, a start, and the next store is cut too: what that start has found is the old block then. */
+/*
+ * A cut, a start, and the next store is cut too: what that start has found is the old block then.
+ */
 static uint32_t cut_twice(uint32_t first, uint32_t second, uint32_t chance)
 {
     flash_new(chance);
@@ -405,7 +416,10 @@ static uint32_t bit_of(uint32_t number)
     return (number == NONE) ? 0x80000000U : 1U << (number % 30U);
 }
 
-/* One store, cut in a step by chance, most often where the block changes hands; what starts may find from then on. */
+/*
+ * One store, cut in a step by chance, most often where the block changes hands; what starts may
+ * find from then on.
+ */
 static uint32_t cut_by_chance(uint32_t number, uint32_t allowed)
 {
     const uint32_t near = (uint32_t)(plant_random_bits(&flash.chance) % 5U);

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Which configuration a start takes and what it says of it; when a block is stored, and when that is refused. */
+/*
+ * Which configuration a start takes and what it says of it; when a block is stored, and when that
+ * is refused.
+ */
 #include "crc32.h"
 #include "example_app.h"
 #include "flash_model.h"

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Supervision: each fault at its limit and in its time, not just short of either, nor in what is normal. */
+/*
+ * Supervision: each fault at its limit and in its time, not just short of either, nor in what is
+ * normal.
+ */
 #include "example_cfg.h"
 #include "seeded.h"
 #include "supervision.h"
@@ -121,7 +124,9 @@ TEST(test_a_flux_may_settle_anywhere_and_is_judged_from_then_on)
     TEST_ASSERT_EQUAL_INT(FAULT_FLUX_IMPLAUSIBLE, flux(FLUX_ONE, 1000U));
 }
 
-/* 5/64 of the EMF and a quarter of the largest voltage, either way; LSBs are those of the rounding. */
+/*
+ * 5/64 of the EMF and a quarter of the largest voltage, either way; LSBs are those of the rounding.
+ */
 TEST(test_an_emf_that_jumps_beyond_its_limit_is_implausible)
 {
     const int32_t limit = (FLUX_EMF / 64 * 5) + (cfg.voltage_max / 4);
@@ -331,7 +336,10 @@ TEST(test_a_third_phase_that_stands_still_is_lost_whatever_its_current)
     }
 }
 
-/* Sample by sample between 20 and −10, and ±4000: ranges of 30 and 8000, of which an eighth is 1000. */
+/*
+ * Sample by sample between 20 and −10, and ±4000: ranges of 30 and 8000, of which an eighth is
+ * 1000.
+ */
 TEST(test_a_weak_phase_is_said_with_the_range_it_moved_in_and_what_it_should_have)
 {
     for (int32_t k = 0; (k < 40) && (fault.id == FAULT_NONE); k++) {
@@ -350,7 +358,10 @@ TEST(test_a_phase_that_moves_an_eighth_of_the_strongest_is_weak_enough_to_live)
 {
     phases_t p = HEALTHY;
 
-    /* In half a turn a moves by 1 to 2 of its amplitude, b by up to 2, c = −a − b by at most 1.07 of that. */
+    /*
+     * In half a turn a moves by 1 to 2 of its amplitude, b by up to 2, c = −a − b by at most 1.07
+     * of that.
+     */
     p.noise = 0;
     p.gain_a = 0.28;
     assert_no_fault(&p);
@@ -613,7 +624,10 @@ TEST(test_a_jittering_reference_is_no_lost_phase)
 TEST(test_a_reference_step_of_the_largest_current_is_no_lost_phase)
 {
     for (int32_t k = 0; k < 1000; k++) {
-        /* A period behind its reference, four times a second; the current loop needs a tenth of one. */
+        /*
+         * A period behind its reference, four times a second; the current loop needs a tenth of
+         * one.
+         */
         const int32_t error = ((k % 60) == 0) ? 16384 : 0;
 
         TEST_ASSERT_EQUAL_INT(FAULT_NONE, follow(0, error, false));
@@ -772,7 +786,10 @@ TEST(test_a_rotor_that_turns_against_full_torque_is_stalled_in_either_direction)
     }
 }
 
-/* The torque turns over while the rotor stands: what turns from then on against it is braked from there. */
+/*
+ * The torque turns over while the rotor stands: what turns from then on against it is braked from
+ * there.
+ */
 TEST(test_a_rotor_that_a_new_torque_brakes_is_not_stalled)
 {
     supervision_speed_t in = stalled();

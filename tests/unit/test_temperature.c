@@ -64,7 +64,10 @@ TEST(test_halves_are_rounded_away_from_zero)
     check(&line, 3500U, 2);
 }
 
-/* The widest that a board file allows: no product overflows. Truncation and rounding are half a degree and 1 m°C. */
+/*
+ * The widest that a board file allows: no product overflows. Truncation and rounding are half a
+ * degree and 1 m°C.
+ */
 TEST(test_the_whole_range_of_a_line)
 {
     static const temperature_line_t line = {.points = 2U, .at = {{0, -250000}, {4096, 250000}}};
@@ -75,7 +78,10 @@ TEST(test_the_whole_range_of_a_line)
     }
 }
 
-/* A board file may state points whose counts round to one: at either end, or between. The rest of the line is as ever. */
+/*
+ * A board file may state points whose counts round to one: at either end, or between. The rest of
+ * the line is as ever.
+ */
 TEST(test_two_points_of_one_count_leave_the_rest_of_a_rising_line_as_it_is)
 {
     static const temperature_line_t first = {.points = 3U,

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Torque filter: what stands still passes whole, the notch takes its frequency away, the low-pass what is fast. */
+/*
+ * Torque filter: what stands still passes whole, the notch takes its frequency away, the low-pass
+ * what is fast.
+ */
 #include "torque_filter.h"
 
 #include "seeded.h"
@@ -99,8 +102,8 @@ TEST(test_the_current_that_it_starts_with_passes_from_the_first_sample_on)
 }
 
 /*
- * The header's transfer function at z = 1 with the integers of the configuration: of the sine and cosine, rounded, the
- * squares do not make 1.
+ * The header's transfer function at z = 1 with the integers of the configuration: of the sine and
+ * cosine, rounded, the squares do not make 1.
  */
 static double gain_at_rest(const torque_filter_cfg_t *cfg)
 {
@@ -130,7 +133,10 @@ TEST(test_a_step_passes_whole_in_the_end)
     }
 }
 
-/* Largest output over a whole number of periods for a swing of the amplitude 8000 about 2000, after it has settled. */
+/*
+ * Largest output over a whole number of periods for a swing of the amplitude 8000 about 2000, after
+ * it has settled.
+ */
 static double amplitude_at(const torque_filter_cfg_t *cfg, double frequency, uint32_t settle,
                            uint32_t samples)
 {
@@ -150,7 +156,10 @@ static double amplitude_at(const torque_filter_cfg_t *cfg, double frequency, uin
     return hypot(in_phase, across) * 2.0 / (double)samples / 8000.0;
 }
 
-/* cos, sin and μ are rounded to 2^-16 of a unit: that moves the centre and the edges of a band of 0.05 by 1/1000 of it. */
+/*
+ * cos, sin and μ are rounded to 2^-16 of a unit: that moves the centre and the edges of a band of
+ * 0.05 by 1/1000 of it.
+ */
 TEST(test_the_notch_takes_its_frequency_away_and_half_of_the_power_at_its_edges)
 {
     const double width = 0.05;
@@ -159,8 +168,8 @@ TEST(test_the_notch_takes_its_frequency_away_and_half_of_the_power_at_its_edges)
     for (uint32_t k = 0U; k < COUNT(centres); k++) {
         const torque_filter_cfg_t cfg = notch_of(centres[k], width);
         /*
-         * The notch is (1 + A)/2 with an all-pass A, and half of the power is left where A has the phase ±90°: at half the
-         * width on both sides of this angle.
+         * The notch is (1 + A)/2 with an all-pass A, and half of the power is left where A has the
+         * phase ±90°: at half the width on both sides of this angle.
          */
         const double half = tan(TURN / 2.0 * width);
         const double middle = acos(cos(TURN * centres[k]) / sqrt(1.0 + (half * half))) / TURN;
@@ -173,7 +182,10 @@ TEST(test_the_notch_takes_its_frequency_away_and_half_of_the_power_at_its_edges)
     }
 }
 
-/* Of 8000 each sample leaves 3/4; the states are rounded down by a LSB of Q26 and the result to nearest. */
+/*
+ * Of 8000 each sample leaves 3/4; the states are rounded down by a LSB of Q26 and the result to
+ * nearest.
+ */
 TEST(test_the_low_pass_follows_a_step_by_its_share)
 {
     const torque_filter_cfg_t cfg = {.smooth_rate_q15 = 8192};
@@ -240,7 +252,9 @@ TEST(test_low_pass_and_notch_act_one_behind_the_other)
         const int32_t behind =
             torque_filter_step(&second, &notch, torque_filter_step(&first, &low_pass, current));
 
-        /* Between the two the result of the first is rounded to nearest, and that of the second is. */
+        /*
+         * Between the two the result of the first is rounded to nearest, and that of the second is.
+         */
         TEST_ASSERT_INT32_WITHIN(2, behind, step(&both, current));
     }
 }

@@ -96,7 +96,10 @@ TEST(test_each_end_of_the_range_counts_for_its_sign)
     TEST_ASSERT_EQUAL_INT32(-300, loop.current);
 }
 
-/* Derating and a weakened field take the reference along: away from them there is nothing to wait for, and behind them no jump. */
+/*
+ * Derating and a weakened field take the reference along: away from them there is nothing to wait
+ * for, and behind them no jump.
+ */
 TEST(test_a_range_that_narrows_takes_the_reference_along)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
@@ -125,7 +128,10 @@ TEST(test_with_another_flux_the_torque_stays)
     TEST_ASSERT_EQUAL_INT32(2000, loop.current);
 }
 
-/* An end of the window holds the torque at 50, the reference waits at `waiting`, and 2000 is asked for: one slow period of that. */
+/*
+ * An end of the window holds the torque at 50, the reference waits at `waiting`, and 2000 is asked
+ * for: one slow period of that.
+ */
 static void plan_at_an_end(int32_t sign, int32_t waiting)
 {
     torque_loop_start(&loop, FLUX, sign * waiting);
@@ -169,7 +175,10 @@ TEST(test_a_free_torque_is_not_bridged)
     TEST_ASSERT_FALSE(loop.bridging);
 }
 
-/* An end of which the reference has less than it allows is in nobody's way: from 1000 on with the slope of 100. */
+/*
+ * An end of which the reference has less than it allows is in nobody's way: from 1000 on with the
+ * slope of 100.
+ */
 TEST(test_what_waits_short_of_an_end_goes_on_with_its_slope)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
@@ -248,7 +257,10 @@ TEST(test_the_window_ends_at_the_lowest_speed_on_the_side_of_the_motion)
     TEST_ASSERT_EQUAL_INT32(-LOWEST / 4, window.upper);
 }
 
-/* Caught at the lowest speed: what brakes goes on with the slope of the imposed vector, to the other side. */
+/*
+ * Caught at the lowest speed: what brakes goes on with the slope of the imposed vector, to the
+ * other side.
+ */
 TEST(test_a_torque_against_the_motion_goes_down_the_slope_from_the_lowest_speed_on)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
@@ -295,7 +307,10 @@ TEST(test_without_a_torque_the_slope_ends_at_standstill)
     TEST_ASSERT_TRUE(loop.bound);
 }
 
-/* A rotor that the end of the window holds just below the lowest speed, either way, and one at that speed that nothing holds. */
+/*
+ * A rotor that the end of the window holds just below the lowest speed, either way, and one at that
+ * speed that nothing holds.
+ */
 TEST(test_without_a_torque_the_slope_begins_with_the_speed_of_the_rotor)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
@@ -322,7 +337,10 @@ TEST(test_a_torque_with_the_motion_stays_at_the_lowest_speed)
     TEST_ASSERT_EQUAL_INT32(100, loop.current);
 }
 
-/* The estimate swings there, caught by the end of the window or just above it: that binds nothing, and raises no i_d*. */
+/*
+ * The estimate swings there, caught by the end of the window or just above it: that binds nothing,
+ * and raises no i_d*.
+ */
 TEST(test_a_torque_with_the_motion_stays_free_while_the_estimate_swings_about_the_lowest_speed)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
@@ -353,7 +371,10 @@ TEST(test_a_rotor_that_the_end_of_the_window_does_not_hold_is_led_up_the_slope)
     TEST_ASSERT_TRUE(loop.bound);
 }
 
-/* Nothing has caught the rotor in time: the speed loop goes on from the torque that acts, on a slope. */
+/*
+ * Nothing has caught the rotor in time: the speed loop goes on from the torque that acts, on a
+ * slope.
+ */
 TEST(test_a_rotor_that_is_suddenly_too_slow_is_bridged)
 {
     in.speed = LOWEST / 2;
@@ -479,8 +500,9 @@ TEST(test_between_the_ends_the_current_is_what_was_wanted)
 }
 
 /*
- * A rotor J·dω/dt = i − load (in LSB of current and steps of speed) under a torque that it cannot keep: it comes to rest at the end of
- * the window, and from one period to the next the current changes no more than the PI about that end can.
+ * A rotor J·dω/dt = i − load (in LSB of current and steps of speed) under a torque that it cannot
+ * keep: it comes to rest at the end of the window, and from one period to the next the current
+ * changes no more than the PI about that end can.
  */
 static void land(int32_t wanted, int32_t load, step_t end_of_window, speed_end_t expected)
 {
@@ -524,7 +546,10 @@ TEST(test_an_end_of_the_window_takes_the_torque_over_without_a_jump)
     land(0, 2000, -BACKWARD, SPEED_END_LOWER);
 }
 
-/* Whatever torque is wanted, and it does not wind up meanwhile: what lowers the torque again acts at once. */
+/*
+ * Whatever torque is wanted, and it does not wind up meanwhile: what lowers the torque again acts
+ * at once.
+ */
 TEST(test_back_from_an_end_the_torque_acts_at_once)
 {
     speed_end_t end;

@@ -15,23 +15,25 @@
 #define LEAST_SHARE (0.5)
 
 /*
- * Clarke, LSB: 18919 stands for 32768/√3 = 18918.613, an error of 0.387 / 32768 on |a + 2b| ≤ 3·32767,
- * at most 1.161. Rounding of the result: 0.5. Within the drive |a|, |b| ≤ 16383, so half of the first.
+ * Clarke, LSB: 18919 stands for 32768/√3 = 18918.613, an error of 0.387 / 32768 on |a + 2b| ≤
+ * 3·32767, at most 1.161. Rounding of the result: 0.5. Within the drive |a|, |b| ≤ 16383, so half
+ * of the first.
  */
 #define CLARKE_BOUND_LSB (1.662)
 #define CLARKE_DRIVE_BOUND_LSB (1.081)
 #define PHASE_LIMIT (16383)
 
 /*
- * Park both ways, LSB, against the exact rotation by the integers of the sincos: products and sum are
- * exact, one rounding.
+ * Park both ways, LSB, against the exact rotation by the integers of the sincos: products and sum
+ * are exact, one rounding.
  */
 #define ROTATION_BOUND_LSB (0.5)
 
 /*
- * Park there and back. |v| ≤ 1, sine and cosine as given: (cos² + sin²)/2^30 differs from 1 by twice the
- * error of the sincos vector, ≤ 2·(1.161·√2 + 1)/32768 (table error in both, amplitude 32767), so 5.28 LSB
- * at full scale; two roundings in each of the two steps, the first pair rotated: 0.5·√2 + 0.5.
+ * Park there and back. |v| ≤ 1, sine and cosine as given: (cos² + sin²)/2^30 differs from 1 by
+ * twice the error of the sincos vector, ≤ 2·(1.161·√2 + 1)/32768 (table error in both, amplitude
+ * 32767), so 5.28 LSB at full scale; two roundings in each of the two steps, the first pair
+ * rotated: 0.5·√2 + 0.5.
  */
 #define ROUND_TRIP_BOUND_LSB (6.5)
 #define ROUND_TRIP_SHARE (0.3)
@@ -159,7 +161,10 @@ TEST(test_park_rounds_ties_up)
 
 TEST(test_rotations_hold_the_largest_vectors_without_overflow)
 {
-    /* |α| + |β| = 65534 along the diagonal of the frame: √2·32767 = 46339.5, sincos 23170/32768 each. */
+    /*
+     * |α| + |β| = 65534 along the diagonal of the frame: √2·32767 = 46339.5, sincos 23170/32768
+     * each.
+     */
     static const int32_t signs[][2] = {{1, 1}, {1, -1}, {-1, 1}, {-1, -1}};
     const sincos_t eighth = trig_sincos(0x20000000U);
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Sine, cosine, arctangent and square root against libm, over whole ranges where that is possible. */
+/*
+ * Sine, cosine, arctangent and square root against libm, over whole ranges where that is possible.
+ */
 #include "figure.h"
 #include "seeded.h"
 #include "testing.h"
@@ -36,7 +38,9 @@
 #define ATAN_BOUND (15374.0)
 #define ATAN_DOCUMENTED (32768.0) /* 2^-17 turn */
 
-/* A measured maximum far below its bound would mean that the bound, or the measurement, is wrong. */
+/*
+ * A measured maximum far below its bound would mean that the bound, or the measurement, is wrong.
+ */
 #define LEAST_SHARE (0.5)
 
 #define SEEDED_CASES (400000)
@@ -119,8 +123,9 @@ TEST(test_sine_is_exact_on_the_axes)
 }
 
 /*
- * At the points of the table nothing is interpolated: the error is the rounding of the result, ½, and of
- * the entry, 1/32. So the sine is odd and the cosine even to within twice that: as integers, 1.
+ * At the points of the table nothing is interpolated: the error is the rounding of the result, ½,
+ * and of the entry, 1/32. So the sine is odd and the cosine even to within twice that: as integers,
+ * 1.
  */
 TEST(test_sine_of_the_table_points_is_rounded_and_symmetric)
 {
@@ -276,7 +281,10 @@ TEST(test_square_root_is_the_floor_for_seeded_arguments)
     }
 }
 
-/* Arguments are shifted left by pairs of bits until one of the upper two is set; the upper 8 choose the entry. */
+/*
+ * Arguments are shifted left by pairs of bits until one of the upper two is set; the upper 8 choose
+ * the entry.
+ */
 TEST(test_square_root_is_the_floor_at_the_edges_of_every_table_interval)
 {
     for (uint32_t interval = 64U; interval < 256U; interval++) {

@@ -13,8 +13,8 @@
 #define BASE_MIN (100000U)     /* 0.1 A */
 #define BASE_MAX (4000000000U) /* twice 2000 A */
 #define NEAREST (0.5)
-#define DOUBLES \
-    (1e-6) /* of the expected values: 2^62 has 53 bits, and a quotient of some 10^6 is left */
+/* of the expected values: 2^62 has 53 bits, and a quotient of some 10^6 is left */
+#define DOUBLES (1e-6)
 
 /* From the shortest tick to the longest. */
 static uint32_t tick_ps_of(uint32_t at)
@@ -155,7 +155,9 @@ TEST(test_ticks_of_a_time_are_whole_ones_and_at_least_one)
     TEST_ASSERT_EQUAL_UINT32(1U, units_ticks(&two_khz, 1U));
 }
 
-/* Of 2 pole pairs a turn is 131072: a hundredth is 1310.72, and half of one rounds away from zero. */
+/*
+ * Of 2 pole pairs a turn is 131072: a hundredth is 1310.72, and half of one rounds away from zero.
+ */
 TEST(test_a_position_is_in_hundredths_of_a_turn_over_its_whole_range)
 {
     static const units_rotation_t two = {.pole_pairs = 2U, .tick_ps = 100000000U};
@@ -201,7 +203,10 @@ TEST(test_the_base_of_a_torque_is_right_for_all_scales_of_a_watt_and_more)
     }
 }
 
-/* Whole mW and whole ns lose nothing: what is left is 3/(2π)·2^17 as 62582, 4.3·10^-6 less, and digits of 10^-9. */
+/*
+ * Whole mW and whole ns lose nothing: what is left is 3/(2π)·2^17 as 62582, 4.3·10^-6 less, and
+ * digits of 10^-9.
+ */
 TEST(test_the_base_of_a_torque_of_whole_milliwatts_and_nanoseconds_is_right_to_five_millionths)
 {
     static const uint32_t shifts[] = {1U, 6U, 10U};

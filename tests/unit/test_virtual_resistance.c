@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Virtual resistance: the whole voltage for a step, none for a constant current, never more than is stated. */
+/*
+ * Virtual resistance: the whole voltage for a step, none for a constant current, never more than is
+ * stated.
+ */
 #include "virtual_resistance.h"
 
 #include "seeded.h"
@@ -51,7 +54,10 @@ TEST(test_a_step_has_the_whole_voltage_at_once_in_its_own_axis)
     expect(0, 400 * 8192, virtual_resistance_step(&res, &CFG, (dq_t){0, -400}));
 }
 
-/* Of 8000 each sample leaves 63/64. The mean is rounded down, and what it lacks it makes up for: within an LSB of current. */
+/*
+ * Of 8000 each sample leaves 63/64. The mean is rounded down, and what it lacks it makes up for:
+ * within an LSB of current.
+ */
 TEST(test_the_voltage_of_a_step_fades_as_the_mean_follows)
 {
     double left = 8000.0;

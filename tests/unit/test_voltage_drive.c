@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The voltage drive within the drive: starts, changes over and back without a jump, protection, any frame. */
+/*
+ * The voltage drive within the drive: starts, changes over and back without a jump, protection, any
+ * frame.
+ */
 #include "driven_motor.h"
 #include "fault_frames.h"
 #include "seeded.h"
@@ -12,8 +15,8 @@
 
 #define RAD_S_PER_RPM (2.0 * EXAMPLE_PI / 30.0)
 #define PATIENCE_TICKS (40000U)
-#define SETTLED_TICKS \
-    (10000U) /* 0.6 s of ramp to 600 rpm, the 0.1 s of the change-over, and their transients */
+/* 0.6 s of ramp to 600 rpm, the 0.1 s of the change-over, and their transients */
+#define SETTLED_TICKS (10000U)
 
 static void loaded_ticks(uint32_t count, double load)
 {
@@ -79,7 +82,10 @@ TEST(test_a_sensor_is_followed_in_every_state_from_any_angle)
     for (int32_t degrees = -180; degrees < 180; degrees += 20) {
         begin_with_sensor(degrees * EXAMPLE_PI / 180.0, 600.0);
         ticks(200U); /* of half a turn (1 + 14)·e^-14 is left */
-        /* The friction of 1 mN·m·s brakes with 42 rad/s², which the loop lags by 0.03°; a step of the sensor is 0.011°. */
+        /*
+         * The friction of 1 mN·m·s brakes with 42 rad/s², which the loop lags by 0.03°; a step of
+         * the sensor is 0.011°.
+         */
         TEST_ASSERT_DOUBLE_WITHIN(0.1, 0.0, angle_error());
         TEST_ASSERT_DOUBLE_WITHIN(3.0, true_rpm(), drive_speed(&drive) / STEPS_PER_RPM);
     }
@@ -189,7 +195,10 @@ static void run_with_little_current(uint32_t count)
     }
 }
 
-/* One PWM period without voltage lets the EMF drive e·T/L: 0.42 A at 600 rpm, then the EMF is fed forward. */
+/*
+ * One PWM period without voltage lets the EMF drive e·T/L: 0.42 A at 600 rpm, then the EMF is fed
+ * forward.
+ */
 TEST(test_a_turning_rotor_is_taken_as_it_is)
 {
     begin_with_sensor(2.0, 600.0);
@@ -212,7 +221,10 @@ TEST(test_a_second_run_starts_afresh_where_the_rotor_is)
 
 /* ---- changing over ---- */
 
-/* To the tick that changes over to `driven`, or back; returns how far its voltage jumps, and the next one's. */
+/*
+ * To the tick that changes over to `driven`, or back; returns how far its voltage jumps, and the
+ * next one's.
+ */
 static int32_t jump_at_change(bool driven)
 {
     int32_t largest = 0;
@@ -233,7 +245,10 @@ static int32_t jump_at_change(bool driven)
     return largest;
 }
 
-/* A current loop of 3.24 volts per ampere, per unit, makes 26 LSB of a count of the converter; both axes' noise, twice. */
+/*
+ * A current loop of 3.24 volts per ampere, per unit, makes 26 LSB of a count of the converter; both
+ * axes' noise, twice.
+ */
 #define JUMP_LSB (110)
 
 TEST(test_without_sensor_the_start_is_as_ever_and_then_the_voltage_goes_on)
@@ -287,7 +302,9 @@ TEST(test_no_change_before_the_speed_is_reached)
         TEST_ASSERT_TRUE(drive.tick < PATIENCE_TICKS);
         tick();
     }
-    /* 1/32 of it may be missing, less what the ramp of 1000 rpm/s has made good in the 0.1 s since. */
+    /*
+     * 1/32 of it may be missing, less what the ramp of 1000 rpm/s has made good in the 0.1 s since.
+     */
     TEST_ASSERT_TRUE(true_rpm() > (600.0 * 31.0 / 32.0));
 }
 
@@ -384,7 +401,10 @@ TEST(test_a_drive_that_is_not_asked_to_never_changes_over)
 
 #define BUMP_COUNTS (51) /* half an ampere */
 
-/* What the drive makes of one frame in which phase a has half an ampere more, with this configuration. */
+/*
+ * What the drive makes of one frame in which phase a has half an ampere more, with this
+ * configuration.
+ */
 static drive_t after_a_bump(drive_t from, const drive_cfg_t *with, drive_out_t *applied)
 {
     drive_in_t bumped = in;

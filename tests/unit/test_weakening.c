@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Field weakening: the voltage ellipse, the deepest useful i_d, the integral of the voltage, the valleys of the bus. */
+/*
+ * Field weakening: the voltage ellipse, the deepest useful i_d, the integral of the voltage, the
+ * valleys of the bus.
+ */
 #include "weakening.h"
 
 #include "seeded.h"
@@ -14,7 +17,10 @@
 #define MOTORS (20000U)
 #define GRID (4000)
 
-/* Each voltage is rounded to Q14 of U_b, and a share of the current to 2^-14. Three voltages meet in a difference. */
+/*
+ * Each voltage is rounded to Q14 of U_b, and a share of the current to 2^-14. Three voltages meet
+ * in a difference.
+ */
 #define VOLT_LSB (1.0 / 16384)
 #define VOLT_ROUNDINGS (3.0)
 #define SHARE_ROUNDINGS (3.0 / 16384)
@@ -84,7 +90,10 @@ static void assert_limits(int32_t lower, int32_t upper, int32_t reach, weakening
     TEST_ASSERT_EQUAL_INT32_MESSAGE(reach, now.reach, "reach");
 }
 
-/* Largest y = −i_d/I that the circle has on the ellipse, 0: all of it lies within. By bisection: the ellipse is left once. */
+/*
+ * Largest y = −i_d/I that the circle has on the ellipse, 0: all of it lies within. By bisection:
+ * the ellipse is left once.
+ */
 static double circle_depth(const ellipse_t *e)
 {
     double low = 0.0;
@@ -140,7 +149,9 @@ static void random_point(seeded_t *seed)
     in.deepest = CURRENT_END;
 }
 
-/* Within the module's numbers: neither the EMF nor the voltages of the circle's current saturate. */
+/*
+ * Within the module's numbers: neither the EMF nor the voltages of the circle's current saturate.
+ */
 static bool is_plain(const ellipse_t *e)
 {
     return (e->emf < 1.9) && (e->across < 1.9) && (e->along > (20.0 * VOLT_LSB));
@@ -223,11 +234,17 @@ TEST(test_without_weakening_i_q_ends_on_the_ellipse)
     in.deepest = 0;
     in.speed_q15 = 12000;
     TEST_ASSERT_EQUAL_INT32(0, limits().lower);
-    /* √(12650² − 12000²) over X = 0.732; the root of a difference of 5 % has 20 roundings of a voltage */
+    /*
+     * √(12650² − 12000²) over X = 0.732; the root of a difference of 5 % has 20 roundings of a
+     * voltage
+     */
     TEST_ASSERT_INT32_WITHIN(40, 5466, limits().reach);
 }
 
-/* R·(i·v)/|v|: what drives takes of the voltage, what brakes gives. i* decides, not what follows it with the current control's lag. */
+/*
+ * R·(i·v)/|v|: what drives takes of the voltage, what brakes gives. i* decides, not what follows it
+ * with the current control's lag.
+ */
 TEST(test_the_resistance_takes_what_it_takes_along_the_voltage)
 {
     const int32_t without = limits().upper;
@@ -244,7 +261,10 @@ TEST(test_the_resistance_takes_what_it_takes_along_the_voltage)
     TEST_ASSERT_INT32_WITHIN(8, without + 400, limits().upper);
 }
 
-/* Circle and ellipse meet at (16384² + 10000² − E²) / (2 · 16384), with E = 12650 and 400 less or more. */
+/*
+ * Circle and ellipse meet at (16384² + 10000² − E²) / (2 · 16384), with E = 12650 and 400 less or
+ * more.
+ */
 TEST(test_the_deepest_i_d_takes_the_resistance_of_the_current_that_flows)
 {
     model.resistance_q13 = 819;
@@ -452,7 +472,10 @@ TEST(test_it_decides_below_what_is_wanted_and_not_at_it)
     TEST_ASSERT_TRUE(weakening.acts);
 }
 
-/* ω·φ = 16000, E = 10000, X·I = 16000: at i_d of −8192 / 16384 the EMF is 8000, √(10000² − 8000²) / 16000 = 6144 / 16384. */
+/*
+ * ω·φ = 16000, E = 10000, X·I = 16000: at i_d of −8192 / 16384 the EMF is 8000, √(10000² − 8000²) /
+ * 16000 = 6144 / 16384.
+ */
 TEST(test_what_is_wanted_deeper_than_weakening_may_ask_for_stays_and_has_its_i_q)
 {
     weakening_limits_t now;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The calls of the bench without a browser: each one that the page makes is there, a run by calls has the figures of a plain run,
-// and whatever is given, the answer is a value or one line.
+// The calls of the bench without a browser: each one that the page makes is there, a run by calls
+// has the figures of a plain run, and whatever is given, the answer is a value or one line.
 #include "calls.h"
 #include "report.h"
 #include "scenario.h"

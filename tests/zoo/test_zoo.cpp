@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The zoo: how a motor is named, that it is the same everywhere, and that each is a motor somebody could have.
+// The zoo: how a motor is named, that it is the same everywhere, and that each is a motor somebody
+// could have.
 #include "block.h"
 #include "config.h"
 #include "draw.h"

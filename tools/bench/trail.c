@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The emulator's hook for blocks: notes those of one function's calls. Native, as it runs a hundred times a tick. */
+/*
+ * The emulator's hook for blocks: notes those of one function's calls. Native, as it runs a hundred
+ * times a tick.
+ */
 #include <stdint.h>
 
 #define BLOCKS_MAX (1U << 16)

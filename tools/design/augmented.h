@@ -36,8 +36,9 @@ struct PhaseLoop {
     PhaseInputs b; // (49)
 };
 
-// The print of (48) has K_i·T where (43) and (44) have K_2·T; K_2·T it is. As printed, α_r holds what
-// it starts with and nothing of the motor depends on α_r or θ_s: the two poles at 1 are theirs.
+// The print of (48) has K_i·T where (43) and (44) have K_2·T; K_2·T it is. As printed, α_r holds
+// what it starts with and nothing of the motor depends on α_r or θ_s: the two poles at 1 are
+// theirs.
 PhaseLoop add_phase_states(const Discrete &motor, const Gains &gains, double k2);
 
 } // namespace nf::design

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// A smooth function of the gains that is finite where all poles are within a circle, and infinite on it.
+// A smooth function of the gains that is finite where all poles are within a circle, and infinite
+// on it.
 #pragma once
 
 #include "augmented.h"
@@ -7,8 +8,8 @@
 namespace nf::design
 {
 
-// −log det(I − A⊗A/ρ²) of the closed loop: of all products of two poles λ, −Σ log(1 − λ_i·λ_j/ρ²). It is
-// to be asked for only where all poles are within ρ.
+// −log det(I − A⊗A/ρ²) of the closed loop: of all products of two poles λ, −Σ log(1 − λ_i·λ_j/ρ²).
+// It is to be asked for only where all poles are within ρ.
 double barrier(const Discrete &motor, const Gains &gains, double rho);
 
 // Its derivative by K_p and K_i.

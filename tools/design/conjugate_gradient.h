@@ -29,8 +29,9 @@ struct Descent {
     bool converged;
 };
 
-// From an allowed start. Directions by Fletcher and Reeves, started anew after as many steps as there
-// are variables, and when one does not go down. `stop`, asked after each step, ends the search early.
+// From an allowed start. Directions by Fletcher and Reeves, started anew after as many steps as
+// there are variables, and when one does not go down. `stop`, asked after each step, ends the
+// search early.
 Descent conjugate_gradient(const Objective &objective, const Eigen::VectorXd &start,
                            const DescentLimits &limits,
                            const std::function<bool(const Eigen::VectorXd &)> &stop = {});

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// A design as read from its file: the motor, the nominal point, the cost, the start, pairs of gains to look
-// at, and where the matrices of a publication are.
+// A design as read from its file: the motor, the nominal point, the cost, the start, pairs of gains
+// to look at, and where the matrices of a publication are.
 #pragma once
 
 #include "config.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Command line of the gain design: paper B's optimal speed controller for a motor file.
-// Exit status: 0 done, 1 `check` found a pair unstable, 2 wrong usage, wrong file or an unstable design.
+// Exit status: 0 done, 1 `check` found a pair unstable, 2 wrong usage, wrong file or an unstable
+// design.
 #include "program.h"
 #include "report.h"
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 // Paper B (14)–(24): the motor linearised at the nominal point.
 //
-// One ω_r serves (6), (7), (9) and (10) in the paper: electrical speed in the first two and the last,
-// mechanical in (9). Its J is then the moment of inertia over the number of pole pairs, and B likewise.
+// One ω_r serves (6), (7), (9) and (10) in the paper: electrical speed in the first two and the
+// last, mechanical in (9). Its J is then the moment of inertia over the number of pole pairs, and B
+// likewise.
 #pragma once
 
 #include "matrices.h"
@@ -30,7 +31,8 @@ struct Continuous {
     MotorInputs g; // (24)
 };
 
-// (19), (24) by formula. (20) has the voltages as inputs; (22), (23) make them V_q = K_b·ω_s, V_d = 0.
+// (19), (24) by formula. (20) has the voltages as inputs; (22), (23) make them V_q = K_b·ω_s, V_d =
+// 0.
 Continuous linearise(const Machine &m, const NominalPoint &p);
 
 } // namespace nf::design

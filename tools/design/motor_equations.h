@@ -42,8 +42,8 @@ Currents steady_currents(const Machine &m, const Voltages &v, double speed_rad_s
 // (8), N·m, motoring positive.
 double torque(const Machine &m, const Currents &i);
 
-// (3), N·m: torque of a machine without resistance at a lead angle of its voltage. The paper's E and V
-// are effective values of a phase; here they are peak values, so 3 becomes 3/2.
+// (3), N·m: torque of a machine without resistance at a lead angle of its voltage. The paper's E
+// and V are effective values of a phase; here they are peak values, so 3 becomes 3/2.
 double torque_of_angle(const Machine &m, int pole_pairs, double voltage_v, double lead_rad,
                        double speed_rad_s);
 
@@ -57,7 +57,8 @@ struct Drive {
     double supply_rad_s; // ω_s
 };
 
-// (11): the derivative of [i_q, i_d, ω_r, δ], (12) in the order of (46), from (4)–(7), (8), (9) with the motor's signs, (10).
+// (11): the derivative of [i_q, i_d, ω_r, δ], (12) in the order of (46), from (4)–(7), (8), (9)
+// with the motor's signs, (10).
 Eigen::Vector4d derivative(const Machine &m, const Eigen::Vector4d &x, const Drive &drive);
 
 } // namespace nf::design

@@ -14,7 +14,8 @@ namespace
 {
 
 constexpr int ITERATIONS = 400;
-// Weights of the barrier beside a cost of 1 at the start of the descent. The optimum is off by about the last.
+// Weights of the barrier beside a cost of 1 at the start of the descent. The optimum is off by
+// about the last.
 constexpr double FIRST_WEIGHT = 1e-2;
 constexpr double WEIGHT_RATIO = 0.1;
 constexpr int STAGES = 7;       // the last weight is 1e-8
@@ -61,8 +62,8 @@ Objective weighted(const Discrete &motor, const CostSettings &settings, double c
     };
 }
 
-// Down with a barrier at the edge of stability that gains weight until the demand is met: no further into
-// the region than that takes, so that the start still decides between several minima.
+// Down with a barrier at the edge of stability that gains weight until the demand is met: no
+// further into the region than that takes, so that the start still decides between several minima.
 Descent enter(const Discrete &motor, const CostSettings &settings, const Gains &start, double rho)
 {
     const auto inside = [&](const Eigen::VectorXd &z) { return radius(motor, z) < rho; };

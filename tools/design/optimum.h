@@ -15,11 +15,12 @@ struct Optimum {
     bool converged;
 };
 
-// Least cost among pairs with K_p > 0 whose slowest pole has at most this time constant. Within the region the cost
-// falls towards K_i = 0, where the integrator does nothing, so without the demand there is no optimum
-// but a limit. From a stable start, first to the demanded region, then down with a barrier at its edge that
-// is lowered in stages: no pair on the way is unstable. Throws UnstableError for an unstable start and
-// std::runtime_error for a start with K_p ≤ 0 and where no pair meets the demand.
+// Least cost among pairs with K_p > 0 whose slowest pole has at most this time constant. Within the
+// region the cost falls towards K_i = 0, where the integrator does nothing, so without the demand
+// there is no optimum but a limit. From a stable start, first to the demanded region, then down
+// with a barrier at its edge that is lowered in stages: no pair on the way is unstable. Throws
+// UnstableError for an unstable start and std::runtime_error for a start with K_p ≤ 0 and where no
+// pair meets the demand.
 Optimum stable_optimum(const Discrete &motor, const CostSettings &settings, const Gains &start,
                        double slowest_time_constant_s);
 

@@ -10,9 +10,10 @@
 namespace nf::design
 {
 
-// One object; each number's unit is the end of its key, rows and columns of the matrices are named by
-// `states` and `inputs`. `chosen` is the model whose optimum becomes the drive's gains. `comparison` has of compare_all()
-// `quantity`, `paper`, `printed`, `computed` (null: has none) and `remark`.
+// One object; each number's unit is the end of its key, rows and columns of the matrices are named
+// by `states` and `inputs`. `chosen` is the model whose optimum becomes the drive's gains.
+// `comparison` has of compare_all() `quantity`, `paper`, `printed`, `computed` (null: has none) and
+// `remark`.
 std::string design_json(const DesignSettings &settings, const std::vector<ModelStudy> &studies,
                         const std::string &chosen);
 

@@ -33,8 +33,8 @@ struct UnstableError : std::runtime_error {
 // Throws an UnstableError for an unstable pair. `what` says whose pair it is.
 void require_stable(const Discrete &motor, const Gains &gains, const std::string &what);
 
-// Where stability ends above K_i = 0, where it always begins: the integrator's pole is at 1 there and
-// outside for K_i < 0. Nothing where no small K_i is stable.
+// Where stability ends above K_i = 0, where it always begins: the integrator's pole is at 1 there
+// and outside for K_i < 0. Nothing where no small K_i is stable.
 std::optional<double> largest_ki_per_s(const Discrete &motor, double kp);
 
 // The region's edge above K_i = 0, from its smallest to its largest K_p.

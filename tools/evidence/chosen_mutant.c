@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Linked to a test whose module holds all of its mutants: which one runs, and for how long. See schemata.py. */
+/*
+ * Linked to a test whose module holds all of its mutants: which one runs, and for how long. See
+ * schemata.py.
+ */
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/resource.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Saturation and count of leading zeros by the instructions that every ARMv7-M core has. Contracts: port/generic.
+ * Saturation and count of leading zeros by the instructions that every ARMv7-M core has. Contracts:
+ * port/generic.
  */
 #ifndef FX_ARMV7_H
 #define FX_ARMV7_H

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Conversions between signed and unsigned words, and the low-pass. The proof reads an equal form of these functions
- * (tests/proof/port) and the rest of the firmware as it is.
+ * Conversions between signed and unsigned words, and the low-pass. The proof reads an equal form of
+ * these functions (tests/proof/port) and the rest of the firmware as it is.
  *
- * Angles and counters that wrap use these conversions: the bits stay, the value may change. No other conversion in the
- * firmware changes a value, so a reader or a checker can tell the two apart. Every supported compiler converts to a
- * signed type modulo 2^n. Range: any x. No instruction. Pure, any context.
+ * Angles and counters that wrap use these conversions: the bits stay, the value may change. No
+ * other conversion in the firmware changes a value, so a reader or a checker can tell the two
+ * apart. Every supported compiler converts to a signed type modulo 2^n. Range: any x. No
+ * instruction. Pure, any context.
  */
 #ifndef FX_PLAIN_H
 #define FX_PLAIN_H
@@ -37,7 +38,10 @@ static inline uint64_t fx_unsigned64(int64_t x)
     return (uint64_t)x;
 }
 
-/* From `from` towards `to` by 2^-shift of the distance, rounded down: a low-pass. The distance must fit into 32 bits. */
+/*
+ * From `from` towards `to` by 2^-shift of the distance, rounded down: a low-pass. The distance must
+ * fit into 32 bits.
+ */
 static inline int32_t fx_approach(int32_t from, int32_t to, uint32_t shift)
 {
     return from + fx_asr(to - from, shift);

@@ -14,10 +14,10 @@ namespace nf
 namespace
 {
 
-// Times of the alignment in units of 1/ω_n, the rotor's swing in the field of the imposed current. Half a
-// turn of the vector in 8 leaves no starting angle from which the rotor swings back by half a turn under 40 % of
-// rated torque (measured over 64 angles; 5 does); after three times as long a swing damped with 0.3 has gone
-// down to 1/1000.
+// Times of the alignment in units of 1/ω_n, the rotor's swing in the field of the imposed current.
+// Half a turn of the vector in 8 leaves no starting angle from which the rotor swings back by half
+// a turn under 40 % of rated torque (measured over 64 angles; 5 does); after three times as long a
+// swing damped with 0.3 has gone down to 1/1000.
 constexpr double SWEEP = 8;
 constexpr double PULL = 24;
 constexpr double SETTLE = 6;
@@ -26,15 +26,17 @@ constexpr double MEASURE = 4;
 // The second level of the current: well apart from the first, and still enough to hold a load.
 constexpr double LOW_SHARE = 0.62;
 
-// A rotor rests while the current across stays below the smaller of two limits. One is the share from which on a rotor slips. The
-// other is what the EMF at this share of the hand-over speed drives, but at least so many counts: noise of 1.5 counts reaches
-// 4.5 times that in 2^16 samples of a winding, and nearly twice as much across.
+// A rotor rests while the current across stays below the smaller of two limits. One is the share
+// from which on a rotor slips. The other is what the EMF at this share of the hand-over speed
+// drives, but at least so many counts: noise of 1.5 counts reaches 4.5 times that in 2^16 samples
+// of a winding, and nearly twice as much across.
 constexpr double REST_SHARE = 1.0 / ALIGN_SLIP_SHARE;
 constexpr double REST_SPEED = 0.125;
 constexpr double REST_LSB = 12;
 
-// The current across swings by this share of the imposed one. From 1/√3 on, a phase with half of it against it passes
-// through zero; so an L_q of 0.6 of the file's is still measured without dead time.
+// The current across swings by this share of the imposed one. From 1/√3 on, a phase with half of it
+// against it passes through zero; so an L_q of 0.6 of the file's is still measured without dead
+// time.
 constexpr double PULSE_SHARE = 0.3;
 
 uint32_t measure_log2(double swing, const Bases &b)
@@ -60,8 +62,9 @@ double align_current(const MotorSettings &motor, const BoardSettings &board,
     return hold_current(motor, board, aligning);
 }
 
-// What may flow across the vector while the rotor rests. A rotor that slips drives its EMF over R and K_p: where R·I is many times
-// that EMF, it is a small part of the current. A current of less than 60 counts does not tell a slip from noise.
+// What may flow across the vector while the rotor rests. A rotor that slips drives its EMF over R
+// and K_p: where R·I is many times that EMF, it is a small part of the current. A current of less
+// than 60 counts does not tell a slip from noise.
 double resting_swing(double current_a, const MotorSettings &motor, const BoardSettings &board,
                      const TuningSettings &tuning, const ModelScales &scales, const Model &m)
 {

@@ -11,7 +11,8 @@ namespace nf
 namespace
 {
 
-// The converter's full scale is half the current base, so that no vector of three currents overflows.
+// The converter's full scale is half the current base, so that no vector of three currents
+// overflows.
 constexpr double CURRENT_BASE_RATIO = 2.0;
 
 // The estimate may overshoot the highest speed asked for.

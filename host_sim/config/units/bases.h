@@ -13,7 +13,8 @@ extern "C" {
 namespace nf
 {
 
-// Bus current for one of current and voltage each: power is 1.5·(v_d·i_d + v_q·i_q). Q15 of it is the firmware's.
+// Bus current for one of current and voltage each: power is 1.5·(v_d·i_d + v_q·i_q). Q15 of it is
+// the firmware's.
 constexpr double BUS_CURRENT_FACTOR = 1.5;
 
 // SI value of one per-unit step of each firmware quantity.
@@ -35,7 +36,8 @@ struct Bases {
 
 Bases make_bases(const MotorSettings &motor, const BoardSettings &board);
 
-// Those of a drive on the same motor and board that has this configuration: it chooses the scale of its speeds.
+// Those of a drive on the same motor and board that has this configuration: it chooses the scale of
+// its speeds.
 Bases rescaled(Bases bases, const drive_cfg_t &cfg);
 
 // Q15 of I_b, rounded.

@@ -28,7 +28,8 @@ void leave_room(int32_t &mantissa, uint32_t &shift, double headroom)
     shift -= static_cast<uint32_t>(bits);
 }
 
-// Pole of the closed loop at the bandwidth, zero of the PI on the motor's R/L or INTEGRAL_RATIO above.
+// Pole of the closed loop at the bandwidth, zero of the PI on the motor's R/L or INTEGRAL_RATIO
+// above.
 pi_cfg_t make_current_pi(const TuningSettings &tuning, const Model &m, const Bases &b,
                          double inductance)
 {

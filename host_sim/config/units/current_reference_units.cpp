@@ -13,14 +13,17 @@ namespace nf
 namespace
 {
 
-// The least current goes so many times more slowly than it comes. A voltage drive takes over without it, and does not wait.
+// The least current goes so many times more slowly than it comes. A voltage drive takes over
+// without it, and does not wait.
 constexpr int32_t CURRENT_FALL = 32;
 
-// Of a salient machine the least current takes φ − (L_q − L_d)·i_d down. Where it takes more than this share of φ it goes as fast as a
-// torque comes: the torque, and the estimate of the angle, have only the flux that is left.
+// Of a salient machine the least current takes φ − (L_q − L_d)·i_d down. Where it takes more than
+// this share of φ it goes as fast as a torque comes: the torque, and the estimate of the angle,
+// have only the flux that is left.
 constexpr double FLUX_TAKEN = 0.125;
 
-// The magnets bear the i_d of the largest torque of the largest current: 4·ΔL·|i_d| = √(φ² + 8·ΔL²·I²) − φ.
+// The magnets bear the i_d of the largest torque of the largest current: 4·ΔL·|i_d| = √(φ² +
+// 8·ΔL²·I²) − φ.
 void check_most_torque(const MotorSettings &motor)
 {
     const double saliency = motor.inductance_q_h - motor.inductance_d_h;

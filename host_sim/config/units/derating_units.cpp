@@ -14,18 +14,18 @@ namespace nf
 namespace
 {
 
-// i²t: derating begins at this share of the heat that the continuous current makes; the fault is well
-// above what derating holds, where only a current that is imposed can get.
+// i²t: derating begins at this share of the heat that the continuous current makes; the fault is
+// well above what derating holds, where only a current that is imposed can get.
 constexpr double HEAT_WARN = 0.9;
 constexpr double HEAT_MAX = 1.2;
 
 constexpr double TEMPERATURE_SPAN_C = 20;
 constexpr double TEMPERATURE_TIME_S = 0.1;
 
-// The line of the board ends where somebody stopped measuring, and a power stage may be colder than that. A sensor that is off
-// or shorted reads an end of the converter. A quarter of the way from there to the line's end divides both: with an NTC of
-// 10 kΩ and 3380 K above 4.7 kΩ, whose line ends at -20 °C, that is -43 °C. Where the line goes to the converter's end,
-// nothing can be told.
+// The line of the board ends where somebody stopped measuring, and a power stage may be colder than
+// that. A sensor that is off or shorted reads an end of the converter. A quarter of the way from
+// there to the line's end divides both: with an NTC of 10 kΩ and 3380 K above 4.7 kΩ, whose line
+// ends at -20 °C, that is -43 °C. Where the line goes to the converter's end, nothing can be told.
 constexpr double BROKEN_SHARE = 0.25;
 
 constexpr int FADE_SHIFT_MAX = 16;
@@ -37,11 +37,13 @@ constexpr double FADE_STEPS = 2;
 constexpr double BUS_LOW_SHARE = 0.25;
 constexpr double BUS_BRAKE_SHARE = 0.5;
 
-// Braking has faded out at this share of the way from bus_brake_v to the fault's limit: the bus rises on for the
-// slow period and the current loop's delay, and no rectifier takes back what came too much.
+// Braking has faded out at this share of the way from bus_brake_v to the fault's limit: the bus
+// rises on for the slow period and the current loop's delay, and no rectifier takes back what came
+// too much.
 constexpr double BUS_END_SHARE = 0.75;
 
-// Share 1 at `full`, 0 at `zero`, two steps away at least; the gain is rounded up, so that nothing is derated at `full`.
+// Share 1 at `full`, 0 at `zero`, two steps away at least; the gain is rounded up, so that nothing
+// is derated at `full`.
 fade_t make_fade(double full, double zero)
 {
     const double span = zero - full;
@@ -77,7 +79,8 @@ void set_heat(derating_cfg_t &c, const MotorSettings &motor, double period_s)
     c.heat = make_fade(HEAT_WARN * Q14, Q14);
 }
 
-// Without a level of its own the bus derates a share of the way from the limit: then that limit is the key.
+// Without a level of its own the bus derates a share of the way from the limit: then that limit is
+// the key.
 void set_bus_derating(derating_cfg_t &c, const BoardSettings &board, const Bases &b)
 {
     const double step_v = FADE_STEPS * b.voltage_v / Q15;
@@ -137,7 +140,8 @@ void set_temperature_derating(derating_cfg_t &c, const BoardSettings &board, dou
     c.temperature_periods = static_cast<uint32_t>(std::ceil(TEMPERATURE_TIME_S / period_s));
 }
 
-// A limit beyond the field is beyond all that can flow: the voltage circle is within 1/√3 of the bus.
+// A limit beyond the field is beyond all that can flow: the voltage circle is within 1/√3 of the
+// bus.
 int32_t bus_current(double limit_a, const Source &setting, const Bases &b)
 {
     int32_t c = 0;
@@ -149,7 +153,8 @@ int32_t bus_current(double limit_a, const Source &setting, const Bases &b)
     return c;
 }
 
-// A supply that takes nothing back gets the least that the firmware can tell from 0, which is its word for no limit.
+// A supply that takes nothing back gets the least that the firmware can tell from 0, which is its
+// word for no limit.
 int32_t regeneration(const BoardSettings &board, const Bases &b)
 {
     const double limit_a = board.bus_regeneration_max_a;

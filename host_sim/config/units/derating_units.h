@@ -7,7 +7,8 @@
 namespace nf
 {
 
-// Least way from board.bus_nominal_v to where the drive acts on a high bus: braking is derated on it.
+// Least way from board.bus_nominal_v to where the drive acts on a high bus: braking is derated on
+// it.
 double braking_room_v(const Bases &b);
 
 // period_s: between two looks at the current.

@@ -16,16 +16,19 @@ namespace
 constexpr double FLYING_START_SHARE = 0.05;
 constexpr double FLYING_START_LSB = 25; // or so many counts: 4 % of noise, 2°
 
-// Open gates put the bus against a current, which ends in L·I/U: ten times what 100 mH, 30 A and 300 V take.
+// Open gates put the bus against a current, which ends in L·I/U: ten times what 100 mH, 30 A and
+// 300 V take.
 constexpr double FLYING_START_WAIT_S = 0.1;
 constexpr int FLYING_START_TICKS = 8;
 constexpr double FLYING_START_GAP_MAX = 64;
 
-// Turns between the ends of two pulses: below a half is unique, at the highest speed with the shortest pulse …
+// Turns between the ends of two pulses: below a half is unique, at the highest speed with the
+// shortest pulse …
 constexpr double FLYING_START_TURN_MAX = 0.4;
 
-// … and in general, where a pulse may be twice as long as needed, and L/φ 1.4 times that of the file. Device drop and noise
-// turn a direction by some 4°, so that the turn must not be much smaller either.
+// … and in general, where a pulse may be twice as long as needed, and L/φ 1.4 times that of the
+// file. Device drop and noise turn a direction by some 4°, so that the turn must not be much
+// smaller either.
 constexpr double FLYING_START_TURN = 0.15;
 
 // In the pause the speed must not change much: a tenth of the highest one at the rated torque.

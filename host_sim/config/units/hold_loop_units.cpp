@@ -13,13 +13,15 @@ namespace nf
 namespace
 {
 
-// Damping wanted of the rotor's swing, and the slow integral that sets the mean current, per ω_n. Where R is more than that
-// damping asks for, a negative K_p takes this share of R off. A winding of 0.7 of the file's R keeps 0.4 of its own.
+// Damping wanted of the rotor's swing, and the slow integral that sets the mean current, per ω_n.
+// Where R is more than that damping asks for, a negative K_p takes this share of R off. A winding
+// of 0.7 of the file's R keeps 0.4 of its own.
 constexpr double HOLD_DAMPING = 0.7;
 constexpr double HOLD_INTEGRAL = 0.2;
 constexpr double HOLD_RELIEF = 0.4;
 
-// The dead-time compensation is off by up to 0.14 of what a leg loses, and by more the smaller the current is.
+// The dead-time compensation is off by up to 0.14 of what a leg loses, and by more the smaller the
+// current is.
 constexpr double HOLD_LOSS_SHARE = 0.2;
 
 constexpr double PI_GAIN_MAX = 16000; // of a gain that no file writes: within make_pi's format

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// The firmware's numbers of the control of an imposed current: soft, so that the windings damp the rotor.
+// The firmware's numbers of the control of an imposed current: soft, so that the windings damp the
+// rotor.
 #pragma once
 
 #include "bases.h"
@@ -8,8 +9,9 @@
 namespace nf
 {
 
-// K_p of the imposed current's control, in ohm, which adds to R: both together damp the swing as wanted. Below the swing's ω_n·L_q
-// the current lags behind the EMF and damps less; below a share of V_dt/I the errors of the dead-time compensation set the current.
+// K_p of the imposed current's control, in ohm, which adds to R: both together damp the swing as
+// wanted. Below the swing's ω_n·L_q the current lags behind the EMF and damps less; below a share
+// of V_dt/I the errors of the dead-time compensation set the current.
 double hold_gain_ohm(const MotorSettings &motor, const BoardSettings &board,
                      const TuningSettings &tuning, const ModelScales &scales, const Model &m);
 

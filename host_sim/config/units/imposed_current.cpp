@@ -17,12 +17,13 @@ constexpr double RISE = 0.8;
 // While the rotor is pulled in, its EMF drives up to 0.8 of the imposed current on top of it.
 constexpr double SWING_HEADROOM = 1.8;
 
-// A vector of the current φ/(L_q − L_d) has no stiffness against a rotor on it: the reluctance turns it away as strongly as the
-// magnet holds it. Half of it leaves half of the stiffness, if the file's L_d and L_q are right.
+// A vector of the current φ/(L_q − L_d) has no stiffness against a rotor on it: the reluctance
+// turns it away as strongly as the magnet holds it. Half of it leaves half of the stiffness, if the
+// file's L_d and L_q are right.
 constexpr double SALIENT_SHARE = 0.5;
 
-// What the imposed current takes of R·I, as a multiple of the EMF at the hand-over: R, known within some percent, and gains of
-// sensors 2 % apart then leave the angle within some degrees.
+// What the imposed current takes of R·I, as a multiple of the EMF at the hand-over: R, known within
+// some percent, and gains of sensors 2 % apart then leave the angle within some degrees.
 constexpr double HIDDEN_EMF = 3;
 
 } // namespace

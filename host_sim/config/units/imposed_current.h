@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// The current that a start imposes: how large it is at rest and in motion, and how the rotor swings in its field.
+// The current that a start imposes: how large it is at rest and in motion, and how the rotor swings
+// in its field.
 #pragma once
 
 #include "bases.h"
@@ -10,24 +11,25 @@
 namespace nf
 {
 
-// The largest current along the flux that is imposed, at rest and in motion, and in RUN. The observer sees the angle by the same
-// active flux.
+// The largest current along the flux that is imposed, at rest and in motion, and in RUN. The
+// observer sees the angle by the same active flux.
 double stiff_current(const MotorSettings &motor);
 
 // At rest.
 double hold_current(const MotorSettings &motor, const BoardSettings &board,
                     const TuningSettings &tuning);
 
-// In motion: what the motor bears, within what its saliency allows and its EMF can be seen beside; never less than at rest, or a
-// load would be lost.
+// In motion: what the motor bears, within what its saliency allows and its EMF can be seen beside;
+// never less than at rest, or a load would be lost.
 double moving_current(const MotorSettings &motor, const BoardSettings &board,
                       const TuningSettings &tuning);
 
-// ψ/φ: what is left of the flux that a swing moves past an imposed current, as the reluctance takes (L_q − L_d)·I off it. A half at
-// least, by stiff_current().
+// ψ/φ: what is left of the flux that a swing moves past an imposed current, as the reluctance takes
+// (L_q − L_d)·I off it. A half at least, by stiff_current().
 double active_share(double current_a, const MotorSettings &motor);
 
-// ω_n of the rotor in the field of the current at rest, rad/s: J/P·δ'' = −1.5·P·ψ·I·δ with the active flux ψ.
+// ω_n of the rotor in the field of the current at rest, rad/s: J/P·δ'' = −1.5·P·ψ·I·δ with the
+// active flux ψ.
 double swing_rad_s(const MotorSettings &motor, const BoardSettings &board,
                    const TuningSettings &tuning, const Model &m);
 

@@ -18,8 +18,9 @@ constexpr double BUS_FLOOR = 0.8;
 constexpr double EDGE_LSB = 8;
 constexpr double EDGE_KNEES = 3.5; // fits the loss of a leg that commutates softly: modulator.h
 
-// What a leg holds where the board file does not say: half a metre of wire and the devices' own for each ampere, or at
-// mains voltage a motor cable and IGBTs. Real ones are within a factor of three, and half to twice of it is near enough.
+// What a leg holds where the board file does not say: half a metre of wire and the devices' own for
+// each ampere, or at mains voltage a motor cable and IGBTs. Real ones are within a factor of three,
+// and half to twice of it is near enough.
 struct LegCapacitance {
     double cable_f;
     double device_f_per_a;

@@ -14,11 +14,12 @@ modulator_cfg_t make_modulator(const BoardSettings &board, const TuningSettings 
 // The largest phase voltage as a share of the bus: the circle in the hexagon of the inverter.
 double largest_ratio(const BoardSettings &board);
 
-// The vector that dead time and device drop take off the voltage: its first harmonic is 4/3 of what a leg loses.
+// The vector that dead time and device drop take off the voltage: its first harmonic is 4/3 of what
+// a leg loses.
 double leg_loss_v(const BoardSettings &board, double dead_time_s, double device_drop_v);
 
-// The current that charges the capacitance of a leg's output just within the dead time, as the drive takes both; 0 without
-// dead time.
+// The current that charges the capacitance of a leg's output just within the dead time, as the
+// drive takes both; 0 without dead time.
 double commutation_knee_a(const BoardSettings &board, const ModelScales &model);
 
 } // namespace nf

@@ -39,7 +39,8 @@ pi_cfg_t make_speed_pi(const TuningSettings &tuning, const Model &m, const Bases
                    omega * omega * per_unit * slow_period, 2, key, bandwidth_hz);
 }
 
-// The ripple of the estimate falls with the speed: where it allows the whole bandwidth, the loop has it.
+// The ripple of the estimate falls with the speed: where it allows the whole bandwidth, the loop
+// has it.
 double soft_speed_rpm(const MotorSettings &motor, const TuningSettings &tuning)
 {
     const double share = std::max(1.0, tuning.speed_bandwidth_hz / tuning.low_speed_bandwidth_hz);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// The motor as the conversion knows it: what the controller believes of it, and the currents of its name plate.
+// The motor as the conversion knows it: what the controller believes of it, and the currents of its
+// name plate.
 #pragma once
 
 #include "numbers.h"
@@ -8,8 +9,8 @@
 namespace nf
 {
 
-// Slower than this share of the highest speed is standing: what a motor can feed back there is lost in
-// its own resistance but for a watt.
+// Slower than this share of the highest speed is standing: what a motor can feed back there is lost
+// in its own resistance but for a watt.
 constexpr double STANDSTILL = 1.0 / 64;
 
 // What the controller believes of the motor, in SI units.
@@ -25,7 +26,8 @@ Model make_model(const MotorSettings &motor, const ModelScales &scale);
 // Peak phase current of rated torque, i_d = 0.
 double rated_current(const MotorSettings &motor);
 
-// Peak phase current for ever: the motor file's, else that of rated torque; and the key that says so.
+// Peak phase current for ever: the motor file's, else that of rated torque; and the key that says
+// so.
 double continuous_current(const MotorSettings &motor);
 Source continuous_source(const MotorSettings &motor);
 

@@ -12,7 +12,8 @@ namespace nf
 namespace
 {
 
-// Bits that b loses: as many as leave room for the largest error, fewer where the states are small and the gains large.
+// Bits that b loses: as many as leave room for the largest error, fewer where the states are small
+// and the gains large.
 constexpr int GRADIENT_SHIFT_MAX = 12;
 constexpr int GRADIENT_SHIFT_MIN = 4;
 
@@ -61,7 +62,8 @@ void set_network(nn_observer_cfg_t &c, const MotorSettings &motor, const BoardSe
     const double weight = std::ldexp(1.0, 12 + static_cast<int>(largest.shift));
     c.decay = static_cast<int32_t>(std::lround(decay * weight));
     c.volt_gain = static_cast<int32_t>(std::lround(volt_gain * weight));
-    // As whole units of the decay: the model in force takes them apart again, firmware/control/model.c.
+    // As whole units of the decay: the model in force takes them apart again,
+    // firmware/control/model.c.
     const double feedback = std::round(tuning.observer_feedback * b.current_a / base_x * weight);
     keep(c.feedback_q15, feedback / std::max(c.decay, 1) * Q15, 0, MANTISSA_MAX);
     store(c.flux_q27, m.flux_current / base_x * Q27, 1, Q27 - 1,

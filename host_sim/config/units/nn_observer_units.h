@@ -11,7 +11,8 @@ namespace nf
 nn_observer_cfg_t make_observer(const MotorSettings &motor, const BoardSettings &board,
                                 const TuningSettings &tuning, const Model &m, const Bases &b);
 
-// The estimate follows a ramp of speed with this delay, T·κ_p/κ. None with the published law, and with a sensor.
+// The estimate follows a ramp of speed with this delay, T·κ_p/κ. None with the published law, and
+// with a sensor.
 double estimate_lag_s(const TuningSettings &tuning, double period_s);
 
 } // namespace nf

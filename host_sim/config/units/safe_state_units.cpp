@@ -16,18 +16,20 @@ namespace
 constexpr double ROOT_3 = 1.7320508075688772;
 // Half an electrical turn behind the short circuit its two parts add up.
 constexpr double HALF_TURN = PI;
-// Electrical angle in a span at the speed up to which opening is safe. A change over it is that of a faster rotor up to seven
-// times that speed; then it is a whole turn.
+// Electrical angle in a span at the speed up to which opening is safe. A change over it is that of
+// a faster rotor up to seven times that speed; then it is a whole turn.
 constexpr double SPAN_RAD = 0.8;
 constexpr double SPAN_TICKS_MAX = 1024;
-// Twice in a turn a change is at least this large, of that of a healthy machine: an open wire takes it to √3/2 of the vector, and
-// the spans meet its largest slope to within half a span, cos 0.4.
+// Twice in a turn a change is at least this large, of that of a healthy machine: an open wire takes
+// it to √3/2 of the vector, and the spans meet its largest slope to within half a span, cos 0.4.
 constexpr double CHANGE_SHARE = 0.75;
 // Two of the opening speed are more than one of a rotor at 3/4 of it.
 constexpr double SETTLE_TURNS = 2;
-// A bus that has just been within its limit is found beyond it one tick later, and the gates follow at the next one.
+// A bus that has just been within its limit is found beyond it one tick later, and the gates follow
+// at the next one.
 constexpr double ACT_TICKS = 2;
-// What is charged in them is at most this share of the way from the nominal bus to the highest: the rest is for derating.
+// What is charged in them is at most this share of the way from the nominal bus to the highest: the
+// rest is for derating.
 constexpr double ROOM_SHARE = 0.5;
 
 double least_inductance(const MotorSettings &motor)
@@ -61,7 +63,8 @@ double acting_limit_of_short(const BoardSettings &board)
     return board.bus_max_v - charge / board.bus_capacitance_f;
 }
 
-// The line-to-line EMF that charges the bus from bus_v to its limit at most: C/2·(V² − v²) ≤ W + U·C·(V − v).
+// The line-to-line EMF that charges the bus from bus_v to its limit at most: C/2·(V² − v²) ≤ W +
+// U·C·(V − v).
 double emf_from(double bus_v, double square, double most_v)
 {
     return (most_v + bus_v) / 2 - square / (2 * (most_v - bus_v));
@@ -83,8 +86,8 @@ double bearable_emf(const MotorSettings &motor, const BoardSettings &board)
                     emf_from(board.bus_nominal_v, square, most_v));
 }
 
-// The largest flux linkage from which a short circuit begins: that of the largest current, and no more than the voltage
-// lets turn.
+// The largest flux linkage from which a short circuit begins: that of the largest current, and no
+// more than the voltage lets turn.
 double largest_flux(const MotorSettings &motor, const BoardSettings &board)
 {
     const double current = motor.max_current_a;

@@ -35,9 +35,10 @@ struct MotorSettings {
 // No value: nothing was measured.
 constexpr double NOT_MEASURED = -1;
 
-// [measured] What an identification found out beside the values of [motor]: how far each may be wrong, what the legs lose,
-// and in which conditions. `…_std_pct` is a standard deviation and `…_bound_pct` a systematic bound, both in % of the
-// value; `…_bar_…` is both together, in the value's own unit. A bar of 0 is one that nobody states.
+// [measured] What an identification found out beside the values of [motor]: how far each may be
+// wrong, what the legs lose, and in which conditions. `…_std_pct` is a standard deviation and
+// `…_bound_pct` a systematic bound, both in % of the value; `…_bar_…` is both together, in the
+// value's own unit. A bar of 0 is one that nobody states.
 struct MeasuredSettings {
     double resistance_std_pct = 0;
     double resistance_bound_pct = 0;
@@ -53,8 +54,8 @@ struct MeasuredSettings {
     double viscous_friction_bar_nm_s = 0;
     double coulomb_friction_nm = 0; // torque that turns against the motion, whatever the speed
     double coulomb_friction_bar_nm = 0;
-    // What a leg loses in a period, with its current the other way: dead_time_s · bus for a large current, half of it at
-    // the current knee_a (host_sim/plant/knee.h). The drive believes both.
+    // What a leg loses in a period, with its current the other way: dead_time_s · bus for a large
+    // current, half of it at the current knee_a (host_sim/plant/knee.h). The drive believes both.
     double dead_time_s = NOT_MEASURED;
     double dead_time_bar_s = 0;
     double knee_a = NOT_MEASURED;
@@ -102,8 +103,8 @@ struct BoardSettings {
     double output_capacitance_f = -1; // of a leg with its cable; -1: a typical one
     double bootstrap_charge_s = 0;    // all low sides on before the first high side of a start
     int offset_samples_log2 = 0;      // calibration averages 2^n samples
-    // The power stage's sensor: temperatures that rise, and what the converter reads there, in % of its full scale, which
-    // rises or falls. Linear in between.
+    // The power stage's sensor: temperatures that rise, and what the converter reads there, in % of
+    // its full scale, which rises or falls. Linear in between.
     std::vector<double> temperature_points_c = {-50, 150};
     std::vector<double> temperature_points_pct = {0, 100};
     double temperature_warn_c = 0;  // derating begins; 0: 20 °C below the maximum
@@ -131,8 +132,8 @@ enum class OscillationAct {
     fault
 };
 
-// [drive], [observer], [startup], [adaptation], [current_loop], [speed_loop], [position_loop], [voltage_loop],
-// [phase_compensator], [supervision]
+// [drive], [observer], [startup], [adaptation], [current_loop], [speed_loop], [position_loop],
+// [voltage_loop], [phase_compensator], [supervision]
 struct TuningSettings {
     std::string name;
     // So long without a message of a PC that has commanded, and the drive stops; 0: it never does.
@@ -213,8 +214,9 @@ enum class Wires {
     cba
 };
 
-// Dead time and device drop are one value unless a file tells them apart: the real board has what its file
-// says, and the drive believes what was measured, else what is real. Complete once a configuration is loaded.
+// Dead time and device drop are one value unless a file tells them apart: the real board has what
+// its file says, and the drive believes what was measured, else what is real. Complete once a
+// configuration is loaded.
 constexpr double AS_BOARD = -1;
 constexpr double AS_PLANT = -1;
 

@@ -16,24 +16,26 @@ namespace nf
 namespace
 {
 
-// Shares of the hand-over speed: the observer runs free from the first on, and hands back at the second.
+// Shares of the hand-over speed: the observer runs free from the first on, and hands back at the
+// second.
 constexpr double TRACK_SHARE = 0.5;
 constexpr double HOLD_SHARE = 0.7;
 constexpr double RESIDUAL_SHARE = 0.25; // of the continuous current
 constexpr double LOST_SHARE = 0.75;
 constexpr double LOST_TIME_S = 0.1;
-// On the file's J the vector's ramp takes the torque of this share of the current in motion: a load of half the rated torque and
-// three times J still follow.
+// On the file's J the vector's ramp takes the torque of this share of the current in motion: a load
+// of half the rated torque and three times J still follow.
 constexpr double RAMP_TORQUE = 0.07;
 constexpr double HANDOVER_TIME_S = 0.1;
-// While the observer settles the vector becomes faster by this share of the hand-over speed: the EMF of more would be too much for
-// a soft control of the current.
+// While the observer settles the vector becomes faster by this share of the hand-over speed: the
+// EMF of more would be too much for a soft control of the current.
 constexpr double SETTLE_RISE = 0.15;
 // At low speed a drive has a load from this torque current on, as a share of the continuous one.
 constexpr double LOAD_SHARE = 0.15;
 constexpr uint32_t ATTEMPTS = 5;
 
-// An imposed current is controlled firmly beyond these shares of the over-current: 0.96 of it together.
+// An imposed current is controlled firmly beyond these shares of the over-current: 0.96 of it
+// together.
 constexpr double ALONG_SHARE = 0.85;
 constexpr double ACROSS_SHARE = 0.45;
 
@@ -111,7 +113,8 @@ void set_loaded_run(startup_cfg_t &c, const MotorSettings &motor, const TuningSe
     keep(c.load_current, LOAD_SHARE * continuous_current(motor) / b.current_a * Q15, 1, Q14);
 }
 
-// A start imposes its current whatever the bus gives: what that takes at standstill has to be allowed.
+// A start imposes its current whatever the bus gives: what that takes at standstill has to be
+// allowed.
 void check_imposed_power(const startup_cfg_t &c, const BoardSettings &board, const Model &m,
                          const Bases &b)
 {

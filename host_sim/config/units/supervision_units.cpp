@@ -13,16 +13,18 @@ namespace nf
 namespace
 {
 
-// Supervision. Currents are shares of the continuous current; docs/protection.md says what each must not see.
-// Half a turn is judged from a fifth of the continuous current's amplitude on, which a phase then moves by at
-// least; an eighth of it is above the noise of 1 LSB rms, which spans 8 LSB in a turn.
+// Supervision. Currents are shares of the continuous current; docs/protection.md says what each
+// must not see. Half a turn is judged from a fifth of the continuous current's amplitude on, which
+// a phase then moves by at least; an eighth of it is above the noise of 1 LSB rms, which spans 8
+// LSB in a turn.
 constexpr double PHASE_RANGE_SHARE = 0.2;
 constexpr double PHASE_RANGE_LSB = 64 + 1;
 constexpr double PHASE_TURNS = 0.4; // in a slow period: beyond, two samples a turn can miss a phase
 constexpr double FOLLOW_SHARE = 0.2;
 constexpr double FOLLOW_LSB = 16;
 constexpr double RESIDUAL_SHARE = 0.75;
-// The sum of the currents: two sensors at opposite ends of their tolerance, and half as much beside it; drift of their zeros.
+// The sum of the currents: two sensors at opposite ends of their tolerance, and half as much beside
+// it; drift of their zeros.
 constexpr double SUM_TOLERANCES = 3;
 constexpr double SUM_SHARE = 0.01; // of full scale, and …
 constexpr double SUM_LSB = 8;      // … noise of three converters
@@ -40,10 +42,11 @@ constexpr uint32_t LATE_MAX = 10;
 constexpr double LATE_WINDOW_S = 1;
 constexpr double PERIODS_MAX = 1e6; // what a counter of periods is set to at most
 
-// What supervision allows an imposed current, in units of 1/ω_n of its swing: the turning point can hold a phase at zero
-// for 1.4, and the leg's dead time keeps it there, for 3 as measured; what lasts twice as long is no swing.
-// The current control adds at most this much to R·i and the EMF: for the winding's R at 100 K more than cold, and for a
-// dead time of 2 % of the period that nobody compensates. A rotor that is pulled in can take more for half a swing.
+// What supervision allows an imposed current, in units of 1/ω_n of its swing: the turning point can
+// hold a phase at zero for 1.4, and the leg's dead time keeps it there, for 3 as measured; what
+// lasts twice as long is no swing. The current control adds at most this much to R·i and the EMF:
+// for the winding's R at 100 K more than cold, and for a dead time of 2 % of the period that nobody
+// compensates. A rotor that is pulled in can take more for half a swing.
 constexpr double UNLIKE_SWING = 6;
 constexpr double VOLTAGE_RESISTANCE_SHARE = 0.4;
 constexpr double VOLTAGE_BUS_SHARE = 0.03;
@@ -104,7 +107,8 @@ void set_speed_limits(supervision_cfg_t &c, const Watched &w)
     c.speed_error_max = w.speed(SPEED_ERROR_SHARE);
     c.speed_error_periods = w.periods(
         std::max(SPEED_ERROR_TIME_S, SPEED_ERROR_TIME_SHARE / w.tuning.speed_bandwidth_hz));
-    // An estimate may run away without its rotor. The speed of a sensor is the rotor's, so OVERSPEED names it, which is as soon.
+    // An estimate may run away without its rotor. The speed of a sensor is the rotor's, so
+    // OVERSPEED names it, which is as soon.
     const bool is_sensed = w.tuning.angle_source == AngleSource::sensor;
     c.runaway_periods = w.periods(is_sensed ? OVERSPEED_TIME_S : RUNAWAY_TIME_S);
     c.overspeed = w.speed(OVERSPEED_SHARE);

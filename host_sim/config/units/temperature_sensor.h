@@ -7,8 +7,8 @@
 namespace nf
 {
 
-// Counts of the power stage's temperature sensor, not rounded; beyond the converter's ends where the
-// temperature is.
+// Counts of the power stage's temperature sensor, not rounded; beyond the converter's ends where
+// the temperature is.
 double temperature_count(const BoardSettings &board, double temperature_c);
 
 // The other way: °C at a count; beyond the first and the last point their line goes on.

@@ -11,8 +11,8 @@ namespace nf
 namespace
 {
 
-// From here on a turn in a sample is more than what its sine and cosine are rounded by: the frequency is right within 0.1 %,
-// and so is the gain at rest.
+// From here on a turn in a sample is more than what its sine and cosine are rounded by: the
+// frequency is right within 0.1 %, and so is the gain at rest.
 constexpr double LEAST_SHARE = 1.0 / 256;
 
 // r: the low-pass of a continuous one, sampled.
@@ -21,7 +21,8 @@ double smooth_rate(const TuningSettings &tuning, double rate_hz)
     return 1 - std::exp(-TWO_PI * tuning.torque_filter_hz / rate_hz);
 }
 
-// μ. With a quarter of the rate it is 1, and the notch knows one sample only: the band is not wider.
+// μ. With a quarter of the rate it is 1, and the notch knows one sample only: the band is not
+// wider.
 double notch_share(const TuningSettings &tuning, double rate_hz)
 {
     const double band_hz = std::min(tuning.notch_hz * tuning.notch_width_pct / 100, rate_hz / 4);

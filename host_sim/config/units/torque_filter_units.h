@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// Notch and low-pass of the torque current: the firmware's numbers of their frequencies, and what they do to a frequency.
+// Notch and low-pass of the torque current: the firmware's numbers of their frequencies, and what
+// they do to a frequency.
 #pragma once
 
 #include "bases.h"

@@ -13,7 +13,8 @@ namespace
 
 constexpr int LOAD_SHIFT_MAX = 14;
 
-// The load is known as fast as the speed loop finds it: K_p/K_i, in slow periods, as a power of two.
+// The load is known as fast as the speed loop finds it: K_p/K_i, in slow periods, as a power of
+// two.
 uint32_t load_shift(const pi_cfg_t &pi)
 {
     if (pi.ki == 0 || pi.kp == 0) {

@@ -13,10 +13,12 @@ namespace nf
 namespace
 {
 
-// Electrical angle in a PWM period up to which the middle current of the observer and the lead of the voltage hold.
+// Electrical angle in a PWM period up to which the middle current of the observer and the lead of
+// the voltage hold.
 constexpr double TURN_MAX_RAD = 0.7;
 
-// What the firmware keeps of the voltage for the current control, and the largest EMF, of U_b: weakening.c.
+// What the firmware keeps of the voltage for the current control, and the largest EMF, of U_b:
+// weakening.c.
 constexpr double WEAKENING_RESERVE = 3.0 / 256;
 constexpr double EMF_MOST = 1.9;
 

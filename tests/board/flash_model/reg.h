@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* In place of the binding's header of this name: each access of flash.c goes to the model of test_flash.c. */
+/*
+ * In place of the binding's header of this name: each access of flash.c goes to the model of
+ * test_flash.c.
+ */
 #ifndef REG_H
 #define REG_H
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * On a PC the power stage is pretended: no current, 310 V, a cool stage. The program ends with 0 once the drive, by itself,
- * has measured its sensors' zeros and then enabled the gates for the run that a person has typed. It prints what the
- * console says.
+ * On a PC the power stage is pretended: no current, 310 V, a cool stage. The program ends with 0
+ * once the drive, by itself, has measured its sensors' zeros and then enabled the gates for the run
+ * that a person has typed. It prints what the console says.
  */
 #include "board.h"
 

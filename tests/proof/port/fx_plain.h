@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The functions of firmware/math/port/fx_plain.h for the proof: conversions that keep the value, so that it can ask that
- * of all of them, and a low-pass that says what intervals do not know, that it stays between its arguments.
- * test_proof_port.c compares both.
+ * The functions of firmware/math/port/fx_plain.h for the proof: conversions that keep the value, so
+ * that it can ask that of all of them, and a low-pass that says what intervals do not know, that it
+ * stays between its arguments. test_proof_port.c compares both.
  */
 #ifndef FX_PLAIN_H
 #define FX_PLAIN_H

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The functions of port/generic as their contracts say them, for the proof: what the shifts of port/generic mean is
- * beyond intervals. test_proof_port.c compares both, around every limit and in steps over all words. Where
- * port/generic or a core holds only for some arguments, that is asked here of each call.
+ * The functions of port/generic as their contracts say them, for the proof: what the shifts of
+ * port/generic mean is beyond intervals. test_proof_port.c compares both, around every limit and in
+ * steps over all words. Where port/generic or a core holds only for some arguments, that is asked
+ * here of each call.
  */
 #ifndef FX_PORT_H
 #define FX_PORT_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The distances of firmware/record/ring.h between whole entries of one array, for the proof: what a rotation of bits says of two
- * places is beyond intervals. test_proof_port.c compares both.
+ * The distances of firmware/record/ring.h between whole entries of one array, for the proof: what a
+ * rotation of bits says of two places is beyond intervals. test_proof_port.c compares both.
  */
 #ifndef RING_H
 #define RING_H

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Stands for what nfconfig makes of a board's files: gate.misra reads the sources without a build. */
+/*
+ * Stands for what nfconfig makes of a board's files: gate.misra reads the sources without a build.
+ */
 #ifndef DRIVE_CONFIG_H
 #define DRIVE_CONFIG_H
 

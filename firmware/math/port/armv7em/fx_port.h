@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The arithmetic of port/generic on Cortex-M4 and M7: contracts as there, results the same bit for bit.
+ * The arithmetic of port/generic on Cortex-M4 and M7: contracts as there, results the same bit for
+ * bit.
  */
 #ifndef FX_PORT_H
 #define FX_PORT_H

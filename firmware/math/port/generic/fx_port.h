@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Arithmetic for which some cores have an instruction. This is the form in plain C, for all other cores.
+ * Arithmetic for which some cores have an instruction. This is the form in plain C, for all other
+ * cores.
  *
- * The build chooses one folder of port/ for the core. All folders give the same results, bit for bit. The saturating
- * functions take any int32_t. Pure, any context.
+ * The build chooses one folder of port/ for the core. All folders give the same results, bit for
+ * bit. The saturating functions take any int32_t. Pure, any context.
  */
 #ifndef FX_PORT_H
 #define FX_PORT_H
@@ -12,7 +13,10 @@
 
 #include <stdint.h>
 
-/* x saturated to a signed number of `bits` bits. x fits when extending the sign of its lower bits gives x again. */
+/*
+ * x saturated to a signed number of `bits` bits. x fits when extending the sign of its lower bits
+ * gives x again.
+ */
 static inline int32_t fx_sat(int32_t x, uint32_t bits)
 {
     const uint32_t ones = ((uint32_t)1U << (bits - 1U)) - 1U;
@@ -68,8 +72,9 @@ static inline int32_t fx_usat15(int32_t x)
 }
 
 /*
- * sum + floor(a·b / 2^16), exact for every a and for −32768 ≤ b ≤ 32767 given as int32_t. The caller
- * makes sure that the sum fits 32 bits. With a = a_hi·2^16 + a_lo: a_hi·b + floor(a_lo·b / 2^16), |a_lo·b| < 2^31.
+ * sum + floor(a·b / 2^16), exact for every a and for −32768 ≤ b ≤ 32767 given as int32_t. The
+ * caller makes sure that the sum fits 32 bits. With a = a_hi·2^16 + a_lo: a_hi·b + floor(a_lo·b /
+ * 2^16), |a_lo·b| < 2^31.
  */
 static inline int32_t fx_mla_32x16(int32_t sum, int32_t a, int32_t b)
 {
