@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a frame asks of the drive before anything is controlled: sensor, command, flags and limits.
- * It may change the state.
+ * The part of a tick before the control: reads the sensor, obeys the command and the flags, and
+ * checks the samples against their limits. It may change the state.
  *
  * Part of the drive; called from drive_step only.
  */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * OFFSET_CAL: the zeros of the current sensors, and their noise, while the gates are open.
+ * OFFSET_CAL: measures the zeros of the current sensors, and their noise, while the gates are open.
  *
  * Part of the drive; called from drive_step only.
  */
@@ -17,15 +17,15 @@
 #define CALIBRATION_NOMINAL_Q15 (16384)
 
 /*
- * Before the first tick of OFFSET_CAL. A safe state ends. J was learned from the speed that the
- * observer saw before the fault, so it is forgotten; R, L and φ stay: they were measured, or are
- * bound to their files.
+ * Call before the first tick of OFFSET_CAL. It ends a safe state. It forgets J, because J was
+ * learned from the speed that the observer saw before the fault. R, L and φ stay: they were
+ * measured, or are bound to their files.
  */
 drive_event_t calibration_begin(drive_t *drive);
 
 /*
- * One tick of OFFSET_CAL. CALIBRATED: the mean of 2^offset_log2 samples is the zero. FAULT: such a
- * zero is too far from mid-scale.
+ * One tick of OFFSET_CAL. CALIBRATED: both zeros are known, each the mean of 2^offset_log2 samples.
+ * FAULT: a zero is too far from mid-scale.
  */
 drive_event_t calibration_step(drive_t *drive, const drive_in_t *in, fault_t *fault);
 

@@ -16,14 +16,17 @@
  *     INIT → OFFSET_CAL → READY → FLYING_START → ALIGN → HOLD ⇄ IF_RAMP → HANDOVER → RUN → HOLD
  *     FLYING_START → RUN when the rotor turns already
  *     HANDOVER → FLYING_START when the hand-over fails
- *     any but INIT, OFFSET_CAL, FAULT → READY without DRIVE_REQUEST_RUN
+ *     READY → PROBE on DRIVE_REQUEST_PROBE without DRIVE_REQUEST_RUN
+ *     PROBE → READY without DRIVE_REQUEST_PROBE
+ *     any but INIT, OFFSET_CAL, PROBE, FAULT → READY without DRIVE_REQUEST_RUN
  *     any → FAULT, latched, gates off in the same tick
  *     FAULT → OFFSET_CAL on DRIVE_REQUEST_CLEAR without DRIVE_REQUEST_RUN
  *
- * In RUN the currents are controlled in the frame of the rotor, whose angle observer or sensor
- * give. In ALIGN, HOLD, IF_RAMP and HANDOVER the drive imposes a current vector and controls it in
- * the frame of that vector. When the configuration has no start-up (startup.current_hold is 0),
- * READY goes to RUN: the rotor is then taken to be at angle 0, or at the angle of the sensor.
+ * In RUN the currents are controlled in the frame of the rotor. The observer or the sensor gives
+ * the angle of that frame. In PROBE, ALIGN, HOLD, IF_RAMP and HANDOVER the drive imposes a current
+ * vector and controls it in the frame of that vector. With a sensor, READY goes straight to RUN, at
+ * the angle of the sensor. Without a sensor and without a start-up (startup.current_hold is 0) it
+ * does so too, and takes the rotor to be at angle 0.
  */
 #ifndef DRIVE_H
 #define DRIVE_H
@@ -43,43 +46,44 @@
 const char *drive_init(drive_t *drive, const drive_cfg_t *cfg);
 
 /*
- * The winding is as warm as this: Q24, 1 is the steady heat of the continuous current,
+ * Sets the heat that the winding starts with, Q24: 1 is the steady heat of the continuous current,
  * 0…DERATING_HEAT_MAX_Q24. Call between drive_init() and the first tick.
  */
 void drive_warm(drive_t *drive, int32_t heat_q24);
 
 /*
- * From the next drive_step() on the drive runs with `cfg`, which must outlive the drive or the next
- * change. It is one that config_check() accepts, with its checksum.
- *
- * Of what config_change_refused() allows the drive keeps its state. What was measured of the motor
- * stays as a ratio to the values of the new configuration, and so does the voltage of the current
- * control: what the model gives otherwise goes to the integrals. A voltage drive goes back to
- * current control. A measurement of a start that is under way begins again. What a slot of the slow
- * schedule computes follows in its slot, within a slow period.
+ * From the next drive_step() on the drive runs with `cfg`, which must stay valid until the next
+ * change, or as long as the drive. config_check() must accept it, and its checksum must be right.
  *
  * If the checksum is equal, only the pointer changes.
  *
- * Of anything else the drive begins anew: it opens the gates, goes to INIT and calibrates; nothing
- * that was measured is known. So the caller asks config_change_refused() first, and goes on at rest
- * only. A latched fault stays.
+ * If config_change_refused() allows the change, the drive keeps its state. The measured corrections
+ * of the motor model stay, as ratios to the new configured values. The voltage of the current
+ * control stays too: the integrals take up the difference between the old model's voltage and the
+ * new one's. A voltage drive goes back to current control. If a start is measuring, its measurement
+ * begins again. Values that a slot of the slow schedule computes change in that slot, within a slow
+ * period.
  *
- * Total and pure: a replay with the same change in front of the same frame repeats it bit for bit.
+ * Any other change makes the drive begin anew: it puts the gates into the safe state, goes to INIT,
+ * calibrates, and forgets all that was measured of the motor. So the caller must ask
+ * config_change_refused() first, and make such a change only at rest. A latched fault stays.
+ *
+ * Total and pure: a replay with the same change before the same frame repeats it bit for bit.
  * Context: control interrupt, right before drive_step().
  */
 void drive_change(drive_t *drive, const drive_cfg_t *cfg);
 
 /*
- * Whether the next tick is the one of a slow period in which the drive reads the temperature.
- * control_isr() takes the command then, and the recorder looks for a change of both. So a command
- * waits for up to a slow period.
+ * Whether the drive reads the temperature in the next tick, as it does once per slow period.
+ * control_isr() takes the command in that tick, and the recorder looks for a change of command and
+ * temperature. So a command waits for up to a slow period.
  */
 static inline bool drive_reads_slow_inputs(const drive_t *drive)
 {
     return drive->slow_count == ((uint32_t)SLOT_CHECKS + 1U);
 }
 
-/* The same after drive_step(), of the tick that has ended. */
+/* The same for the tick that has just ended; call after drive_step(). */
 static inline bool drive_has_read_slow_inputs(const drive_t *drive)
 {
     return drive->slow_count == (uint32_t)SLOT_CHECKS;

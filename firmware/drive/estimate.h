@@ -7,7 +7,8 @@
  *     observer   in RUN, and above track_speed: the network is trained (22)
  *     sensor     when the board has one: the network is given the speed of the sensor. config_check
  *                asks for rates of 0 then, so that the training leaves that speed as it is. A
- *                current error that the network cannot explain means a wrong sensor (OBSERVER_LOST)
+ *                current error that the network cannot explain means that the sensor is wrong
+ *                (OBSERVER_LOST)
  *     vector     at low speed: the network is given the speed of the imposed vector, and θ̂
  *                approaches its angle
  *
@@ -18,12 +19,12 @@
 
 #include "state.h"
 
-/* Start at a speed and a current (Q15 of I_b, in the frame of θ̂) with the present θ̂. */
+/* Start at this speed and this current (Q15 of I_b, in the frame of θ̂). θ̂ stays. */
 void estimate_start(drive_t *drive, step_t speed, dq_t current);
 
 /*
- * First in a tick, in every state, with a sensor: θ̂ and ω̂ are those of the sensor. count: 2^16 =
- * one turn of the shaft.
+ * Sets θ̂ and ω̂ to the angle and the speed of the sensor. Call it first in each tick of a drive with
+ * a sensor, in every state. count: 2^16 = one turn of the shaft.
  */
 void estimate_sense(drive_t *drive, uint16_t count);
 
@@ -36,17 +37,17 @@ void estimate_start_sensed(drive_t *drive);
 bool estimate_is_trained(const drive_t *drive);
 
 /*
- * The voltage that acted since the last instant, Q15 of U_b, saturated to 16 bits: the ratio (Q15
- * of the bus) that acted, times the mean of the bus voltages at both instants. Pure.
+ * Returns the voltage that acted since the last instant, Q15 of U_b, saturated to 16 bits: the
+ * ratio (Q15 of the bus) that acted, times the mean of the bus voltages at both instants. Pure.
  */
 ab_t estimate_applied_voltage(ab_t ratio, int32_t bus_before, int32_t bus_now);
 
-/* A tick that controls a current: turns the currents into the frame of θ̂ and runs the network. */
+/* In a tick that controls a current: turns the currents into the frame of θ̂, runs the network. */
 void estimate_step(drive_t *drive, bool trained);
 
 /*
- * Last in such a tick: θ̂ of the next instant (23). Untrained, it also closes in on the angle of the
- * vector.
+ * Last in such a tick: θ̂ of the next instant (23). If the network is not trained, θ̂ also approaches
+ * the angle of the vector.
  */
 void estimate_advance(drive_t *drive, bool trained);
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The frame in which the currents are controlled: in RUN that of the rotor, below it that of the
- * imposed vector.
+ * The frame in which the currents are controlled: in RUN the frame of the rotor, below RUN the
+ * frame of the imposed vector.
  *
- * A frame_t holds what current control and modulation need to know of it. It lives for one tick.
- * Part of the drive; called from drive_step only.
+ * A frame_t holds all that current control and modulation need to know of the frame. It lives for
+ * one tick. Part of the drive; called from drive_step only.
  */
 #ifndef FRAME_H
 #define FRAME_H
@@ -13,13 +13,13 @@
 
 typedef struct {
     angle_t angle;                  /* at this instant */
-    step_t step;                    /* by which it turns in a tick */
+    step_t step;                    /* turn of the frame in a tick */
     dq_t current;                   /* measured, in this frame */
     const current_loop_cfg_t *loop; /* gains and decoupling */
     bool imposed;                   /* the frame of the vector */
 } frame_t;
 
-/* The frame of the rotor: estimate_step() has run. */
+/* The frame of the rotor. Call after estimate_step(). */
 static inline frame_t frame_of_rotor(const drive_t *drive)
 {
     return (frame_t){
@@ -31,7 +31,7 @@ static inline frame_t frame_of_rotor(const drive_t *drive)
     };
 }
 
-/* The frame of the imposed vector: frame_measure() has run. */
+/* The frame of the imposed vector. Call after frame_measure(). */
 static inline frame_t frame_of_vector(const drive_t *drive)
 {
     return (frame_t){
@@ -47,8 +47,8 @@ static inline frame_t frame_of_vector(const drive_t *drive)
 void frame_measure(drive_t *drive);
 
 /*
- * In RUN, when current_ref, the model or ω̂ may have changed: current_loop_plan() in the frame of
- * the rotor.
+ * Runs current_loop_plan() in the frame of the rotor. Call it in RUN when current_ref, the model or
+ * ω̂ may have changed.
  */
 void frame_plan_rotor(drive_t *drive);
 
@@ -61,15 +61,18 @@ dq_t frame_model_voltage(drive_t *drive);
 /* Sets the voltage for current_ref (current_loop.h). An imposed frame plans each tick. */
 void frame_control_current(drive_t *drive, const frame_t *frame);
 
-/* The voltage to compare values. It is turned for the middle of the period in which it acts. */
+/*
+ * Turns the voltage into compare values. It uses the angle that the frame will have in the middle
+ * of the period in which the voltage acts.
+ */
 void frame_modulate(drive_t *drive, const frame_t *frame, compare_t *out);
 
-/* The same in the frame of the vector, without compensation of dead time and drop. */
+/* The same in the frame of the vector, without compensation of the dead time and voltage drop. */
 void frame_modulate_plain(drive_t *drive, compare_t *out);
 
 /*
- * Change to a frame that is ahead by `angle`. A vector that is constant in space turns back in it:
- * current_ref and the integrals of the current control. So nothing jumps.
+ * Change to a frame that is ahead by `angle`. current_ref and the integrals of the current control
+ * are turned back by that angle. So they stay as they are in space, and nothing jumps.
  */
 void frame_turn(drive_t *drive, angle_t angle);
 

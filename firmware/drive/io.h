@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What goes into a control tick and what comes out: the frames of a hardware binding, and the
- * user's command.
+ * Input and output of a control tick: the frames that a hardware binding exchanges with the drive,
+ * and the user's command.
  */
 #ifndef IO_H
 #define IO_H
@@ -21,16 +21,16 @@ typedef enum {
 #define DRIVE_REQUEST_CLEAR (0x02U) /* acknowledge a fault, only without RUN */
 #define DRIVE_REQUEST_PROBE (0x04U) /* level: measure the motor while set, only without RUN */
 /*
- * Level: here is the zero that positions count from, as long as it is set. In position control the
- * target counts as 0 meanwhile, so a drive at rest stays where it is. It can be set with RUN and
- * without; nothing happens where the rotor is not known.
+ * Level: while set, the present position is the zero that positions count from. In position control
+ * the target counts as 0 meanwhile, so a drive at rest stays where it is. Allowed with RUN and
+ * without it. Nothing happens while the drive does not know the rotor.
  */
 #define DRIVE_REQUEST_ZERO (0x08U)
-/* the background has found a fault; no other request beside it. Without one it acts as a stop */
+/* the background has found a fault; no other bit may be set. Without a valid fault it is a stop */
 #define DRIVE_REQUEST_FAIL (0x10U)
 
 #define DRIVE_FLAG_BREAK (0x0001U) /* the power stage opened the gates by itself */
-/* The tick before ended too late: no voltage acted in place of its demand. */
+/* The last tick ended too late: zero voltage acted in place of its demand. */
 #define DRIVE_FLAG_LATE (0x0002U)
 
 /* The user's command. */
@@ -38,8 +38,8 @@ typedef struct {
     /*
      * SPEED: step_t, + turns α towards β; POSITION: Q16 electrical turns from the zero in force
      * (motion_loop.h); TORQUE: Q28 of T_b (current_reference.h), + drives forwards; in PROBE the
-     * value of the word in `mode`; with FAIL the fault's value in the lower and its limit in the
-     * upper half
+     * value of the word in `mode`; with FAIL the fault's value in the lower half and its limit in
+     * the upper half
      */
     int32_t target;
     /*
@@ -52,7 +52,7 @@ typedef struct {
 
 /*
  * One input frame: raw ADC counts (straight binary, currents with zero at mid-scale) and command.
- * The temperature is that of the power stage and may be some ticks old. The angle is that of a
+ * The temperature is measured at the power stage and may be some ticks old. The angle comes from a
  * sensor on the shaft: 2^16 = one turn, 0 where the magnet flux is along phase a, positive from a
  * towards b. Without a sensor it is 0.
  */
@@ -62,7 +62,7 @@ typedef struct {
     uint16_t adc_bus;
     uint16_t flags;
     drive_command_t command;
-    /* Behind the command: in front of it this field would cost a Cortex-M0+ 57 instructions. */
+    /* After the command: before it, this field would cost a Cortex-M0+ 57 instructions. */
     uint16_t adc_temperature;
     uint16_t angle;
 } drive_in_t;

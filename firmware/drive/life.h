@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The life of a drive: how it begins, from which state it goes to which, and how it begins anew.
- * Only life.c sets the state.
+ * The life of a drive: how it begins, how it changes its state, and how it begins anew. Only life.c
+ * sets the state.
  *
- * Part of the drive. Control interrupt only, but for drive_init() and drive_warm() (drive.h), which
- * are here too.
+ * Part of the drive. Control interrupt only. life.c also contains drive_init() and drive_warm()
+ * (drive.h), which are called elsewhere.
  */
 #ifndef LIFE_H
 #define LIFE_H
@@ -15,15 +15,15 @@
 void life_follow(drive_t *drive, drive_event_t event);
 
 /*
- * Go to FAULT, and keep what was around it. A fault is latched: in FAULT another one changes
- * nothing.
+ * Go to FAULT, and keep the fault and its scene (fault_scene_t). A fault is latched: in FAULT
+ * another one changes nothing.
  */
 void life_fail(drive_t *drive, const fault_t *fault);
 
 /* life_fail() with DRIVE_EVENT_FAULT, else life_follow(). */
 void life_react(drive_t *drive, drive_event_t event, const fault_t *fault);
 
-/* Act on the event of a part that can find a fault too. Most ticks have none. */
+/* Act on the event of a part that can also find a fault. Most ticks have no event. */
 static inline void life_follow_or_fail(drive_t *drive, drive_event_t event, const fault_t *fault)
 {
     if (event != DRIVE_EVENT_NONE) {
@@ -32,10 +32,11 @@ static inline void life_follow_or_fail(drive_t *drive, drive_event_t event, cons
 }
 
 /*
- * Words of the state mean something else from now on, so the drive begins anew and calibrates. What
- * remains is the clock, a latched fault, and the heat of the same current. The slow period goes on:
- * this tick has read its slow inputs. A motor that is too fast for open gates is shorted first; the
- * zeros of its current sensors hold in any scale.
+ * With this configuration some words of the state mean something else, so the drive begins anew and
+ * calibrates. It keeps its tick count, a latched fault with its scene, and the heat, converted to
+ * the new scale. The slow period goes on, because this tick reads the slow inputs. A motor that is
+ * too fast for open gates is shorted first. Until the calibration the last zeros of the current
+ * sensors stay in force, because they hold in any scale.
  */
 void life_restart(drive_t *drive, const drive_cfg_t *cfg);
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * PROBE: the drive measures a motor that it knows nothing of. The command's words (probe.h) say
- * which current is imposed and what is summed up; protection, limits and the winding's heat are
- * watched as ever.
+ * PROBE: the drive measures an unknown motor. The command's words (probe.h) say which current is
+ * imposed and when the sums are formed. Protection, limits and the heat of the winding are watched
+ * as in any other state.
  *
- * Dead time is not compensated here: what the legs lose is to be measured.
+ * The dead time is not compensated here, because the voltage that the legs lose is to be measured.
  *
  * Part of the drive; its steps are called from drive_step only.
  */
@@ -16,18 +16,18 @@
 
 #include <stdbool.h>
 
-/* Before the first tick of PROBE: no current, and no word in force. */
+/* Call before the first tick of PROBE. Begins with no current, and with no word in force. */
 drive_event_t probing_start(drive_t *drive);
 
 /*
- * One tick of PROBE: measures, takes the command's word, turns the vector, and gives compare
+ * One tick of PROBE: measures, takes the command's word, turns the vector, and writes the compare
  * values.
  */
 void probing_step(drive_t *drive, const drive_command_t *command, compare_t *out);
 
 /*
- * Whether the bus is at most at the voltage from which on RUN derates braking: the rotor may give
- * power back.
+ * Whether the rotor may give power back: the bus is not above the voltage at which RUN begins to
+ * derate the braking current.
  */
 bool probing_may_brake(const drive_t *drive);
 

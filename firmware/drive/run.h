@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * RUN: closed loop on the angle of the observer or the sensor. Its parts of a slow period.
+ * RUN: closed loop on the angle of the observer or the sensor. Here are the parts of RUN that run
+ * once per slow period.
  *
  * Part of the drive; called from drive_step only.
  */
@@ -14,32 +15,38 @@
 void run_reset(drive_t *drive);
 
 /*
- * The same at the angle and the speed that the sensor shows. The zero of positions stays, and
- * position control where the last run ended in it.
+ * The same at the angle and the speed that the sensor shows. The zero of positions stays. If the
+ * last run ended in position control, the drive stays in position control.
  */
 void run_reset_sensed(drive_t *drive);
 
-/* Positions count from here on. Call it where drive_knows_rotor(). */
+/* Makes the present position the zero of positions. Call only when drive_knows_rotor() is true. */
 void run_set_zero(drive_t *drive);
 
 /*
- * Computes the speed reference of the next slow period: ramp, position profile, or what a torque
- * leads to. position: of the frame in which the currents are controlled.
+ * Computes the speed reference of the next slow period: a ramp, a position profile, or the speed to
+ * which a torque leads. position: of the frame in which the currents are controlled.
  */
 void run_plan(drive_t *drive, const drive_command_t *command, const rotor_position_t *position);
 
-/* In torque control nothing but the torque decides i_q*, or an end of the window of speeds. */
+/*
+ * Whether the drive is in torque control, and only the commanded torque or an end of the window of
+ * speeds decides i_q*.
+ */
 static inline bool run_torque_is_free(const drive_t *drive)
 {
     return (drive->mode == (uint8_t)DRIVE_MODE_TORQUE) && !drive->torque_loop.bound;
 }
 
-/* i_d* of the next slow period, and what it leaves to i_q*. Nothing with the voltage drive. */
+/*
+ * Sets i_d* of the next slow period, and the range that it leaves to i_q*. Does nothing while the
+ * voltage drive is active.
+ */
 void run_limit(drive_t *drive);
 
 /*
- * Speed PI, or the voltage drive. HELD when the speed is low and i_d* has risen to the imposed
- * current: then it has set the vector on the present current.
+ * Runs the speed PI or the voltage drive. HELD when the speed is low and i_d* has risen to the
+ * imposed current: then the vector has the direction of the present current reference.
  */
 drive_event_t run_control_speed(drive_t *drive, const drive_command_t *command);
 

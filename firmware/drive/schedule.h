@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The slow schedule. The work of a slow period is spread over its last ticks, one slot per tick, so
- * that the longest tick is shorter. The number of a slot is the number of ticks left in the period.
+ * The slow schedule. The work of a slow period is spread over its last ticks, one slot per tick, to
+ * make the longest tick shorter. The number of a slot is the number of ticks left in the period.
  *
  *     slot     who                                              in which states  how often
  *     REFINE   estimate_refine                                  HOLD to RUN      each period
- *     PHASES   monitor_phases: any current; that of the vector  ALIGN to RUN     each period
+ *     PHASES   monitor_phases                                   PROBE to RUN     each period
  *     CHECKS   monitor_next_check: four take turns                  any              every fourth
  *     LIMITS   monitor_limits; run_limit                        any; RUN         each period
  *     PLAN     open_loop_plan, in RUN run_plan                  HOLD to RUN      each period
  *     SPEED    open_loop_drag, in RUN run_control_speed         HOLD to RUN      each period
  *
  * Part of the drive; schedule_step() is called from drive_step only. control_isr() and the recorder
- * know its slot CHECKS by drive.h.
+ * ask drive.h for the slot CHECKS (drive_reads_slow_inputs()).
  */
 #ifndef SCHEDULE_H
 #define SCHEDULE_H
@@ -27,13 +27,13 @@ typedef enum {
     SLOT_CHECKS,
     SLOT_PHASES,
     SLOT_REFINE,
-    SLOTS /* number of slots, none itself */
+    SLOTS /* number of slots, not a slot */
 } slot_t;
 
 /*
- * The work of one slot. moving: this tick controls a current and may run REFINE, PLAN and SPEED. A
- * tick in which the drive starts has measured nothing for them yet. Writes `fault` with
- * DRIVE_EVENT_FAULT only.
+ * Does the work of one slot. moving: this tick controls a current and may run REFINE, PLAN and
+ * SPEED; it is false in the tick in which the drive starts, which has measured nothing for them
+ * yet, and in PROBE. Writes `fault` only when it returns DRIVE_EVENT_FAULT.
  */
 drive_event_t schedule_step(drive_t *drive, const drive_in_t *in, slot_t slot, bool moving,
                             fault_t *fault);

@@ -3,9 +3,9 @@
  * The whole state of a drive, its states and the events that change them.
  *
  * drive_t is a plain value: to copy it is to take a snapshot. state.def holds the range of each
- * field. The rotor is known by two fields, `position` (θ̂) and `observer.speed` (ω̂), whatever they
- * come from; estimate.h says from what. The currents are controlled in a frame (frame.h): that of
- * this rotor in RUN, else that of `vector`.
+ * field. Two fields describe the rotor: `position` (θ̂) and `observer.speed` (ω̂). estimate.h says
+ * which source they come from. The currents are controlled in a frame (frame.h): in RUN the frame
+ * of this rotor, otherwise the frame of `vector`.
  */
 #ifndef STATE_H
 #define STATE_H
@@ -34,8 +34,8 @@
 /*
  * The upper four bits are the number of the state, the lower four its check bits: the extended code
  * of Hamming. Any two codes differ in four bits or more, so up to three bits that flip by
- * themselves never make one state of another. The codes ascend as the states do. Each fits into the
- * byte that a comparison has room for.
+ * themselves never turn one state into another. The codes ascend in the order of the states. Each
+ * code fits into a byte, which a comparison instruction can hold as its constant.
  */
 typedef enum {
     DRIVE_STATE_INIT = 0x00,
@@ -53,7 +53,7 @@ typedef enum {
 
 #define DRIVE_STATES (11U)
 
-/* What the parts of the drive tell it. transitions.c says what follows in which state. */
+/* Events that the parts of the drive return. transitions.c says which state follows. */
 typedef enum {
     DRIVE_EVENT_NONE = 0,
     DRIVE_EVENT_CALIBRATE,  /* power has come on, or the user has acknowledged a fault */
@@ -66,26 +66,26 @@ typedef enum {
     DRIVE_EVENT_DRAGGED, /* the imposed vector turns, more slowly than handover_speed */
     DRIVE_EVENT_FAST,    /* the imposed vector has reached handover_speed */
     DRIVE_EVENT_TRACKED, /* the angle is known, or taken to be 0 where nothing can find it */
-    DRIVE_EVENT_FAULT,   /* with value and limit beside it */
-    DRIVE_EVENTS         /* number of events, none itself */
+    DRIVE_EVENT_FAULT,   /* a fault_t holds its value and limit */
+    DRIVE_EVENTS         /* number of events, not an event */
 } drive_event_t;
 
 /*
- * Values of the last tick, in the order of computation. Some begin the next tick, the others are
- * for traces.
+ * Values of the last tick, in the order of computation. Some are inputs of the next tick; the rest
+ * is for traces.
  */
 typedef struct {
     int32_t phase_a; /* Q15 of I_b, offset removed, ±16383 */
     int32_t phase_b;
     int32_t bus;        /* Q15 of U_b */
-    dq_t current;       /* turned with θ̂ */
-    dq_t current_frame; /* turned with the vector's angle, while a current is imposed */
+    dq_t current;       /* in the frame of θ̂ */
+    dq_t current_frame; /* in the frame of the vector, while a current is imposed */
     dq_t current_ref;   /* i_d*, i_q* in the frame, Q15 of I_b */
-    dq_t voltage;       /* demand */
+    dq_t voltage;       /* demanded */
     ab_t ratio_ab;
 } drive_signals_t;
 
-/* The zeros of the current sensors, while they are measured. */
+/* Sums that OFFSET_CAL forms to measure the zeros of the current sensors. */
 typedef struct {
     int32_t sum_a; /* of raw counts, 0…2^28 */
     int32_t sum_b;
@@ -96,8 +96,8 @@ typedef struct {
 } calibration_t;
 
 /*
- * Where the drive was when it found a fault: what tells the causes apart and would be over by the
- * time somebody looks.
+ * Values at the moment of a fault. They tell its possible causes apart, and would have changed by
+ * the time somebody looks.
  */
 typedef struct {
     drive_state_t state;
@@ -109,11 +109,11 @@ typedef struct {
     int32_t motoring; /* limit of the motoring current, Q15 of I_b */
 } fault_scene_t;
 
-/* What state_guard.h compares the state with. */
+/* The values with which state_guard.c compares the state. */
 typedef struct {
     uint32_t at;            /* part that is checked next */
     uint32_t measured;      /* check word of offset_a, offset_b and identified */
-    drive_state_t state;    /* at the last look; INIT: none, nothing below was kept */
+    drive_state_t state;    /* at the last look; INIT: none, nothing is compared with it */
     step_t reference;       /* of the speed loop, in RUN with a speed asked for */
     int32_t flux_q30;       /* of the model, in RUN */
     int32_t integral_d_q26; /* of the current control, with an imposed current */
@@ -121,15 +121,15 @@ typedef struct {
     angle_t angle;    /* of a vector that rests */
     int32_t heat_q24; /* as derating.c has left it */
     uint32_t config;  /* check word of settings that act at once */
-    uint32_t turns;   /* of the rotor, in RUN: whole ones … */
-    angle_t turned;   /* … and the rest */
+    uint32_t turns;   /* whole turns of the rotor, in RUN … */
+    angle_t turned;   /* … and the fraction of a turn */
     step_t speed;     /* in RUN */
 } state_guard_t;
 
 /* The current vector that is imposed below RUN. */
 typedef struct {
     rotor_position_t position; /* of the vector */
-    step_t step;               /* by which it turns in a tick */
+    step_t step;               /* its turn in a tick */
     dq_t current_mean;         /* measured in its frame, over some 32 ticks */
 } current_vector_t;
 
@@ -139,9 +139,9 @@ typedef struct {
     uint32_t calm_periods; /* slow periods in a row in which the change to it was allowed */
     uint32_t end_periods;  /* slow periods in a row with lead or current at their lower limit */
     pi_t pi;               /* speed PI */
-    int32_t magnitude;     /* U, Q15 of U_b, + forwards; may be above a limit that has sunk */
+    int32_t magnitude;     /* U, Q15 of U_b, + forwards; may exceed a limit that has fallen since */
     phase_compensator_t compensator;
-    virtual_resistance_t damping; /* its mean is that of the current measured with θ̂ */
+    virtual_resistance_t damping; /* also holds the mean of the current in the frame of θ̂ */
 } voltage_drive_t;
 
 /*
@@ -152,7 +152,7 @@ typedef struct {
     rotor_position_t position; /* θ̂ and whole turns, (23) */
     const drive_cfg_t *cfg;
     drive_state_t state;
-    /* N…1: ticks to the end of the slow period; a byte, so that no flip makes it long */
+    /* N…1: ticks to the end of the slow period; a byte: a flipped bit cannot make it very long */
     uint8_t slow_count;
     protection_limits_t limits; /* in force in this state */
     int32_t offset_a;           /* sensor zero, Q15 of I_b, nominal 16384 */
@@ -175,15 +175,15 @@ typedef struct {
     current_vector_t vector;
     angle_sensor_t angle_sensor;
     /*
-     * current that the model does not explain: |e'_q|, held at rest |e'_d|, filtered over slow
-     * periods, Q15 of I_b
+     * current that the model does not explain: |e'_q|, or |e'_d| while the vector holds the rotor
+     * at rest; filtered over slow periods, Q15 of I_b
      */
     int32_t residual;
-    /* slow periods with a residual too large for a held rotor, less those without */
+    /* slow periods with a residual above residual_lost, minus those without; at least 0 */
     uint32_t lost_periods;
     uint32_t handover_periods; /* slow periods in HANDOVER */
-    uint32_t attempts;         /* starts that failed since READY, or since RUN has lasted */
-    /* slow periods of RUN since a start has failed; counted while there are attempts */
+    uint32_t attempts;         /* failed starts since READY, or since RUN has lasted long enough */
+    /* slow periods of RUN since a start failed; counted while attempts > 0 */
     uint32_t held_periods;
     flying_start_t flying_start;
     align_t align;
@@ -194,12 +194,12 @@ typedef struct {
     supervision_t supervision;
     oscillation_t oscillation;
     torque_filter_t torque_filter; /* of i_q* in RUN with current control */
-    torque_loop_t torque_loop;     /* in RUN; the bridge in every mode */
+    torque_loop_t torque_loop;     /* in RUN; its bridge is used in every mode */
     safe_state_t safe_state;       /* of the gates while nothing is driven */
     config_guard_t guard;
     state_guard_t state_guard;
     fault_t fault;       /* the last fault … */
-    fault_scene_t scene; /* … and what was around it */
+    fault_scene_t scene; /* … and its scene */
 } drive_t;
 
 /* FLYING_START to RUN: current may flow. */
@@ -214,7 +214,7 @@ static inline bool drive_is_controlled(drive_state_t state)
     return (state > DRIVE_STATE_FLYING_START) && (state < DRIVE_STATE_FAULT);
 }
 
-/* ALIGN to HANDOVER: the current is that of an imposed vector. */
+/* ALIGN to HANDOVER: the drive imposes a current vector. */
 static inline bool drive_is_imposed(drive_state_t state)
 {
     return (state > DRIVE_STATE_PROBE) && (state < DRIVE_STATE_RUN);
@@ -232,9 +232,9 @@ static inline bool drive_has_sensor(const drive_t *drive)
 }
 
 /*
- * Whether θ̂ and ω̂ are those of this tick. With open gates only a sensor tells of the rotor: the
- * fields keep what they were when driving ended. The currents and voltages along θ̂ are those of
- * this tick where drive_is_controlled().
+ * Whether θ̂ and ω̂ are values of this tick. With open gates only a sensor knows the rotor; without
+ * one the fields keep the values that they had when driving ended. The currents and voltages in the
+ * frame of θ̂ are values of this tick only when drive_is_controlled() is true.
  */
 static inline bool drive_knows_rotor(const drive_t *drive)
 {
@@ -242,8 +242,9 @@ static inline bool drive_knows_rotor(const drive_t *drive)
 }
 
 /*
- * Speed in steps per tick, of this tick where drive_knows_rotor(): in RUN that of the rotor, ω̂,
- * else that of the imposed vector. With a sensor it is always that of the rotor.
+ * Speed in steps per tick. In RUN, and with a sensor in every state, it is the speed ω̂ of the
+ * rotor; otherwise the speed of the imposed vector. It is a value of this tick only when
+ * drive_knows_rotor() is true.
  */
 static inline step_t drive_speed(const drive_t *drive)
 {
@@ -258,7 +259,7 @@ static inline int64_t drive_position_q32(const drive_t *drive)
     return drive->position.turns_q32;
 }
 
-/* The same, from the zero that targets count from. */
+/* The same, counted from the zero that position targets count from. */
 static inline int64_t drive_position_from_zero_q32(const drive_t *drive)
 {
     const uint64_t zero = fx_unsigned64(drive->position_loop.zero_q32);
@@ -267,8 +268,8 @@ static inline int64_t drive_position_from_zero_q32(const drive_t *drive)
 }
 
 /*
- * i_d, i_q that the motor is to have now: the reference of the current control; without it the mean
- * of what it has.
+ * i_d, i_q that the motor should have now: the reference of the current control. Under the voltage
+ * drive, which has none, it is the mean of the measured current.
  */
 static inline dq_t drive_current_in_force(const drive_t *drive)
 {
@@ -285,7 +286,7 @@ static inline model_nominal_t drive_nominal(const drive_t *drive)
     return nominal;
 }
 
-/* ψ: the flux that i_q* turns into torque. */
+/* ψ: the flux with which i_q* makes torque. */
 static inline int32_t drive_flux(const drive_t *drive)
 {
     return current_reference_flux(&drive->model.run_loop, drive_current_in_force(drive).d);

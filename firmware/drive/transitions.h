@@ -12,8 +12,8 @@
 #include <stdint.h>
 
 /*
- * Returns the state that follows, or `state` when nothing does. In FAULT another fault is not
- * followed. From a code that is no state every event leads to FAULT. Pure, any context.
+ * Returns the state that follows, or `state` when the event changes nothing. In FAULT another fault
+ * changes nothing. From a code that is not a state, every event leads to FAULT. Pure, any context.
  */
 drive_state_t transitions_next(drive_state_t state, drive_event_t event);
 
@@ -21,12 +21,12 @@ drive_state_t transitions_next(drive_state_t state, drive_event_t event);
 bool transitions_is_state(drive_state_t state);
 
 /*
- * The number of a state, 0…DRIVE_STATES − 1, in the order of drive_state_t; DRIVE_STATES where the
- * code is none. Pure, any context.
+ * The number of a state, 0…DRIVE_STATES − 1, in the order of drive_state_t; DRIVE_STATES if the
+ * code is not a state. Pure, any context.
  */
 uint32_t transitions_number(drive_state_t state);
 
-/* The state of a number below DRIVE_STATES; FAULT for any other. Pure, any context. */
+/* The state with this number; FAULT if it is DRIVE_STATES or more. Pure, any context. */
 drive_state_t transitions_state(uint32_t number);
 
 #endif

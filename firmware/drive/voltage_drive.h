@@ -9,25 +9,26 @@
  * The EMF at the commanded speed is fed forward, so the PI only has to supply the voltage that the
  * load needs.
  *
- * A virtual resistance damps the currents' own mode (virtual_resistance.h). Its voltage is part of
- * the demand, so the observer sees it. At the voltage limit U gives way to it: a vector that is cut
- * off would not damp. A change of more than the voltage limit divided by R_v, tens of amperes,
- * still goes beyond the circle.
+ * A virtual resistance damps the natural oscillation of the currents (virtual_resistance.h). Its
+ * voltage is part of the demand, so the observer sees it. At the voltage limit U is reduced to make
+ * room for it, because a vector that is cut off would not damp. If the current changes by more than
+ * the voltage limit divided by R_v, tens of amperes, the sum still exceeds the circle.
  *
- * The dead time is compensated by the current of this tick (frame.c). A filtered current is late:
- * by 39° at 40 Hz and 32 ticks of 0.1 ms. Then the compensation feeds the mode that it should not
- * see.
+ * The dead time is compensated with the current of this tick (frame.c). A current filtered over
+ * 32 ticks of 0.1 ms would be 39° late at 40 Hz. The compensation would then excite the oscillation
+ * instead of leaving it alone.
  *
  * RUN begins with current control. The drive changes to voltage control when all of these hold for
- * settle_periods: the commanded speed is at least speed_min; the speed has reached it to 1/32; the
- * currents have reached their references and i_d is zero; the voltage lies within the range of the
- * compensator's lead. With dead-time compensation there is a least current, and i_d is not zero
- * while i_q is below it; then the change needs a load.
+ * settle_periods: the commanded speed is at least speed_min; the speed is within 1/32 of it; the
+ * currents have reached their references and i_d* is zero; the lead of the voltage is within the
+ * range of the compensator. With dead-time compensation the current has a lower limit, and i_d* is
+ * not zero while i_q* is below it; then the change needs a load.
  *
  * Nothing limits the current here. So the drive changes back at once when the current exceeds the
- * limit of current control, and for a position command or a speed below speed_min. It also changes
- * back when lead or current have been at their lower limit for settle_periods. Both changes begin
- * with the voltage that acts, without its noise, so nothing jumps.
+ * limit of current control, when the command is not a speed, or when the speed is below 3/4 of
+ * speed_min. It also changes back when lead or current has been at its lower limit for
+ * settle_periods. Both changes begin with the voltage that acts, without its noise, so nothing
+ * jumps.
  *
  * Part of the drive; called from drive_step only.
  */
@@ -38,8 +39,8 @@
 #include "state.h"
 
 /*
- * Each tick: sets the voltage to apply. The mean of the virtual resistance stands for a current
- * reference.
+ * Each tick: sets the voltage to apply. There is no current reference; the mean current of the
+ * virtual resistance takes its place.
  */
 void voltage_drive_step(drive_t *drive);
 
@@ -47,8 +48,8 @@ void voltage_drive_step(drive_t *drive);
 void voltage_drive_motion(drive_t *drive, const drive_command_t *command);
 
 /*
- * Changes back to current control: the integrals are set to the voltage less that of the model, the
- * torque current to the present one.
+ * Changes back to current control. Sets the integrals to the present voltage minus the voltage of
+ * the model, i_q* to the present mean of i_q, and i_d* to 0.
  */
 void voltage_drive_end(drive_t *drive);
 
