@@ -21,10 +21,8 @@ static supervision_cfg_t cfg;
 static current_sum_in_t in;
 static fault_t fault;
 
-/*
- * @ requires lowest <= value <= highest;
- * assigns \nothing;
- */
+/*@ requires lowest <= value <= highest;
+    assigns \nothing; */
 void within(int64_t value, int64_t lowest, int64_t highest);
 
 static void choose_sample(void)

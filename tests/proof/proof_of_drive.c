@@ -22,10 +22,8 @@ static drive_t drive;
 static drive_in_t in;
 static drive_out_t out;
 
-/*
- * @ requires lowest <= value <= highest;
- * assigns \nothing;
- */
+/*@ requires lowest <= value <= highest;
+    assigns \nothing; */
 void within(int64_t value, int64_t lowest, int64_t highest);
 
 /* Eva prints their arguments. */

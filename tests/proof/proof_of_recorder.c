@@ -36,10 +36,8 @@ static drive_cfg_t before;
 static drive_in_t in;
 static drive_out_t out;
 
-/*
- * @ requires lowest <= value <= highest;
- * assigns \nothing;
- */
+/*@ requires lowest <= value <= highest;
+    assigns \nothing; */
 void within(int64_t value, int64_t lowest, int64_t highest);
 
 static void choose_tick(void)
