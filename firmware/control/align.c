@@ -7,13 +7,13 @@
 #define SUM_MAX (0x7FFF0000) /* of 2^16 samples */
 #define MEAN_MAX (64 * FX_Q15_MAX)
 /*
- * A swing with a damping of 0.008 or more has at most so much left after two measurements: 15/16 =
- * exp(-8*0.008).
+ * A swing with a damping of 0.008 or more shrinks at least to this share in two measurements: 15/16
+ * = exp(-8*0.008).
  */
 #define CALM_SIXTEENTHS (15)
 /*
- * For the extrapolation to zero: means in 1/8 LSB, and the distance from there in Q10 of that of
- * both points.
+ * For the extrapolation to zero current: the means are in 1/8 LSB. The distance from the high point
+ * to zero is in Q10 of the distance between the two points.
  */
 #define LOST_BITS (3U)
 #define DISTANCE_ONE_Q10 (1024)
@@ -89,7 +89,7 @@ static void measure(align_t *align, const align_cfg_t *cfg, align_point_t *point
     point->current = added(point->current, current.d);
     point->voltage = added(point->voltage, voltage);
     if (align->tick < (1UL << cfg->measure_log2)) {
-        /* it goes on */
+        /* the measurement goes on */
     } else if (calms_down(align, cfg)) {
         measure_again(align, point);
     } else {
@@ -97,7 +97,7 @@ static void measure(align_t *align, const align_cfg_t *cfg, align_point_t *point
     }
 }
 
-/* Control that acts again takes the lower level at once. */
+/* When the current control resumes, it takes the lower level at once. */
 static void measure_inductance(align_t *align, const align_cfg_t *cfg, dq_t current)
 {
     if (!inductance_holds_voltage(&cfg->inductance, align->tick)) {

@@ -7,25 +7,26 @@
  *                 vector rests. The turning vector catches a rotor at any angle, and the rotor
  *                 comes to rest on it
  *   MEASURE_HIGH  mean of voltage and current
- *   INDUCTANCE    a pulse of the voltage across the current gives L_q, a step along it L_d, see
- *                 inductance.h
+ *   INDUCTANCE    a voltage pulse across the current gives L_q, a voltage step along it gives L_d,
+ *                 see inductance.h
  *   SETTLE        wait at the lower current
  *   MEASURE_LOW   mean of voltage and current. The difference to the first mean gives R; the offset
- *                 of dead time and device drop cancels. What is left of the voltage at zero current
- *                 is that offset
- *   EVALUATE      R, L_d, L_q and that offset, of what was measured
+ *                 of dead time and device drop cancels. The voltage extrapolated to zero current is
+ *                 that offset
+ *   EVALUATE      computes R, L_d, L_q and that offset
  *
  * Why the vector turns: a rotor opposite to a fixed vector would not start, and a rotor just before
  * that angle would swing back by half a turn, and more under load. A vector that turns in the
  * wanted direction reaches every rotor angle.
  *
  * Whether the rotor rests. A rotor that swings or slips in the field of the vector induces a
- * current across it. Measured values are worth nothing then. While the vector rests, that current
- * is 1.4·(angle of the swing) of the imposed one, by the damping of the current control. Where R·I
- * is many times the EMF it is less. Single samples are looked at, so noise counts too. Up to
- * swing_max across the rotor rests. Above, up to a fifth of current_high, it may only swing: it is
- * measured again as long as the largest |i_q| is 1/16 smaller than in the two measurements before.
- * The swing of a rotor that slips does not shrink.
+ * current across the vector, and the measured values are worthless. While the vector rests, that
+ * current is 1.4·(angle of the swing) times the imposed current, with the damping of the current
+ * control. Where R·I is many times the EMF it is smaller. The largest single sample counts, so
+ * noise counts too. With |i_q| up to swing_max the rotor rests. Above, up to a fifth of
+ * current_high, it may only swing: the measurement is repeated as long as the largest |i_q| is 1/16
+ * smaller than the larger one of the two measurements before. The swing of a rotor that slips does
+ * not shrink.
  *
  * The current vector lies on the d axis of a frame, which the caller turns by frame_speed. Pure,
  * total. One step per control tick.
@@ -40,8 +41,8 @@
 #include <stdint.h>
 
 /*
- * With more than 1/5 of current_high across a rotor slips. Its load makes it faster, so nobody
- * waits for it.
+ * With more than 1/5 of current_high across the vector the rotor slips. Its load accelerates it, so
+ * the measurement is not repeated.
  */
 #define ALIGN_SLIP_SHARE (5)
 
@@ -65,7 +66,7 @@ typedef enum {
     ALIGN_INDUCTANCE,
     ALIGN_SETTLE,
     ALIGN_MEASURE_LOW,
-    ALIGN_EVALUATE, /* one tick: what takes long is not done in the tick that acts on it */
+    ALIGN_EVALUATE, /* one tick: the long computation is not in the tick that uses its result */
     ALIGN_DONE
 } align_phase_t;
 
@@ -80,10 +81,10 @@ typedef struct {
     int32_t resistance_q13;         /* R in U_b/I_b, 0…32767 */
     inductance_result_t inductance; /* unknown without R */
     /*
-     * The voltage that R·i does not explain, extrapolated to zero current: what dead time and
-     * device drop take beyond their compensation. Q15 of U_b, ±16384, rounded down; 0 when there is
-     * no valid measurement. Both currents must be more than a quarter of the larger one apart: the
-     * distance to zero counts as at most four times theirs.
+     * The voltage that R·i does not explain, extrapolated to zero current: the voltage that dead
+     * time and device drop take beyond their compensation. Q15 of U_b, ±16384, rounded down; 0 when
+     * there is no valid measurement. The two currents must differ by more than a quarter of the
+     * larger one: the extrapolation reaches at most four times their difference.
      */
     int32_t lost_voltage;
 } align_found_t;
@@ -123,16 +124,16 @@ void align_step(align_t *align, const align_cfg_t *cfg, dq_t current, int32_t vo
 /* Whether a measurement ended with this tick, MEASURE_HIGH or MEASURE_LOW. */
 bool align_has_measured(const align_t *align);
 
-/* Then: the rotor has rested while it was measured, |i_q| ≤ swing_max. */
+/* In that tick: whether the rotor has rested during the measurement, |i_q| ≤ swing_max. */
 bool align_is_at_rest(const align_t *align, const align_cfg_t *cfg);
 
 /*
- * Whether the current control pauses in this tick: from the one that ends MEASURE_HIGH on, while
- * the voltage is given.
+ * Whether the current control pauses in this tick. It pauses from the tick that ends MEASURE_HIGH
+ * until the last tick with a given voltage.
  */
 bool align_holds_voltage(const align_t *align, const align_cfg_t *cfg);
 
-/* Then, the change of the demanded voltage in this tick, see inductance.h. */
+/* While it pauses: the change of the demanded voltage in this tick, see inductance.h. */
 dq_t align_voltage(const align_t *align, const align_cfg_t *cfg);
 
 #endif

@@ -3,7 +3,10 @@
 
 #include <stdbool.h>
 
-/* One more than the gains have: a product with 16 bits of current then fits into 32 bits. */
+/*
+ * One fractional bit more than the gains have. A product with a 16-bit current still fits into 32
+ * bits.
+ */
 #define REACTANCE_BITS (14U)
 
 void current_loop_reset(current_loop_t *loop)
@@ -23,7 +26,7 @@ void current_loop_turn(current_loop_t *loop, sincos_t angle)
     pi_reset(&loop->pi_q, fx_sat16(turned.q));
 }
 
-/* The voltage of one axis, limited to what that of the other one leaves of the circle. */
+/* Returns the voltage of one axis, limited to the part of the circle that the other axis leaves. */
 static int32_t limit_to_rest(pi_t *pi, int32_t voltage, int32_t other, int32_t limit)
 {
     const int32_t room = (limit * limit) - (other * other);
@@ -71,13 +74,14 @@ static bool lies_in_circle(dq_t v, int32_t limit)
 }
 
 /*
- * The demand lies outside of the circle. Each axis by itself may lie within the limit.
+ * For a demand outside of the circle. Each axis alone may lie within the limit.
  *
- * v_d is −ω·L_q·i_q: below zero while the motor drives, above while it brakes. The axis that comes
- * second loses voltage. Driving, v_q comes second: i_q falls, and v_d with it. Braking, that would
- * let the EMF drive more of i_q, which asks for more v_d, until v_d has the whole circle and
- * nothing holds i_q. So v_d comes second there: i_d falls, and with it the v_q that the EMF asks
- * for. What the drive asks for decides, not v_d: with a broken wire that changes its sign.
+ * v_d is mainly −ω·L_q·i_q: below zero while the motor drives, above zero while it brakes. The axis
+ * that comes second loses voltage. While the motor drives, v_q comes second: i_q falls, and |v_d|
+ * falls with it. While it brakes, this order would let the EMF drive more i_q. More i_q needs more
+ * v_d, until v_d takes the whole circle and nothing limits i_q. So v_d comes second there: i_d
+ * falls, and with it the v_q that the EMF needs. The sign of ω·i_q* decides, not the sign of v_d,
+ * which changes with a broken wire.
  */
 static dq_t limit_to_circle(current_loop_t *loop, dq_t integral_q26, dq_t u, int32_t limit,
                             bool brakes)

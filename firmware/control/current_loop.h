@@ -6,8 +6,8 @@
  *     v_q = PI_q(i_q* − i_q) + R·i_q* + ω·(L_d·i_d + φ)    motor equations (1), (2) of paper A
  *     √(v_d² + v_q²) ≤ v_limit
  * The d axis has priority, because it holds the flux: v_q gets what v_d leaves of the circle. While
- * the motor brakes, ω·i_q* < 0, it is the other way round: with v_q short of the EMF, the EMF would
- * drive a current that nothing holds.
+ * the motor brakes (ω·i_q* < 0), the q axis has priority: if v_q were too small for the EMF, the
+ * EMF would drive a current that nothing limits.
  *
  * Speed, reference and model change once a slow period. So current_loop_plan() computes their
  * products then, and a tick multiplies them by the measured current only.
@@ -65,8 +65,8 @@ void current_loop_plan(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t
 dq_t current_loop_model(const current_loop_t *loop, dq_t current);
 
 /*
- * The integrals take over `voltage`, which the plan no longer gives. They saturate at ±1; of it
- * ±32767 counts.
+ * Adds `voltage`, which the plan no longer gives, to the integrals. It is limited to ±32767; the
+ * integrals saturate at ±1.
  */
 void current_loop_take_over(current_loop_t *loop, dq_t voltage);
 

@@ -9,19 +9,19 @@
 #define MTPA_SQUARE_MAX (32767)
 #define MTPA_SHIFT (2U)
 #define MTPA_SCALE (4)
-#define Q13_TO_C (16384) /* half of Q15: c has twice the saliency */
+#define Q13_TO_C (16384) /* half of 2^15, because c divides by twice the saliency */
 #define OF_TORQUE (1)    /* i_q: −i_q²/(c + √(c² + i_q²)) */
 #define OF_VECTOR (2)    /* |i|: −i²/(c + √(c² + 2·i²)) */
-#define GIVES_WAY (4)    /* twice the slope of −|i_q*|, the deepest MTPA, at floor_shift 1 */
+#define GIVES_WAY (4)    /* at floor_shift 1 twice the slope of −|i_q*|, the deepest MTPA */
 #define FALL_SHIFT (2U)  /* of a weakened i_d*, a slow period */
 #define RISE_SHIFT (3U)
 
 /*
- * i_d* that keeps the current vector large enough; below 0 where the torque alone does. It comes
- * before the torque current is gone, which falls faster: less half of i_q* the vector is never
- * shorter than 0.89 of the least current, and less all of it 0.71. A load below floor_speed is
- * alone there: i_q* has the dead time across the EMF, where it turns the angle by some degrees;
- * i_d* beside it would add its own.
+ * i_d* that keeps the current vector large enough; below 0 where the torque current alone does. It
+ * rises before the torque current, which falls faster, is gone: the vector is never shorter than
+ * 0.89 of the least current with floor_shift 1, and 0.71 with floor_shift 0. Below floor_speed a
+ * load has i_q* alone. The dead time of i_q* acts across the EMF, where it turns the angle by some
+ * degrees; an i_d* would add its own.
  *
  * Where the torque current alone is enough, the result falls below 0 in proportion to it. So MTPA
  * takes over without a jump.
@@ -39,8 +39,8 @@ static int32_t least_current_d(const current_reference_cfg_t *cfg, const current
 }
 
 /*
- * i_d of the largest torque that |i| can have. saliency_q13: X_q − X_d > 0. squares: OF_TORQUE if
- * `current` is i_q, OF_VECTOR if it is |i|.
+ * Returns i_d of MTPA at this current. saliency_q13: X_q − X_d > 0. squares: OF_TORQUE if `current`
+ * is i_q, OF_VECTOR if it is |i|.
  */
 static int32_t most_torque_d(const current_loop_cfg_t *model, int32_t saliency_q13, int32_t current,
                              int32_t squares)
@@ -70,7 +70,7 @@ static int32_t mtpa_d(const current_loop_cfg_t *model, int32_t current, int32_t 
     return (saliency_q13 > 0) ? most_torque_d(model, saliency_q13, current, squares) : 0;
 }
 
-/* What the torque asks of i_d*. */
+/* The larger i_d* of least current and MTPA. */
 static int32_t wanted_d(const current_reference_cfg_t *cfg, const current_loop_cfg_t *model,
                         const current_reference_in_t *in)
 {
@@ -92,9 +92,9 @@ int32_t current_reference_d(const current_reference_cfg_t *cfg, const current_lo
 }
 
 /*
- * The limit of i_d* depends on i_q*, whose range depends on i_d*: at the largest torque a step of
- * one is up to three times that of the other. So i_d* falls by a quarter of what it should, and
- * rises by an eighth of what it may.
+ * The limit of i_d* depends on i_q*, and the range of i_q* depends on i_d*: at the largest torque a
+ * step of one changes the other by up to three times as much. So i_d* falls by a quarter of its
+ * distance to the limit, and rises by an eighth of it.
  */
 static int32_t weakened_d(int32_t present, int32_t limit)
 {

@@ -1,28 +1,28 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Current reference: which i_d*, i_q* make a torque at this speed and on this bus. The only place
- * that decides it.
+ * Current reference: the i_d*, i_q* that make a torque at this speed and on this bus. No other
+ * module decides them.
  *
  *     Te = 1.5·P·ψ·i_q,  ψ = φ + (L_d − L_q)·i_d           the flux that i_q turns into torque
  *
  * In the order of a slow period:
  *     current_reference_d         i_d*
- *     current_reference_weakened  near the voltage circle: i_d*, and the largest i_q beside it
- *     current_reference_range     what both leave of the range of i_q*
+ *     current_reference_weakened  near the voltage circle: i_d*, and the largest |i_q*| with it
+ *     current_reference_range     the range of i_q* that these two leave
  *     current_reference_flux      ψ at i_d*, in the model in force
  *     current_reference_q         i_q* of a torque; current_reference_torque is the way back
  *
- * i_d* follows from what asks for it:
- *     imposed     the current that an imposed vector will have, where RUN hands back. It is alone
+ * Four sources decide i_d*:
+ *     imposed     the current of the imposed vector, where RUN hands back to it. It alone counts
  *                 then.
  *     least       keeps the vector so large that not all legs switch near the zero crossing of
- *                 their current, where their dead time is not known
+ *                 their current, where the effect of their dead time is not known
  *     MTPA        the largest torque of a current, where L_q > L_d:
  *                 i_d = −i_q² / (c + √(c² + i_q²)),  c = φ / (2·(L_q − L_d))
- *     weakening   what the voltage allows (weakening.h)
- * The larger one of least current and MTPA, and not more than weakening allows. The first three
- * follow a slope. Weakening is faster: where the voltage is short, the current control has nothing
- * to follow a slope with.
+ *     weakening   the largest i_d* that the voltage allows (weakening.h)
+ * i_d* is the larger one of least current and MTPA, and not more than weakening allows. The first
+ * three follow a slope. Weakening is faster: where the voltage is short, the current control has no
+ * voltage left to follow a slope with.
  *
  * Without current regulators (voltage_drive.h) both references are 0. There the phase compensator
  * holds i_d at 0.
@@ -43,7 +43,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* The voltage leaves all of i_q*. */
+/* `reach` where the voltage does not limit i_q*. */
 #define CURRENT_REFERENCE_ALL (16384)
 /* Torque of the largest current and flux. */
 #define CURRENT_REFERENCE_TORQUE_MAX (536854528) /* 16384 · 32767 */
@@ -75,25 +75,26 @@ typedef struct {
 } current_reference_t;
 
 /*
- * Returns the next i_d* with all voltage there is. It rises by `slope` a tick at most. It falls by
- * `slope_down` below `floor`, and by the larger one of both above. A slow fall: the next torque may
- * be gone as soon as the last. A fast one: the flux that a positive i_d takes from a salient
- * machine is back before its torque needs it. model: in force. Two divisions and a root at most.
+ * Returns the next i_d*, without the limit of the voltage. It rises by at most `slope` a tick. It
+ * falls by at most `slope_down` a tick below `floor`, and by the larger one of both above. The fall
+ * below `floor` is slow, because the next torque may end as soon as the last one. The fall
+ * above is fast, so that the flux that a positive i_d takes from a salient machine is back before
+ * its torque needs it. model: in force. Two divisions and a root at most.
  */
 int32_t current_reference_d(const current_reference_cfg_t *cfg, const current_loop_cfg_t *model,
                             const current_reference_in_t *in);
 
 /*
- * The same where the voltage may decide, and what is left to i_q*. next_d: from
- * current_reference_d().
+ * Returns i_d* within the limit of the voltage, and the largest |i_q*| that is left. Call it where
+ * the voltage may decide. next_d: from current_reference_d().
  */
 current_reference_t current_reference_weakened(weakening_t *weakening, const weakening_in_t *in,
                                                int32_t next_d);
 
 /*
- * Returns the part of `range` that is left for i_q*: `reach`, and on the circle of radius
- * current_max (0…16384) what is left beside an i_d* below 0 or above `floor`. The least current is
- * small enough to be left out. Rounded towards less current.
+ * Returns the part of `range` that is left for i_q*. `reach` limits it, and with an i_d* below 0 or
+ * above `floor` also the circle of radius current_max (0…16384). An i_d* of 0…floor is small enough
+ * to be left out of the circle. Rounded towards less current.
  */
 torque_range_t current_reference_range(const current_reference_cfg_t *cfg, torque_range_t range,
                                        const current_reference_t *reference, int32_t current_max);
@@ -109,7 +110,7 @@ static inline int32_t current_reference_torque(int32_t current_q, int32_t flux_q
 
 /*
  * Returns the largest torque of a current of this amplitude (1…16384), Q28: with MTPA where it is
- * on. Rounded down; the voltage is not looked at. From any context.
+ * on. Rounded down; the limit of the voltage is ignored. From any context.
  */
 int32_t current_reference_torque_max(const current_reference_cfg_t *cfg,
                                      const current_loop_cfg_t *model, int32_t current_max);

@@ -9,7 +9,7 @@
 #define ONE_Q14 (16384)
 #define WAIT_MAX (0x100000U)   /* of wait_ticks */
 #define SPEED_MAX (0x40000000) /* of a measured speed: a quarter of a turn in a tick */
-/* 1/12 of a turn, in which two directions off by 4° give the speed within 20 % */
+/* 1/12 of a turn: over it two directions that are off by 4° give the speed within 20 % */
 #define TELLING_TURN (0x15555555U)
 
 /*
@@ -50,8 +50,8 @@ static int32_t magnitude(ab_t v)
 }
 
 /*
- * What the nominal motor makes of the measured speed in a pulse. The resistance takes a share of it
- * in each tick.
+ * Returns the current that the nominal motor has at the measured speed after a pulse. The
+ * resistance takes a share of this current in each tick.
  */
 static int32_t pulse_current(const flying_start_t *start, const flying_start_cfg_t *cfg)
 {
@@ -69,8 +69,8 @@ static int32_t pulse_current(const flying_start_t *start, const flying_start_cfg
 }
 
 /*
- * L_q / nominal. The error of the speed is as large in it, so a short way between the pulses tells
- * less than a file.
+ * L_q / nominal; 0: not known. An error of the speed is a relative error of the same size here, so
+ * after a short way between the pulses the configured L_q is better.
  */
 static int32_t inductance_told(angle_t way, int32_t expected, int32_t current)
 {
@@ -133,8 +133,9 @@ static flying_start_result_t judge_then_charge(flying_start_t *start, const flyi
 }
 
 /*
- * The speed of a current that does not decay, as the mean since the first tick. A rotor whose EMF
- * is above the bus turns it through the diodes. That of a channel which is stuck stands still.
+ * Measures the speed at which a current that does not decay turns, as the mean since the first
+ * tick. A rotor whose EMF is above the bus drives a turning current through the diodes. The current
+ * of a stuck channel stands still.
  */
 static void follow_current(flying_start_t *start, ab_t current)
 {
@@ -151,9 +152,9 @@ static void follow_current(flying_start_t *start, ab_t current)
 }
 
 /*
- * Wait until the old current has decayed, and for two ticks at least: the compare values of now act
- * a tick later. With the values of before the legs would switch in the pulse, and the dead time
- * would take its part of it.
+ * Wait until the old current has decayed, and for two ticks at least, because new compare values
+ * act a tick later. With the old values the legs would switch in the pulse, and dead time would act
+ * in it.
  */
 static flying_start_result_t preload(flying_start_t *start, const flying_start_cfg_t *cfg,
                                      ab_t current)
@@ -167,7 +168,7 @@ static flying_start_result_t preload(flying_start_t *start, const flying_start_c
         next_start_phase(start);
         start->gates = true;
     } else {
-        /* the compare values of now do not act yet */
+        /* the new compare values do not act yet */
     }
     return result;
 }

@@ -11,9 +11,9 @@
  * or it is slow enough to be pulled in.
  *
  * Speed and current together give φ/L: the current of a pulse is φ/L_q times the angle by which the
- * rotor turns in it, less what R takes. φ of a file is better known than L, so what does not fit is
- * taken for an error of L. A rotor that turns by less than 30° from pulse to pulse does not tell:
- * noise in both directions is as much as L may be off.
+ * rotor turns in it, less what R takes. φ of a configuration is better known than L, so a deviation
+ * is taken for an error of L. A rotor that turns by less than 30° from pulse to pulse gives no L:
+ * the noise of the two directions is then as large as the possible error of L.
  *
  * Before the first pulse, current that still flows has to decay through the diodes of the open
  * bridge.
@@ -50,7 +50,7 @@ typedef struct {
      */
     int32_t emf_current;
     uint32_t emf_shift;    /* 0…30 */
-    int32_t decay_q15;     /* what a tick takes of a current, 1 − exp(−a), 0…32767 */
+    int32_t decay_q15;     /* share of a current that a tick takes, 1 − exp(−a), 0…32767 */
     uint32_t charge_ticks; /* bootstrap charge when the rotor stands, ticks, 0…2^20 */
 } flying_start_cfg_t;
 
@@ -62,7 +62,7 @@ typedef enum {
 } flying_start_result_t;
 
 typedef enum {
-    /* until the current is zero, and the compare values of now act: two ticks at least */
+    /* until the current is zero and the new compare values act: two ticks at least */
     FLYING_START_PRELOAD = 0,
     FLYING_START_FIRST_PULSE,
     FLYING_START_PAUSE,
@@ -79,7 +79,7 @@ typedef struct {
     /* Valid with TURNING; the speed also with LIVE: */
     step_t speed;           /* measured */
     angle_t angle;          /* of the rotor at the end of the second pulse */
-    int32_t inductance_q14; /* L_q / nominal for the nominal φ, 1…32767; 0: not told */
+    int32_t inductance_q14; /* L_q / nominal for the nominal φ, 1…32767; 0: not known */
 } flying_start_t;
 
 /* Begin. */
@@ -89,12 +89,12 @@ void flying_start_reset(flying_start_t *start);
  * One tick. current: measured at this instant, Q15 of I_b, |α|, |β| ≤ 65535. Sets `gates`.
  *
  * Returns BUSY until the result is known. The last tick of the second pulse returns TURNING or
- * STANDING; it computes two arctangents, two square roots and two divisions. When the rotor stands
- * and charge_ticks is not 0, the last tick of the charge returns STANDING instead. `gates` is still
- * set in the tick that returns one of these. The caller opens the gates in that tick, unless
- * current control takes over a rotor that turns. LIVE is returned in the first phase only, before
- * the gates are enabled. Each tick of that phase in which a current flows computes a square root,
- * two arctangents and a division.
+ * STANDING; it computes up to three arctangents, two square roots and two divisions. When the rotor
+ * stands and charge_ticks is not 0, the last tick of the charge returns STANDING instead. `gates`
+ * is still set in the tick that returns one of these. The caller opens the gates in that tick,
+ * unless current control takes over a rotor that turns. LIVE is returned in the first phase only,
+ * before the gates are enabled. Each tick of that phase in which a current flows computes a square
+ * root, two arctangents and a division.
  */
 flying_start_result_t flying_start_step(flying_start_t *start, const flying_start_cfg_t *cfg,
                                         ab_t current);

@@ -57,9 +57,9 @@ static int32_t plus(int32_t sum, int32_t change)
 }
 
 /*
- * A sample between two ticks of the voltage, with the signs of both. It ends a change and begins
- * one; of the mean current of each tick it is the half. along: of the current, in the direction of
- * the voltage.
+ * Adds a sample between two ticks of the voltage. before, after: signs of the voltage in these
+ * ticks. The sample ends the change of the first tick and begins the change of the second. It
+ * counts as one half of the mean current of each. along: current in the direction of the voltage.
  */
 static void note(inductance_response_t *response, dq_t current, int32_t along, int32_t before,
                  int32_t after)
@@ -70,8 +70,8 @@ static void note(inductance_response_t *response, dq_t current, int32_t along, i
 }
 
 /*
- * k: the tick of the voltage that acts from this sample on. Before the first it wraps to where no
- * voltage acts.
+ * k: the tick of the voltage that acts from this sample on. Before the first tick it wraps to a
+ * number at which no voltage acts.
  */
 static void note_pulse(inductance_t *test, const inductance_cfg_t *cfg, uint32_t k, dq_t current)
 {
@@ -120,7 +120,7 @@ static int32_t element_q13(int32_t change, int32_t nominal)
     return (nominal > 0) ? fx_sat16((bounded * ONE_Q13) / nominal) : 0;
 }
 
-/* √((B_dd − B_qq)² + 4·B_dq²), with the sign of the first. */
+/* √((B_dd − B_qq)² + 4·B_dq²), with the sign of B_dd − B_qq. */
 static int32_t apart(int32_t difference, int32_t twice_cross)
 {
     const int32_t d = fx_sat16(difference);
@@ -132,7 +132,7 @@ static int32_t apart(int32_t difference, int32_t twice_cross)
     return (d < 0) ? -root : root;
 }
 
-/* along, across: twice 1/L_d and 1/L_q times the nominal L_d, Q13. */
+/* along, across: 2·(nominal L_d)/L_d and 2·(nominal L_d)/L_q, Q13. */
 static inductance_result_t result_of(int32_t along, int32_t across)
 {
     inductance_result_t result = {INDUCTANCE_UNKNOWN, INDUCTANCE_UNKNOWN};

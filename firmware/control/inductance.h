@@ -1,29 +1,30 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * L_d and L_q of a motor whose rotor rests on an imposed current, from what two voltages make of
- * that current.
+ * L_d and L_q of a motor whose rotor rests on an imposed current, from the response of that current
+ * to two test voltages.
  *
  *   pulse   the voltage across the current is +V, −V, −V, +V for a quarter each. The current across
  *           rises, falls to the other side and comes back. So the rotor gets no momentum. The sum
- *           of these four changes, each with the sign of its voltage, is the response. What the
- *           resistance, the dead time and the rotor do to it is odd in the current and cancels to
- *           first order
+ *           of these four changes, each with the sign of its voltage, is the response. The effects
+ *           of the resistance, the dead time and the rotor on it are odd in the current and cancel
+ *           to first order
  *   step    the voltage along the current falls by V for some ticks. The fall of the current is the
  *           response
  *
- * The current control pauses meanwhile: else the voltage would not be known.
+ * The current control pauses meanwhile; otherwise the voltage would not be known.
  *
- * Voltage that the resistance takes. Δi = B·∫(v − R·i)dt, B the inverse of the inductances in the
- * frame of the current. The currents are summed up beside the responses, and the measured R takes
- * its part of the voltage off.
+ * Voltage that the resistance takes. Δi = B·∫(v − R·i)dt, where B is the inverse of the inductances
+ * in the frame of the current. The currents are summed up too. Their mean times the measured R is
+ * subtracted from the test voltage.
  *
  * Load angle. A load turns the rotor out of the direction of the current by an angle δ. Then B is
- * not diagonal, and a voltage across changes the current along as well. Whatever δ below 45°:
+ * not diagonal, and a voltage across also changes the current along the vector. For any δ below
+ * 45°:
  *     1/L_d, 1/L_q = (B_dd + B_qq)/2 ± √((B_dd − B_qq)²/4 + B_dq²)
  *
- * Rotor. In the pulse the torque turns the rotor there and back, and its EMF makes L_q look smaller
- * by a share ω_x²·t²/3, ω_x² = 1.5·P²·φ²/(J·L_q), t a quarter. It ends displaced by
- * 2·(V·t/L_q)/I·(ω_n·t)².
+ * Rotor. During the pulse the torque turns the rotor forward and back. The rotor's EMF makes L_q look
+ * smaller by a share ω_x²·t²/3, with ω_x² = 1.5·P²·φ²/(J·L_q) and t the duration of a quarter. The
+ * rotor ends displaced by 2·(V·t/L_q)/I·(ω_n·t)².
  *
  * Pure, total. Currents Q15 of I_b, voltages Q15 of U_b.
  */
@@ -52,7 +53,7 @@ typedef struct {
 } inductance_response_t;
 
 typedef struct {
-    int32_t start_d; /* the current along before the step */
+    int32_t start_d; /* i_d before the step */
     inductance_response_t pulse;
     inductance_response_t step;
 } inductance_t;
@@ -64,12 +65,15 @@ typedef struct {
     int32_t saliency_q13; /* L_q/L_d, 1…32767 */
 } inductance_result_t;
 
-/* Whether the current control pauses in this tick; 1 is the first, 0 the one before it. */
+/*
+ * Whether the current control pauses in this tick. 1 is the first tick of the test, 0 the tick
+ * before.
+ */
 bool inductance_holds_voltage(const inductance_cfg_t *cfg, uint32_t tick);
 
 /*
- * By how much the demanded voltage changes in this tick, ±65534. It stays so until it changes
- * again.
+ * Returns the change of the demanded voltage in this tick, ±65534. Between two changes the voltage
+ * stays.
  */
 dq_t inductance_voltage(const inductance_cfg_t *cfg, uint32_t tick);
 
@@ -80,8 +84,8 @@ dq_t inductance_voltage(const inductance_cfg_t *cfg, uint32_t tick);
 bool inductance_step(inductance_t *test, const inductance_cfg_t *cfg, uint32_t tick, dq_t current);
 
 /*
- * After the last tick. resistance_q13: U_b/I_b, 0…32767. A word that the responses do not give is
- * INDUCTANCE_UNKNOWN; both are when L_d is. Nine divisions and a square root.
+ * After the last tick. resistance_q13: U_b/I_b, 0…32767. A result that the responses do not give is
+ * INDUCTANCE_UNKNOWN; without L_d both are unknown. Nine divisions and a square root.
  */
 inductance_result_t inductance_result(const inductance_t *test, const inductance_cfg_t *cfg,
                                       int32_t resistance_q13);
