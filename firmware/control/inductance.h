@@ -22,9 +22,9 @@
  * 45°:
  *     1/L_d, 1/L_q = (B_dd + B_qq)/2 ± √((B_dd − B_qq)²/4 + B_dq²)
  *
- * Rotor. During the pulse the torque turns the rotor forward and back. The rotor's EMF makes L_q look
- * smaller by a share ω_x²·t²/3, with ω_x² = 1.5·P²·φ²/(J·L_q) and t the duration of a quarter. The
- * rotor ends displaced by 2·(V·t/L_q)/I·(ω_n·t)².
+ * Rotor. During the pulse the torque turns the rotor forward and back. The rotor's EMF makes L_q
+ * look smaller by a share ω_x²·t²/3, with ω_x² = 1.5·P²·φ²/(J·L_q) and t the duration of a quarter.
+ * The rotor ends displaced by 2·(V·t/L_q)/I·(ω_n·t)².
  *
  * Pure, total. Currents Q15 of I_b, voltages Q15 of U_b.
  */

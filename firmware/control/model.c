@@ -40,8 +40,8 @@ static int32_t share_q15(int32_t part, int32_t whole)
 }
 
 /*
- * What only model_reset(), model_set() and model_change() write. A bit that flips in one of the
- * words flips in the result.
+ * The words that only model_reset(), model_set() and model_change() write, combined by XOR. A bit
+ * that flips in one of them flips in the result.
  */
 static uint32_t observer_word(const model_t *model)
 {
@@ -81,7 +81,7 @@ static uint32_t loops_word(const model_t *model)
            fx_unsigned(winding_word(run) ^ winding_word(hold) ^ proportions_word(hold));
 }
 
-/* What model_pace() writes too. */
+/* The words that model_pace() writes too. */
 static uint32_t gains_word(const model_t *model)
 {
     const nn_observer_cfg_t *const o = &model->observer;
@@ -114,9 +114,9 @@ static void apply_flux(model_t *model, const model_nominal_t *nominal)
 }
 
 /*
- * D = T·R/L + f and its corner: R and L scale the winding's share, the feedback's stays. Its
- * mantissa is rounded to nearest, and so is its share of the new D, so that ratios of 1 change no
- * bit. fx_max tells the proof that a share is not more than the whole.
+ * D = T·R/L + f and its corner. R and L scale the part of the winding; the part of the feedback
+ * stays. The mantissa of the feedback is rounded to nearest, and so is its share of the new D, so
+ * that ratios of 1 change no bit. fx_max tells the proof that a part is not more than the whole.
  */
 static void apply_decay(model_t *model, const nn_observer_cfg_t *from)
 {
@@ -161,8 +161,8 @@ static void scale_gains(pi_cfg_t *to, const pi_cfg_t *from, int32_t ratio_q14, i
 }
 
 /*
- * For the corrected L, so that κ = η·(φ/L)² stays. κ is the square of a rate, so it goes with the
- * square of the pace.
+ * η for the corrected L, so that κ = η·(φ/L)² stays. κ is the square of a rate, so it scales with
+ * the square of the pace.
  */
 static void apply_eta(model_t *model, const nn_observer_cfg_t *from)
 {
@@ -174,8 +174,8 @@ static void apply_eta(model_t *model, const nn_observer_cfg_t *from)
 }
 
 /*
- * Likewise κ_p, and K_p = ω_c·L with the integral's corner where it is: rates, in proportion to the
- * pace.
+ * κ_p for the corrected L likewise. K_p = ω_c·L; K_i scales with it, so that the corner of the
+ * integral stays. κ_p and K_p are rates, so they scale with the pace.
  */
 static void apply_gains(model_t *model, const model_nominal_t *nominal)
 {
@@ -230,7 +230,7 @@ static int32_t limited_flux(const model_cfg_t *cfg, int32_t ratio_q30)
     return fx_clamp(ratio_q30, ONE_Q30 - band_q30, ONE_Q30 + band_q30);
 }
 
-/* What the measured saliency corrects of the configured one. */
+/* The correction of the saliency: the ratio of the measured to the configured one, limited. */
 static int32_t saliency_ratio(const model_cfg_t *cfg, int32_t nominal_q13, int32_t measured_q13)
 {
     int32_t ratio = MODEL_RATIO_ONE;
@@ -329,7 +329,8 @@ void model_pace(model_t *model, const model_cfg_t *cfg, const model_nominal_t *n
         model->check_gains = gains_word(model);
     } else if (kappa_q14 != model->kappa_q14) {
         /*
-         * Its change goes into the check word: what has flipped in the other words stays visible.
+         * Only the change of κ goes into the check word, so a bit that has flipped in another word
+         * stays visible.
          */
         const int32_t before = model->kappa_q14 ^ model->observer.eta;
 

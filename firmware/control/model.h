@@ -3,20 +3,20 @@
  * The motor model in force: the configured values of resistance, inductance L_d, saliency L_q/L_d
  * and magnet flux, each corrected by the drive's measurements.
  *
- * A correction is a ratio to the configured value, limited to 1 ± limit_q14, that of the saliency
- * to a factor of 1 + limit_q14 either way. A limit of 0 switches it off. All act on the weights of
- * the observer, but not on its feedback f, and on the feed-forward of both current loops; L_d and
- * L_q also on the gains in RUN, whose bandwidth stays. Corrected numbers are rounded down and
- * saturate at the ends of their formats.
+ * A correction is a ratio to the configured value. It is limited to 1 ± limit_q14; the ratio of the
+ * saliency is limited to 1/(1 + limit_q14)…1 + limit_q14. A limit of 0 switches the correction off.
+ * All corrections act on the weights of the observer, but not on its feedback f, and on the
+ * feed-forward of both current loops. L_d and L_q also act on the gains in RUN, so that the
+ * bandwidth stays. Corrected numbers are rounded down and saturate at the ends of their formats.
  *
- * A saliency within 1/32 of the configured one counts as that: the gains of two current sensors
- * differ by up to 2 %, and the rest is the measurement's noise. So a motor without saliency stays
- * one, and the observer needs no product for it.
+ * A measured saliency within 1/32 of the configured one counts as equal to it: the gains of two
+ * current sensors differ by up to 2 %, and the rest is the measurement's noise. So a motor without
+ * saliency stays without, and the observer needs no product for it.
  *
- * Pace: at low speed the unknown part of the voltage is larger against the EMF, and its ripple is
- * slower. So below pace.full_speed the gains in force are the configured ones times speed /
- * full_speed. κ has a share of its own, up to kappa.full_speed: at high speed the ripple is faster
- * than the estimate, and a larger κ shortens the lag.
+ * Pace: at low speed the unknown part of the voltage is larger relative to the EMF, and its ripple
+ * is slower. So below pace.full_speed the gains in force are the configured ones times speed /
+ * full_speed. Below kappa.full_speed κ has a second share of its own: at high speed the ripple
+ * is faster than the estimate, and a larger κ shortens the lag.
  *
  * Flux: at speed the static error e' of the observer along d is the flux error (φ̂ − φ)/L_d. An
  * integrator removes it.
@@ -32,12 +32,12 @@
 
 #define MODEL_RATIO_ONE (16384) /* Q14 */
 
-/* A gain that is a share of the configured one, as the speed is of full_speed. */
+/* The share of a configured gain that is in force: speed / full_speed. */
 typedef struct {
-    step_t full_speed; /* whole from this speed on, 0…2^28; 0: always */
+    step_t full_speed; /* the whole gain from this speed on, 0…2^28; 0: always */
     uint32_t shift;    /* full_speed >> shift is below 2^14, 0…15 */
     int32_t gain;      /* 2^28 / (full_speed >> shift), 0…32767 */
-    int32_t least_q14; /* the share that is left below, 0…16384 */
+    int32_t least_q14; /* the smallest share, 0…16384 */
 } gain_share_cfg_t;
 
 typedef struct {
@@ -64,7 +64,7 @@ typedef struct {
     int32_t kappa_q14; /* of κ, on top of the pace */
     /*
      * check words, see model_holds(): of the observer's weights and the ratios, of the loops, of
-     * what the shares change
+     * the gains that the shares change
      */
     uint32_t check_observer;
     uint32_t check_loops;
@@ -82,7 +82,7 @@ typedef struct {
 
 /* What was measured. */
 typedef struct {
-    int32_t resistance_q13; /* U_b/I_b, 1…32767; MODEL_UNKNOWN: what is in force stays */
+    int32_t resistance_q13; /* U_b/I_b, 1…32767; MODEL_UNKNOWN: R in force stays */
     int32_t inductance_q14; /* L_d as a ratio to the configured one, 1…32767 */
     int32_t saliency_q13;   /* L_q/L_d, 1…32767; MODEL_UNKNOWN: the configured one stays */
 } model_measured_t;
@@ -91,15 +91,15 @@ typedef struct {
 void model_reset(model_t *model, const model_nominal_t *nominal);
 
 /*
- * Take over what was measured. The corrections are limited as configured. Six divisions at most, so
+ * Take over measured values. The corrections are limited as configured. Six divisions at most, so
  * not in every tick.
  */
 void model_set(model_t *model, const model_cfg_t *cfg, const model_nominal_t *nominal,
                const model_measured_t *measured);
 
 /*
- * Take over other configured values. The ratios that were measured stay, within the limits of now;
- * so do the shares of the gains. Two divisions at most. Control interrupt only.
+ * Take over other configured values. The measured ratios stay, within the new limits; the shares of
+ * the gains stay too. Four divisions at most. Control interrupt only.
  */
 void model_change(model_t *model, const model_cfg_t *cfg, const model_nominal_t *nominal);
 
@@ -108,15 +108,17 @@ void model_track_flux(model_t *model, const model_cfg_t *cfg, const model_nomina
                       int32_t error_d, step_t speed);
 
 /*
- * L_q in force over that of the file, Q14, 4096…49151: for L_d within ½…1.5 and the saliency within
- * ½…2 of it.
+ * L_q in force / configured L_q, Q14, 4096…49151: for ratios of L_d within ½…1.5 and of the
+ * saliency within ½…2.
  */
 static inline int32_t model_ratio_q_q14(const model_t *model)
 {
     return fx_asr(model->inductance_q14 * model->saliency_q14, 14U);
 }
 
-/* All gains are whole, and are so at this speed. magnitude: of the speed, 0…2^30. */
+/*
+ * Whether all gains in force are whole and stay so at this speed. magnitude: of the speed, 0…2^30.
+ */
 static inline bool model_is_whole(const model_t *model, const model_cfg_t *cfg, step_t magnitude)
 {
     return (magnitude >= cfg->pace.full_speed) && (magnitude >= cfg->kappa.full_speed) &&
@@ -127,20 +129,20 @@ static inline bool model_is_whole(const model_t *model, const model_cfg_t *cfg, 
 typedef enum {
     MODEL_PART_OBSERVER = 0, /* weights and ratios */
     MODEL_PART_LOOPS,
-    MODEL_PART_GAINS, /* what the shares change */
-    MODEL_PART_FLUX   /* what follows from the ratio of the flux */
+    MODEL_PART_GAINS, /* gains that the shares change */
+    MODEL_PART_FLUX   /* words that follow from the ratio of the flux */
 } model_part_t;
 
 /*
  * Whether a part is as it was written last. A bit that has flipped by itself in one of its words,
- * or in its check word, makes it false. What follows from the flux is computed again. Some 40 to 60
- * instructions on a Cortex-M0+. Control interrupt only.
+ * or in its check word, makes it false. The words of MODEL_PART_FLUX have no check word: they are
+ * computed again and compared. Some 40 to 60 instructions on a Cortex-M0+. Control interrupt only.
  */
 bool model_holds(model_t *model, const model_nominal_t *nominal, model_part_t part);
 
 /*
- * The shares of this speed: of η, κ_p, the limit of ρ and the gains of the current loop in RUN.
- * Once per slow period; where no share has changed it writes nothing. speed: ±2^30.
+ * Applies the shares of this speed to η, κ_p, the limit of ρ and the gains of the current loop in
+ * RUN. Once per slow period; if no share has changed it writes nothing. speed: ±2^30.
  */
 void model_pace(model_t *model, const model_cfg_t *cfg, const model_nominal_t *nominal,
                 step_t speed);

@@ -19,13 +19,13 @@
  *     r = u_bus·T/(12·L)·(s − 9·u²)
  * and nearly zero for the other two legs. The compensation is zero for |i| < r.
  *
- * Above, softness decides. In the dead time the current has to charge the capacitance C of the leg.
- * Up to the knee i_k = C·u_bus/t_d it does not get that far: the leg loses i/(2·i_k) of t_d, and
- * beyond the knee all but i_k/(2·i). With z = (|i| − r)/i_e, at most 1, the compensation takes the
- * share
+ * Above r, softness decides. In the dead time the current has to charge the capacitance C of the
+ * leg. Up to the knee i_k = C·u_bus/t_d it does not charge C completely: the leg loses i/(2·i_k) of
+ * t_d. Beyond the knee it loses all of t_d but i_k/(2·i). With z = (|i| − r)/i_e, at most 1, the
+ * compensation takes the share
  *     s(z) = z·(2 − z)
- * of the whole. For i_e = 3.5·i_k it departs from that loss by −0.01…+0.14. i_e is a few counts at
- * least, so that a current near zero does not make the voltage chatter.
+ * of the whole. For i_e = 3.5·i_k this share differs from the real loss by −0.01…+0.14. i_e is a
+ * few counts at least, so that a current near zero does not make the voltage chatter.
  *
  * Voltages are Q15 of U_b. Ratios "of the bus" are Q15 with 1 = the bus voltage. Pure, total within
  * the ranges.
@@ -43,7 +43,7 @@ typedef struct {
     /* largest |v| / bus: 1/√3 less the share that dead time and sampling need, ≤ 18918 */
     int32_t ratio_max_q15;
     int32_t dead_time_q15;      /* t_d/T, 0…8192 */
-    int32_t dead_time_band_q15; /* a measurement may correct t_d/T by so much, 0…4096; 0: not */
+    int32_t dead_time_band_q15; /* a measurement corrects t_d/T by at most this, 0…4096; 0: not */
     int32_t drop_q15;           /* v_d, Q15 of U_b, 0…2048 */
     int32_t ripple_q15;         /* u_bus·T/(12·L), Q15 of I_b, 0…16384 */
     /*
@@ -70,8 +70,8 @@ typedef struct {
 void modulator_reset(modulator_t *mod, const modulator_cfg_t *cfg);
 
 /*
- * Take over another configuration. By how much a measurement has corrected the dead time stays,
- * within the band of now. Control interrupt only.
+ * Take over another configuration. The correction of the dead time that was measured stays, within
+ * the new band. Control interrupt only.
  */
 void modulator_change(modulator_t *mod, const modulator_cfg_t *from, const modulator_cfg_t *to);
 
@@ -80,17 +80,17 @@ void modulator_change(modulator_t *mod, const modulator_cfg_t *from, const modul
  * compensation in force, along a current vector on the axis of phase a, Q15 of U_b, ±16384. There
  * the legs b and c carry half of the current of leg a, so that lost = 4/3·Δt_d/T·u_bus. Both
  * currents have to be well above ripple and knee. Device drop that the configuration does not know
- * counts as dead time. A change by up to 1/64 of the dead time in force is none: the measurement
- * repeats within that. Rounded down, limited as configured. Call once when an alignment ends.
- * Returns the change in Q15 of the period: along such a vector the compensation adds 4/3 of it, of
- * the bus, from now on.
+ * counts as dead time. A change by up to 1/64 of the dead time in force is ignored, because the
+ * measurement repeats only within that. Rounded down, limited as configured. Call once when an
+ * alignment ends. Returns the change of t_d/T, Q15: along such a vector the compensation adds 4/3
+ * of this share of the bus voltage from now on.
  */
 int32_t modulator_correct(modulator_t *mod, const modulator_cfg_t *cfg, int32_t lost);
 
 /*
- * The bus voltage in the middle of the period in which a demand of now will act, 1.5 periods ahead,
- * from its last change. Bus voltages: Q15 of U_b, 0…32767; so is the result, rounded down and
- * saturated.
+ * Extrapolates the bus voltage by its last change to the middle of the period in which the present
+ * demand will act, 1.5 periods ahead. Bus voltages: Q15 of U_b, 0…32767; so is the result, rounded
+ * down and saturated.
  */
 static inline int32_t modulator_bus_ahead(int32_t before, int32_t now)
 {
@@ -101,10 +101,10 @@ static inline int32_t modulator_bus_ahead(int32_t before, int32_t now)
 
 /*
  * One Newton step r ← r·(2 − r·bus). bus: Q15 of U_b, 0…32767. For any bus above 1/8 the reciprocal
- * has settled to within 2 LSB (2^-11) 8 ticks after the reset. When this bus changes by a share x
- * in one tick, the reciprocal has an error of a share x² in that tick. The circle is that of the
- * present bus: on a falling one a demand at its edge exceeds ratio_max by the share that the bus
- * falls until then.
+ * has settled to within 2 LSB (2^-11) 8 ticks after the reset. When `bus` changes by a share x in
+ * one tick, the reciprocal has a relative error of x² in that tick. The voltage circle is that of
+ * the present bus. On a falling bus a demand at the edge of the circle exceeds ratio_max by the
+ * share by which the bus falls until the demand acts.
  */
 void modulator_track_bus(modulator_t *mod, int32_t bus);
 

@@ -18,7 +18,7 @@
 #define RATIO_SHIFT (4U) /* Q17 to Q13 */
 #define Q13_TO_Q17 (16)
 #define Q15_TO_Q30 (32768)
-#define RESPONSE_SHIFT_MAX (30) /* where 2^30 is the only change that is left */
+#define RESPONSE_SHIFT_MAX (30) /* at this shift the smallest change is 2^30, the limit */
 
 void speed_loop_lower(speed_loop_t *loop)
 {
@@ -84,7 +84,7 @@ int32_t speed_loop_accelerate(speed_loop_t *loop, const speed_loop_cfg_t *cfg, s
     return fx_clamp(torque, range.lower, range.upper);
 }
 
-/* change = net·2^(16 + shift − lift)/inertia; the division gives it over 2^(1 + shift − lift). */
+/* change = net·2^(16 + shift − lift)/inertia; the division gives change / 2^(1 + shift − lift). */
 static step_t scaled_response(const speed_loop_cfg_t *cfg, int32_t quotient)
 {
     /*@ split cfg->inertia_shift; */
@@ -129,8 +129,9 @@ static const pi_cfg_t *file_gains(const speed_loop_t *loop, const speed_loop_cfg
 
 /*
  * K_p is as large as the ripple of the estimate allows, whatever J is. A heavy rotor gets half of
- * K_i, which keeps the damping: that of the file's J by √(1/ratio), and by √(2/ratio) for a heavy
- * one, 0.82…1.15 for 0.75…3. A lowered bandwidth has K_p/2 and K_i/4.
+ * K_i, which keeps the damping: relative to the damping with the configured J it is √(1/ratio), and
+ * √(2/ratio) for a heavy rotor, 0.82…1.15 for ratios of 0.75…3. A lowered bandwidth has K_p/2 and
+ * K_i/4.
  *
  * SHIFT_MAX bounds the shift of K_i. There the largest error adds less than one LSB to the
  * integral.
@@ -193,7 +194,7 @@ int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t 
                            feed_forward, range);
 }
 
-/* What regulation with this error would ask for. */
+/* The current that the PI with this error would ask for, without limits. */
 static int32_t answer_to(const speed_loop_t *loop, const speed_loop_cfg_t *cfg,
                          int32_t half_error_q15)
 {
@@ -202,9 +203,7 @@ static int32_t answer_to(const speed_loop_t *loop, const speed_loop_cfg_t *cfg,
     return pi_sum(&gains, half_error_q15, loop->pi.integral_q26);
 }
 
-/*
- * The integral as a mean of the current less that of the acceleration: what is left holds the load.
- */
+/* The integral follows `load` as a mean. load: the current less the part that accelerates. */
 static void follow_load(speed_loop_t *loop, int32_t load, uint32_t shift)
 {
     const int32_t missing_q26 = (load * Q15_TO_Q26) - loop->pi.integral_q26;
@@ -242,7 +241,7 @@ int32_t speed_loop_within(speed_loop_t *loop, const speed_loop_cfg_t *cfg,
     return current;
 }
 
-/* Moves to J what the integral has more than before, if J may go there. */
+/* Moves the growth of the integral to J, if J stays within its limits. */
 static void move_to_inertia(speed_loop_t *loop, const speed_loop_cfg_t *cfg, bool speeds_down,
                             int32_t before_q26)
 {
@@ -268,7 +267,7 @@ void speed_loop_learn(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t ch
     }
 }
 
-/* Whole turns, rounded down, without what is beyond a multiple of `turn` (1…50). */
+/* `whole` rounded down to a multiple of `turn` (1…50). */
 static uint32_t multiple_below(int32_t whole, int32_t turn)
 {
     /*@ split turn; */
@@ -297,7 +296,7 @@ bool position_loop_holds(const position_loop_t *loop)
     return (word_of_profile(loop) ^ word_of_position(loop->zero_q32)) == loop->check;
 }
 
-/* The change goes into the check word: what has flipped stays visible. */
+/* Only the change goes into the check word, so a bit that has flipped stays visible. */
 void position_loop_set_zero(position_loop_t *loop, int64_t zero_q32)
 {
     loop->check ^= word_of_position(loop->zero_q32) ^ word_of_position(zero_q32);

@@ -5,15 +5,15 @@
  * Speed: a ramp limits how fast the reference follows the target. A PI and an acceleration
  * feed-forward compute i_q*.
  *
- * J: on a ramp the feed-forward is J·dω/dt with the J of the file. If J is wrong, the integral
- * takes over the rest of the torque, and behind the ramp the speed overshoots. So on a ramp this
- * rest corrects J, and the integral stays. A load that changes on a ramp is taken for J, until the
- * next ramp.
+ * J: on a ramp the feed-forward is J·dω/dt, first with the configured J. If J is wrong, the
+ * integral takes over the rest of the torque, and after the ramp the speed overshoots. So on a ramp
+ * this rest corrects J, and the integral stays. A load that changes on a ramp is mistaken for J
+ * until the next ramp.
  *
  * Position: a profile with limited speed, acceleration and deceleration runs to the target. The
  * speed reference is the profile's speed plus a gain times the position lag. Targets count from a
- * zero. What the rotor has turned under another control is no way to go back: then the zero moves
- * by whole turns of the shaft.
+ * zero. The rotor must not go back whole turns that it has made under another control. So the zero
+ * then moves by whole turns of the shaft.
  *
  * Speeds are step_t (2^32 = one electrical turn a control tick), positions Q32 electrical turns in
  * 64 bits, currents Q15 of I_b. Pure, total; call from the control interrupt.
@@ -27,7 +27,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* 1.5. From this J on, a rotor is heavy: its loop has half of K_i. Q17 */
+/* From this ratio of J on (1.5, in Q17) a rotor is heavy: its speed loop has half of K_i. */
 #define SPEED_LOOP_HEAVY_Q17 (196608)
 
 typedef struct {
@@ -36,7 +36,7 @@ typedef struct {
     pi_cfg_t soft;
     step_t soft_speed; /* 0…2^29; 0: never */
     step_t ramp;       /* largest change of the reference in a slow period, > 0 */
-    step_t speed_max;  /* |reference| is kept within, ≤ 2^29 */
+    step_t speed_max;  /* limit of |reference|, ≤ 2^29 */
     /*
      * i_q for a change of the reference in a slow period: change · inertia / 2^(16 + inertia_shift
      * − inertia_lift)
@@ -61,7 +61,7 @@ typedef struct {
     step_t reference;  /* of the last slow period, after all limits */
     uint32_t halvings; /* of the bandwidth, 0…1 */
     /*
-     * J as a ratio to the configured one, 32768…524288 (¼…4); stays from run to run without a fault
+     * J as a ratio to the configured one, 32768…524288 (¼…4); stays from run to run until a fault
      */
     int32_t inertia_q17;
 } speed_loop_t;
@@ -85,33 +85,33 @@ typedef struct {
 } position_loop_t;
 
 /*
- * Allowed range of i_q*, lower ≤ upper, Q15 of I_b, ±16384. That of a motor has 0 in it, that of a
- * slope may not.
+ * Allowed range of i_q*, lower ≤ upper, Q15 of I_b, ±16384. The range of a motor contains 0; the
+ * range that a slope leaves may not.
  */
 typedef struct {
     int32_t lower;
     int32_t upper;
 } torque_range_t;
 
-/* Speeds between which something else than the speed loop decides i_q*. */
+/* Window of speeds in which the speed loop does not decide i_q*. */
 typedef struct {
     step_t lower; /* ±2^29, ≤ upper */
     step_t upper;
-    /* between them the integral follows the load as a mean over 2^this slow periods, 0…14 */
+    /* in the window the integral follows the load as a mean over 2^load_shift slow periods, 0…14 */
     uint32_t load_shift;
 } speed_window_t;
 
 /* What decided i_q* in a window. */
 typedef enum {
-    SPEED_END_NONE = 0, /* what was wanted, within its range */
+    SPEED_END_NONE = 0, /* the current that was wanted, within its range */
     SPEED_END_LOWER,    /* the speed loop, at the lower end */
     SPEED_END_UPPER
 } speed_end_t;
 
 /*
- * Halve the bandwidth, at most once, or give back the whole one. Half of K_p and a quarter of K_i
- * keep the damping: in s² + (K_p/J)·s + K_i/J they are 2ζω and ω². The integral stays, so i_q*
- * changes by half of the proportional part.
+ * Halve the bandwidth, at most once, or restore it. Half of K_p and a quarter of K_i keep the
+ * damping: in s² + (K_p/J)·s + K_i/J they are 2ζω and ω². The integral stays, so i_q* changes by
+ * half of the proportional part.
  */
 void speed_loop_lower(speed_loop_t *loop);
 void speed_loop_restore(speed_loop_t *loop);
@@ -119,9 +119,7 @@ void speed_loop_restore(speed_loop_t *loop);
 /* J as configured, the whole bandwidth, at rest. Before the first use, and after a fault. */
 void speed_loop_init(speed_loop_t *loop);
 
-/*
- * Take over another configuration: the ratio of J that was learned stays, within the limits of now.
- */
+/* Take over another configuration: the learned ratio of J stays, within the new limits. */
 void speed_loop_change(speed_loop_t *loop, const speed_loop_cfg_t *cfg);
 
 /* Start at the present speed with i_q* = 0, without a jump. Does not change the bandwidth. */
@@ -140,9 +138,9 @@ int32_t speed_loop_accelerate(speed_loop_t *loop, const speed_loop_cfg_t *cfg, s
                               torque_range_t range);
 
 /*
- * The other way: returns by how much i_q (Q15 of I_b, ±32768) changes the speed in a slow period,
- * beyond the load that the integral holds. Rounded down, saturated to ±2^30. 0 where no inertia is
- * known. One division.
+ * The inverse of speed_loop_accelerate(): returns the change of the speed in a slow period that i_q
+ * (Q15 of I_b, ±32768) causes, after the load that the integral holds is subtracted. Rounded down,
+ * saturated to ±2^30. 0 if no inertia is known. One division.
  */
 step_t speed_loop_response(const speed_loop_t *loop, const speed_loop_cfg_t *cfg, int32_t current);
 
@@ -157,25 +155,25 @@ int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t 
                         step_t measured, torque_range_t range);
 
 /*
- * One slow period within a window: i_q* is `wanted` (±16384) as long as the PI about either end
- * allows it,
+ * One slow period within a window: i_q* is `wanted` (±16384) as long as the PIs of both ends allow
+ * it,
  *     i_q* = K_p·(lower − ω) + I  ≤  wanted  ≤  K_p·(upper − ω) + I
- * and else that end's PI. Both are continuous in ω, so nothing jumps. Between the ends I follows
- * i_q* less what J·dω/dt takes: the load. The ends are limited to ±speed_max. An end takes over by
- * 1/(2π·bandwidth) before the rotor would be there, and the rotor comes to rest at it. dω/dt is
- * counted from the last reference, which the loop replaces by `reference`, limited to ±speed_max:
- * give it the measured speed. Returns i_q*, saturated to `range` and −16384…16383; *end says who
- * decided it.
+ * and otherwise the output of the PI that does not. Both are continuous in ω, so nothing jumps.
+ * Between the ends I follows the load, which is i_q* less the current for J·dω/dt. The ends are
+ * limited to ±speed_max. An end takes over a time of 1/(2π·bandwidth) before the rotor would reach
+ * it, and the speed settles there. dω/dt is the change from the last reference to `reference`,
+ * limited to ±speed_max, which replaces it: pass the measured speed. Returns i_q*, saturated to
+ * `range` and −16384…16383; *end says what decided it.
  */
 int32_t speed_loop_within(speed_loop_t *loop, const speed_loop_cfg_t *cfg,
                           const speed_window_t *window, step_t reference, step_t measured,
                           int32_t wanted, torque_range_t range, speed_end_t *end);
 
 /*
- * After a step on a ramp of speed control: what the integral has taken over in this step goes to J,
- * or nothing where J would leave its limits. change: of the reference in this step, ±2^30; below
- * half of the ramp nothing is learned. integral_before_q26: the integral before the step. Rounded
- * down. What rounds to nothing stays with the integral.
+ * After a step on a ramp of speed control: moves the growth of the integral in this step to J, or
+ * nothing if J would leave its limits. change: of the reference in this step, ±2^30; below half of
+ * the ramp nothing is learned. integral_before_q26: the integral before the step. Rounded down. A
+ * growth that rounds to zero stays in the integral.
  */
 void speed_loop_learn(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t change,
                       int32_t integral_before_q26);
@@ -196,13 +194,13 @@ int64_t position_loop_target(const position_loop_t *loop, int32_t target_q16);
  */
 void position_loop_reset(position_loop_t *loop, int64_t position_q32, step_t speed);
 
-/* Targets count from there. */
+/* Sets the zero that targets count from. */
 void position_loop_set_zero(position_loop_t *loop, int64_t zero_q32);
 
 /*
  * Whether profile and zero are as the functions here have written them. A bit that has flipped by
- * itself in one of them, or in the check word, makes it false, and it stays so. A loop of zeros
- * holds.
+ * itself in one of them, or in the check word, makes it false, and it stays so. A loop whose words
+ * are all zero holds.
  */
 bool position_loop_holds(const position_loop_t *loop);
 
