@@ -79,7 +79,7 @@ static int32_t observer_less_measured(int32_t current, int32_t error, int32_t fe
     return fx_sat15(current - fx_asr(feedback_q15 * (current + error), 15U));
 }
 
-/* What the decay acts on, in the rotor frame of k−1. */
+/* The current that the decay acts on, in the rotor frame of k−1. */
 static dq_t observer_decaying_current(const nn_observer_t *obs, int32_t feedback_q15)
 {
     dq_t i = obs->current;
@@ -92,9 +92,9 @@ static dq_t observer_decaying_current(const nn_observer_t *obs, int32_t feedback
 }
 
 /*
- * The same in the middle of the period that has just ended, stationary frame. In the rotor frame
- * the current hardly changes within a period, so the current of k−1 is used. The rotor frame of k−1
- * is half a step behind the middle.
+ * The same current in the middle of the period that has just ended, in the stationary frame. In the
+ * rotor frame the current hardly changes within a period, so the current of k−1 is used. The rotor
+ * frame of k−1 is half a step behind the middle.
  */
 static ab_t observer_middle_current(const nn_observer_t *obs, const nn_observer_cfg_t *cfg,
                                     sincos_t angle)
@@ -109,7 +109,7 @@ static ab_t observer_middle_current(const nn_observer_t *obs, const nn_observer_
     return transforms_park_inverse(turned, angle);
 }
 
-/* W3·v less what decays. */
+/* W3·v less the decay. */
 static int32_t observer_flux_step(const nn_observer_cfg_t *cfg, int32_t voltage, int32_t current)
 {
     return fx_asr((cfg->volt_gain * voltage) - (cfg->decay * current), cfg->weight_shift);

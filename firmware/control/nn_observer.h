@@ -5,7 +5,7 @@
  * A two-layer linear network predicts the stator current in the estimated rotor frame. Only the
  * weight W2 = −T·ω̂ is trained, on line, by back-propagation of the current error. So the weight is
  * the speed estimate. The network runs in parallel to the motor: its input is its own last output,
- * not the measured current, but for a small share f of the error.
+ * not the measured current, except for a small share f of the error.
  *
  *     x = i_d + φ/L_d,  y = (L_q/L_d)·i_q                     (7), y scaled: see Saliency
  *     v_x = (v_d + R·φ/L_d)/L_d,  v_y = v_q/L_d               (8)
@@ -39,16 +39,17 @@
  * these are the weights of the paper.
  *
  * Feedback. Without it an error of the network turns with −ω̂ and decays with R/L only. Changes of
- * speed and what is unknown of the voltage excite this mode. Where T·R/L is small the rotor is lost
- * in it. f damps it as a resistance f·L_d/T in series with R does, in the error only: for e = 0 the
- * network is that of the paper. For L_d = L_q
+ * speed and the unknown part of the voltage excite this mode. Where T·R/L is small, this mode loses
+ * the rotor. f damps the mode like a resistance f·L_d/T in series with R, but in the error only:
+ * for e = 0 the network is that of the paper. For L_d = L_q
  *     e(k) = (1 − D)·exp(−jω̂T)·e(k−1) + …,  D = T·R/L_d + f,  R_v = R + f·L_d/T = D·L_d/T
- * The decay acts in the middle of the period on î − m·(î + e), m = f/D: D times that is T·R/L_d·î −
- * f·e. î + e is the measured current. With f = 1 the state would follow the measurement: the error
- * then is that of one tick, and the rotor is lost. So f stays small.
+ * The decay acts in the middle of the period on î − m·(î + e), m = f/D: D times this current is
+ * T·R/L_d·î − f·e. î + e is the measured current. With f = 1 the state would follow the
+ * measurement: the error would be that of one tick only, and the rotor would be lost. So f stays
+ * small.
  *
- * Gradient. x̂, ŷ in b are what W2 turns. A turn of the frame by δ also turns the measured current,
- * and e by δ·j·ψ_1 with
+ * Gradient. In b, x̂ and ŷ are the vector that W2 turns. A turn of the frame by δ also turns the
+ * measured current, and changes e by δ·j·ψ_1 with
  *     ψ_c = x̂ − c·(L_q/L_d)·î_d + j·(ŷ − c·î_q),  c = 1
  * With the paper's c = 0 and L_q = L_d, b is δ·(φ/L_d)²·(1 + i_d·L_d/φ − ρ·i_q·L_d/φ): its loop
  * gain follows the current. With c = 1, b = e'_q·Re ψ_1 − e'_d·Im ψ_1 is δ·|ψ_1|² for every ρ, and
@@ -98,7 +99,7 @@ typedef struct {
     int32_t kappa_p;
     uint32_t kappa_p_shift;  /* 0…30 */
     int32_t momentum_q15;    /* α */
-    int32_t frame_share_q13; /* c of the gradient, 0…8192; 0: that of the paper */
+    int32_t frame_share_q13; /* c of the gradient, 0…8192; 0: as in the paper */
     step_t speed_limit;      /* limit of |ω̂|, 1…2^29 */
     step_t
         corner; /* D/T as a speed, for ρ = corner/ω̂, 0…2^27: D ≤ 0.196, a larger one ends there */
@@ -110,8 +111,8 @@ typedef struct {
     int32_t alpha_q27; /* x̂ + j·ŷ in the stationary frame, −2^27…2^27 − 1 */
     int32_t beta_q27;  /* the same range */
     /*
-     * what b is made of besides e', Q15 of I_x, ±46341: x̂, ŷ of the last instant, or with c ≠ 0 ψ_c
-     * of the last refresh
+     * the vector that b multiplies with e', Q15 of I_x, ±46341: x̂, ŷ of the last instant, or with c
+     * ≠ 0 ψ_c of the last refresh
      */
     dq_t state;
     /* ω̂(k+1), the integral (22): for the speed loop, limited to ±speed_limit */
@@ -129,17 +130,18 @@ typedef struct {
 
 /*
  * Start at the angle whose sine and cosine are given, with a current in that frame and a speed.
- * Zero current and speed: a rotor at rest, x̂ = φ/L_d. speed is limited to ±speed_limit. current:
- * Q15 of I_b, |i| ≤ 65535, which two phases at full scale can give; x̂ and ŷ saturate to 28 bits.
+ * Zero current and speed mean a rotor at rest, x̂ = φ/L_d. speed is limited to ±speed_limit.
+ * current: Q15 of I_b, |i| ≤ 65535, which two phases at full scale can give; x̂ and ŷ saturate to 28
+ * bits.
  */
 void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t speed, dq_t current,
                        sincos_t angle);
 
 /*
- * Take over other weights. φ/L_d and L_q/L_d are in the states: these change so that the current of
- * the network stays. What nn_observer_refresh() computes follows with its next call. flux_q27,
- * saliency_q13: of the weights before, whose current_shift is the same. angle: as of the last
- * nn_observer_predict(). Control interrupt only.
+ * Take over other weights. The states contain φ/L_d and L_q/L_d, so they change such that the
+ * current of the network stays. The values of nn_observer_refresh() follow with its next call.
+ * flux_q27, saliency_q13: of the old weights, whose current_shift must be that of the new ones.
+ * angle: as of the last nn_observer_predict(). Control interrupt only.
  */
 void nn_observer_change(nn_observer_t *obs, const nn_observer_cfg_t *to, int32_t flux_q27,
                         int32_t saliency_q13, sincos_t angle);
@@ -161,18 +163,18 @@ void nn_observer_train(nn_observer_t *obs, const nn_observer_cfg_t *cfg);
 void nn_observer_follow(nn_observer_t *obs, step_t speed);
 
 /*
- * Once a slow period in RUN: ω̂ moves on by what the reference of the speed has changed. The
- * proportional path makes the estimate follow a ramp with the delay T·κ_p/κ; the rotor follows its
- * reference, so this change needs no error to be found. Only while the rotor follows its reference.
- * In torque
- * control: by what the torque changes. change: ±2^30. ω̂ is limited to ±speed_limit.
+ * Once a slow period in RUN: adds `change`, the change of the speed reference, to ω̂. By itself the
+ * estimate follows a ramp with the delay T·κ_p/κ of the proportional path. While the rotor follows
+ * its reference, this change is known without an error of the current; call it only then. In torque
+ * control, pass the change of speed that the torque causes. change: within ±2^30. ω̂ is limited to
+ * ±speed_limit.
  */
 void nn_observer_accelerate(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t change);
 
 /*
- * Once a slow period, while the speed may change: ρ for a speed within ±2^30, and the half step by
- * which the current is turned. Give the most reliable speed, because ρ has its sign: not an
- * estimate that still swings. One division.
+ * Once a slow period, while the speed may change: computes ρ for rotor_speed, within ±2^30, the
+ * half step by which the current is turned, and with c ≠ 0 ψ_c. Pass the most reliable speed, not
+ * an estimate that still swings, because ρ has its sign. One division.
  */
 void nn_observer_refresh(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t rotor_speed);
 

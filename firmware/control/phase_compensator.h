@@ -38,7 +38,7 @@ typedef struct {
     uint32_t gain_shift; /* 0…15 */
     int32_t lead_max;    /* largest lead in the direction of U, 2^32 = one turn, 0…2^30 */
     int32_t brake_max;   /* largest lag, as lead_max */
-    int32_t current_min; /* i_q below it counts as this, 1…32767 */
+    int32_t current_min; /* a smaller |i_q| counts as this, 1…32767 */
 } phase_compensator_cfg_t;
 
 typedef struct {

@@ -29,7 +29,7 @@ typedef struct {
 
 #define PI_INTEGRAL_BITS (11U) /* by which the integral is finer than the output */
 
-/* pi_step() in three parts, for a loop whose limit is not a pair of ends. Control tick. */
+/* pi_step() in parts, for a loop whose limit is not simply ±limit. Control tick. */
 
 /* Returns the integral after this sample, Q26, saturated at ±1. |error| ≤ 65535. Pure. */
 static inline int32_t pi_integral(const pi_t *pi, const pi_cfg_t *cfg, int32_t error)

@@ -20,8 +20,8 @@
 #define LAG_FINER (16384) /* 2^14 */
 #define MEAN_MOST (FX_Q15_MAX * LAG_FINER)
 /*
- * Over 8/K ticks, so that it leaves the swing to the damping: for a K above this 2^8 ticks are
- * enough.
+ * The mean is over 8/K ticks, so that it does not follow the swing, which the damping acts on. For
+ * a damping (2·K) above this, 2^8 ticks are enough.
  */
 #define MEAN_FAST_DAMPING (42722830)
 
@@ -96,7 +96,7 @@ static void set_composed(probe_t *probe, uint32_t what, int32_t value)
     }
 }
 
-/* Words of what moves the vector. */
+/* Words that move the vector. */
 static void set_motion(probe_t *probe, uint32_t what, int32_t value)
 {
     switch (what) {
@@ -151,13 +151,13 @@ void probe_set(probe_t *probe, uint32_t what, int32_t value)
     }
 }
 
-/* What the legs lose is no EMF. */
+/* The EMF along the current: the voltage that the legs lose is subtracted. */
 static int32_t emf_along(const probe_t *probe, int32_t emf_d)
 {
     return fx_sat16(emf_d - ((probe->current > 0) ? probe->loss : 0));
 }
 
-/* sin δ, less where the EMF is too small to have an angle. */
+/* sin δ, reduced where the EMF is too small to have an angle. */
 static int32_t lag_of(const probe_t *probe, dq_t emf, step_t speed)
 {
     const dq_t e = {emf_along(probe, emf.d), fx_sat16(emf.q)};
@@ -172,7 +172,7 @@ static step_t towards_angle(const probe_t *probe, angle_t angle)
     return fx_clamp(fx_signed(probe->angle - angle), -probe->rate, probe->rate);
 }
 
-/* The damping never turns the vector back: there the sign of the lag would be the other one. */
+/* The damping never turns the vector back, because the lag would change its sign there. */
 static step_t damped(const probe_t *probe, int32_t lag)
 {
     const step_t most = fx_abs(probe->own_speed) / 2;
@@ -181,8 +181,8 @@ static step_t damped(const probe_t *probe, int32_t lag)
 }
 
 /*
- * A ramp waits for a rotor that it strains: one that lags while it goes up, or leads while it goes
- * down. A ramp down also waits for a bus that bears no more of what the rotor gives back.
+ * A ramp waits while it strains the rotor: while the rotor lags too far on a ramp up, or leads too
+ * far on a ramp down. A ramp down also waits while the bus can take no more energy from the rotor.
  */
 static step_t ramped(const probe_t *probe, int32_t lag, bool bus_bears)
 {
@@ -282,8 +282,8 @@ static void note_change(probe_t *probe, dq_t current)
 }
 
 /*
- * x/y to the nearest, y > 0: what a quotient that is rounded towards zero lacks would not cancel
- * between two directions.
+ * x/y rounded to nearest, y > 0. The error of a quotient that is rounded towards zero would not
+ * cancel between two directions.
  */
 static int32_t rounded_ratio(int32_t x, int32_t y)
 {
@@ -293,9 +293,9 @@ static int32_t rounded_ratio(int32_t x, int32_t y)
 }
 
 /*
- * The power of the EMF over the speed, 0 at standstill. ωL·i is no part of it, whatever L. R takes
- * its part from the current that flows: in a ramp it is another one than the EMF of a sample counts
- * with, and a light rotor has little torque beside it.
+ * The power of the EMF divided by the speed, 0 at standstill. ωL·i adds nothing to it, whatever L
+ * is. R·i is subtracted with the current that flows, not with i* as in the EMF of the sample: in a
+ * ramp the two currents differ, and the torque of a light rotor is small against that difference.
  */
 static int32_t torque_of(const probe_t *probe, const probe_sample_t *sample)
 {

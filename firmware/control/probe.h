@@ -1,24 +1,23 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The probe: an imposed current whose every property is a word from outside, and sums of what it
- * does to the motor. With it a motor is measured of which nothing is known but its name plate.
+ * The probe: an imposed current, all of whose properties are set by words from outside, and sums of
+ * the motor's response. It measures a motor of which only the name plate is known.
  *
  *   vector   The current lies along the d axis of a frame. At rest the frame turns to an angle;
- *            else it turns with a speed.
- *   EMF      e = v − R·i* − jωL·i, of what the current control demands. A rotor that lags behind
- *            the frame by δ gives e = jωφ·e^(−jδ), thus sin δ = ±e_d/|e| with the sign of ω.
+ *            otherwise it turns with a speed.
+ *   EMF      e = v − R·i* − jωL·i, v: voltage that the current control demands. A rotor that lags
+ *            behind the frame by δ gives e = jωφ·e^(−jδ), thus sin δ = ±e_d/|e| with the sign of ω.
  *   damping  The speed of the frame changes by −K·(sin δ − its mean). So a rotor in the field of a
  *            stiff current, which nothing else damps, settles with δ' = −K·δ.
  *   tracking The speed of the frame changes by −k·sin δ in each tick: with no current the frame
  *            follows a rotor that coasts.
- *   pulses   In a window with a pulse voltage the current control holds its voltage along it, and
- *            on top of that come +V, −V, −V, +V, each for so many ticks, again and again. The
- *            current along the pulse goes up, down and back: the rotor gets no momentum.
- *   window   So many ticks in which the sums below are formed.
+ *   pulses   In a window with a pulse voltage the current control holds its voltage along the
+ *            pulse. +V, −V, −V, +V are added to it, each for PROBE_PULSE_TICKS, again and again.
+ *            The current along the pulse goes up, down and back: the rotor gets no momentum.
+ *   window   A number of ticks over which the sums below are formed.
  *
  * Currents Q15 of I_b, voltages Q15 of U_b, speeds in steps per tick. Pure, total; one step a
- * control tick. What is asked for comes from firmware/app/identify.c, what follows from the sums is
- * computed by whoever reads them.
+ * control tick. firmware/app/identify.c sends the words. The reader of the sums evaluates them.
  */
 #ifndef PROBE_H
 #define PROBE_H
@@ -31,13 +30,13 @@
 #include <stdint.h>
 
 /*
- * What a word sets. The first is beyond the modes of the motion loops. Who asks for several does so
- * in this order: what says how the vector moves comes before what moves it.
+ * What a word sets. The numbers begin above the modes of the motion loops. Send several words in
+ * this order: words that say how the vector moves come before words that move it.
  */
 typedef enum {
     PROBE_CURRENT = 16, /* i_d*, 0…16383 */
-    PROBE_RATE,  /* a vector at rest turns to its angle by so much in a tick at most, 0…2^29 */
-    PROBE_ANGLE, /* that angle: any angle_t, as a signed word */
+    PROBE_RATE,         /* a vector at rest turns to its angle by at most this in a tick, 0…2^29 */
+    PROBE_ANGLE,        /* that angle: any angle_t, as a signed word */
     /* K_p along the current: mantissa 0…32767, from bit 16 on its shift 1…30 (pi.h) */
     PROBE_GAIN_D,
     PROBE_GAIN_Q,     /* across */
@@ -45,7 +44,7 @@ typedef enum {
     PROBE_INTEGRAL_Q,
     PROBE_RESISTANCE,  /* R in the EMF, Q13 of U_b/I_b, 0…32767 */
     PROBE_REACTANCE,   /* Ω_b·L likewise */
-    PROBE_LOSS,        /* what the legs lose along the current: no part of the EMF, 0…32767 */
+    PROBE_LOSS,        /* voltage that the legs lose along the current, not EMF, 0…32767 */
     PROBE_EMF,         /* a smaller EMF counts less, 1…32767 */
     PROBE_DAMPING,     /* 2·K in steps per tick, 0…2^29 */
     PROBE_TRACKING,    /* 2·k likewise */
@@ -55,19 +54,19 @@ typedef enum {
     PROBE_RAMP,        /* change of the speed in a tick, 0…2^29 */
     PROBE_SPEED,       /* of the vector, ±2^29; 0: it goes to its angle */
     /*
-     * of 1…131071 ticks, begins when the word changes; from bit 20 on a number that tells windows
-     * apart
+     * a window of 1…131071 ticks, begins when the word changes; the bits from 20 on are a number
+     * that tells windows apart
      */
     PROBE_WINDOW,
-    PROBE_WORDS /* number behind the last */
+    PROBE_WORDS /* number after the last word */
 } probe_word_t;
 
 #define PROBE_WINDOW_BITS (20U) /* of the ticks in the word of a window */
 #define PROBE_WINDOW_MAX (131071)
 
 /*
- * Sums over a window. Each saturates short of 32 bits: in the longest one beyond a mean of 0.5,
- * which no current has and no voltage with a bus below 0.9 of its full scale.
+ * Sums over a window. Each saturates just below 2^31. In the longest window that is a mean of 0.5.
+ * No current has such a mean, and no voltage while the bus is below 0.9 of its full scale.
  */
 typedef struct {
     dq_t voltage;    /* demanded */
@@ -83,7 +82,7 @@ typedef struct {
 } probe_sums_t;
 
 typedef struct {
-    /* what the words have set */
+    /* values that the words have set */
     int32_t current;
     angle_t angle;
     step_t rate;
@@ -96,14 +95,14 @@ typedef struct {
     step_t tracking;
     dq_t pulse;
     int32_t pulse_ticks;
-    int32_t window; /* the last word that began one */
-    /* and what becomes of them */
+    int32_t window; /* the last word that began a window */
+    /* state */
     uint32_t tick; /* of the window, 1…; 0: none is open */
     probe_sums_t sums;
     step_t own_speed;     /* of the vector before damping */
     int32_t lag_q15;      /* sin δ */
     int32_t mean_lag_q29; /* its mean */
-    dq_t before;          /* currents of phases a and b at the last sample, in d and q */
+    dq_t before;          /* d, q: currents of phases a, b at the last sample */
     dq_t current_before;  /* in the frame */
     int32_t start_q16;    /* angle of the vector at the start of the window */
 } probe_t;
@@ -112,14 +111,14 @@ typedef struct {
 void probe_reset(probe_t *probe);
 
 /*
- * Takes a word. One beyond its range is limited to it. `what` that is no probe_word_t changes
- * nothing.
+ * Takes a word. The value is limited to the word's range. A `what` that is not a probe_word_t
+ * changes nothing.
  */
 void probe_set(probe_t *probe, uint32_t what, int32_t value);
 
 /*
  * The speed with which the vector turns in this tick. angle: of the vector; emf: as above, of the
- * last tick; bus_bears: the bus bears what a rotor gives back that slows down. Moves own_speed.
+ * last tick; bus_bears: the bus can take the energy of a rotor that slows down. Changes own_speed.
  */
 step_t probe_turn(probe_t *probe, angle_t angle, dq_t emf, bool bus_bears);
 
@@ -135,22 +134,25 @@ typedef struct {
     int32_t speed_q15; /* of the vector, Q15 of Ω_b */
 } probe_sample_t;
 
-/* Adds the sample to the window that is open, and opens and closes it. Before probe_voltage(). */
+/*
+ * Adds the sample to the open window, and closes the window after its last sample. Call it before
+ * probe_voltage().
+ */
 void probe_note(probe_t *probe, const probe_sample_t *sample);
 
 /* Whether pulses are added in this tick. */
 bool probe_pulses(const probe_t *probe);
 
 /*
- * Then: what the current control takes for measured. Along the pulses it sees its reference, and
- * holds its voltage; in the other axis it goes on: what the legs lose there changes with the
- * pulses.
+ * With pulses: the current that the current control takes for the measured one. Along the pulses
+ * the control sees its reference, so it holds its voltage. In the other axis it goes on, because
+ * the voltage that the legs lose there changes with the pulses.
  */
 dq_t probe_controlled(const probe_t *probe, dq_t reference, dq_t measured);
 
 /*
- * Then: the voltage to demand, that of the current control, 16 bits, with the pulse of this tick;
- * saturated at ±32767.
+ * With pulses: the voltage to demand, saturated at ±32767. It is the pulse of this tick plus
+ * `steady`, the voltage of the current control, 16 bits.
  */
 dq_t probe_voltage(const probe_t *probe, dq_t steady);
 

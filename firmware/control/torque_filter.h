@@ -5,8 +5,8 @@
  *
  * Low-pass:  s(k) = s(k−1) + r·(i(k) − s(k−1))
  *
- * Notch: a vector z turns by θ in a sample. It takes over what of the current turns with it, and is
- * taken off:
+ * Notch: a vector z turns by θ in a sample. It takes over the part of the current that turns with
+ * it, and its real part is subtracted:
  *     e(k) = i(k) − Re z(k),   z(k+1) = exp(jθ)·(z(k) + μ·e(k)),   out(k) = (1 − μ/2)·e(k)
  * As a transfer function:
  *     (1 − μ/2)·(1 − 2·cosθ·z⁻¹ + z⁻²) / (1 − (2 − μ)·cosθ·z⁻¹ + (1 − μ)·z⁻²)
@@ -14,10 +14,11 @@
  * f_s/2. Half of the power is left at both ends of a band of the width b with μ = 2t/(1 + t), t =
  * tan(π·b/f_s).
  *
- * The notch counts from the current that it starts with, so a constant current passes from the
- * first sample on. After a step the gain at rest is 1 within 2^-10 for |θ| ≥ 2π/256: sine and
- * cosine are rounded. The states are Q26, 11 bits finer than a current, and products are rounded
- * down. The result is rounded to nearest, and what the states' roundings add to it is below an LSB.
+ * The notch acts on the difference from the current that it starts with, so a constant current
+ * passes from the first sample on. After a step the steady gain is 1 within 2^-10 for |θ| ≥ 2π/256,
+ * because sine and cosine are rounded. The states are Q26, 11 bits finer than a current, and
+ * products are rounded down. The result is rounded to nearest; the roundings of the states add less
+ * than an LSB to it.
  *
  * Currents Q15 of I_b. Pure, total. Call once a slow period, from the control interrupt only.
  */
@@ -49,7 +50,7 @@ static inline bool torque_filter_acts(const torque_filter_cfg_t *cfg)
     return (cfg->smooth_rate_q15 | cfg->notch_share_q15) != 0;
 }
 
-/* Start as if `current` had been asked for ever, ±16384. */
+/* Start as if the input had always been `current`, ±16384. */
 void torque_filter_start(torque_filter_t *filter, int32_t current);
 
 /*

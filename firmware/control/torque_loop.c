@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "torque_loop.h"
 
-#define SWING_SHARE (8) /* of the lowest speed: what the estimate may swing there */
+#define SWING_SHARE (8) /* the estimate may swing by 1/8 of the lowest speed there */
 
 void torque_loop_start(torque_loop_t *loop, int32_t flux_q13, int32_t current)
 {
@@ -17,7 +17,7 @@ void torque_loop_bridge(torque_loop_t *loop)
     loop->bridging = true;
 }
 
-/* A slope of less than an LSB of current counts as one: the bridge has to end. */
+/* A slope of less than an LSB of current counts as one LSB, because the bridge has to end. */
 torque_range_t torque_loop_bridged(const torque_loop_cfg_t *cfg, int32_t flux_q13, int32_t current,
                                    torque_range_t range)
 {
@@ -49,7 +49,7 @@ step_t torque_loop_aim(const torque_loop_cfg_t *cfg, int32_t target_q28)
     return aim;
 }
 
-/* The end of the window at the lowest speed has the torque. */
+/* Whether the end of the window at the lowest speed has decided i_q*. */
 static bool is_caught(const torque_loop_t *loop, bool backwards)
 {
     const speed_end_t there = backwards ? SPEED_END_UPPER : SPEED_END_LOWER;
@@ -58,10 +58,10 @@ static bool is_caught(const torque_loop_t *loop, bool backwards)
 }
 
 /*
- * Free until now. A torque with the motion leaves the rotor to the end of the window at the lowest
- * speed. The estimate swings about that speed by some percent, so the reference stays there, and
- * only a rotor that is slower by more is led back up the slope. Other torques lead down the slope
- * from the lowest speed on.
+ * The next speed reference while the torque is free. With a torque in the direction of the motion,
+ * the end of the window holds the rotor at the lowest speed. The estimate swings about that speed
+ * by some percent, so the reference stays there, and only a rotor that is slower by more is led
+ * back up the slope. With other torques the reference goes down the slope from the lowest speed on.
  */
 static step_t next_free_reference(const torque_loop_t *loop, const torque_loop_cfg_t *cfg,
                                   const torque_loop_in_t *in)
@@ -81,12 +81,12 @@ static step_t next_free_reference(const torque_loop_t *loop, const torque_loop_c
 
         next = fx_towards(backwards ? -start : start, aim, in->ramp);
     } else {
-        /* it turns as the torque makes it */
+        /* the rotor turns as the torque drives it */
     }
     return fx_clamp(next, -cfg->speed_backward, cfg->speed_forward);
 }
 
-/* The speed reference: on the slope of an imposed vector at low speed, else that of the rotor. */
+/* The speed reference: on the slope of an imposed vector at low speed, else the rotor's speed. */
 static step_t next_reference(const torque_loop_t *loop, const torque_loop_cfg_t *cfg,
                              const torque_loop_in_t *in)
 {
@@ -97,8 +97,8 @@ static step_t next_reference(const torque_loop_t *loop, const torque_loop_cfg_t 
 }
 
 /*
- * Where nothing has caught the rotor before it was too slow, the speed loop's current is another
- * one: it is bridged.
+ * If no end of the window has caught the rotor before it was too slow, the speed loop begins with
+ * another current: a bridge leads to it.
  */
 static void bind(torque_loop_t *loop, bool bound)
 {
@@ -109,8 +109,9 @@ static void bind(torque_loop_t *loop, bool bound)
 }
 
 /*
- * While an end of the window holds the torque back, the reference waits no further beyond it than
- * it is asked to. So a torque that leads away from the end begins with the one that acts.
+ * While an end of the window holds the torque back, the reference is not further beyond the acting
+ * torque than the target is. So a torque that leads away from the end begins with the acting
+ * torque.
  */
 static int32_t held_back_q28(const torque_loop_t *loop, const torque_loop_in_t *in, int32_t target)
 {
@@ -122,7 +123,7 @@ static int32_t held_back_q28(const torque_loop_t *loop, const torque_loop_in_t *
     } else if (loop->end == (uint8_t)SPEED_END_LOWER) {
         from = fx_max(from, fx_min(target, acting));
     } else {
-        /* it acts */
+        /* the reference acts */
     }
     return from;
 }
@@ -155,7 +156,7 @@ speed_window_t torque_loop_window(const torque_loop_cfg_t *cfg, step_t reference
         .lower = -cfg->speed_backward, .upper = cfg->speed_forward, .load_shift = cfg->load_shift};
 
     if (lowest == 0) {
-        /* it turns as slowly as it likes */
+        /* the rotor may turn at any low speed */
     } else if (reference < 0) {
         window.upper = fx_max(-lowest, window.lower);
     } else {

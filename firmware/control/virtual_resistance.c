@@ -2,7 +2,7 @@
 #include "virtual_resistance.h"
 
 #define ONE_Q15 (32768)
-#define MEAN_BITS (15U) /* of the mean, more than a current has */
+#define MEAN_BITS (15U) /* bits by which the mean is finer than a current */
 
 void virtual_resistance_start(virtual_resistance_t *res, dq_t current)
 {

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A resistance that only changes of the current see.
+ * A resistance that acts only on changes of the current.
  *
  * Without current regulators nothing but R/L damps the currents' own mode: a vector that stands
  * still in space and thus turns with −ω in the frame of the rotor. A real resistance would cost
- * power. This one takes off a voltage in proportion to the difference between the current and its
- * own mean, so it costs none in the steady state:
+ * power. This one subtracts a voltage in proportion to the difference between the current and its
+ * mean, so it costs no power in the steady state:
  *     v(n) = −R_v·(i(n) − m(n)),  m(n+1) = m(n) + r·(i(n) − m(n))
- * With a = r/T the mode's damping rises by R_v/L · ω²/(ω² + a²), in 1/s. A mean that is fast
- * against the mode follows it, and then damps nothing.
+ * With a = r/T the mode's damping rises by R_v/L · ω²/(ω² + a²), in 1/s. A mean that is faster than
+ * the mode follows it, and then nothing is damped.
  *
  * For the difference the mean is rounded down to an LSB of current; the products are exact. So the
  * mean settles on a constant current to the LSB, and no voltage remains.

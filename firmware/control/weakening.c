@@ -4,15 +4,15 @@
 #include "trig.h"
 
 #define CURRENT_END (16384)
-#define NEAR (15)           /* sixteenths of the circle's radius, from where on it may decide */
-#define RESERVE (3)         /* of 256 of the circle's radius, kept for the current control */
+#define NEAR (15)           /* sixteenths of the circle's radius: above, the voltage may decide */
+#define RESERVE (3)         /* 256ths of the circle's radius, kept for the current control */
 #define INTEGRAL_SHIFT (3U) /* of the voltage that is missing, a slow period */
 #define RIPPLE_SHIFT (6U)   /* a valley of the bus fades by 1/64 a slow period */
 #define REST_STEP (80)      /* by which the integral goes back to 0, a slow period */
 /*
- * By which the integral moves at most, a slow period. A demand on the circle's edge unwinds it by
- * RESERVE / 2^INTEGRAL_SHIFT of the bus, 26 at 310 V of 450 V: what a kick of some slow periods
- * winds up is gone in as many.
+ * Largest change of the integral in a slow period. A demand on the circle's edge unwinds it by the
+ * reserve / 2^INTEGRAL_SHIFT, 19 at 310 V of 450 V. So the winding-up by a kick of some slow
+ * periods is gone after about twice as many.
  */
 #define VOLTAGE_STEP (32)
 #define SHARE_ONE (65536)
@@ -30,7 +30,7 @@ typedef struct {
 void weakening_reset(weakening_t *weakening)
 {
     *weakening =
-        (weakening_t){.valley = FX_Q15_MAX, .check = FX_Q15_MAX}; /* the first bus is lower */
+        (weakening_t){.valley = FX_Q15_MAX, .check = FX_Q15_MAX}; /* any first bus is lower */
 }
 
 bool weakening_holds(const weakening_t *weakening)
@@ -38,14 +38,17 @@ bool weakening_holds(const weakening_t *weakening)
     return fx_unsigned(weakening->voltage ^ weakening->valley) == weakening->check;
 }
 
-/* The change goes into the check word: what has flipped stays visible. */
+/* Only the change goes into the check word, so a bit that has flipped stays visible. */
 static void set_voltage(weakening_t *weakening, int32_t voltage)
 {
     weakening->check ^= fx_unsigned(weakening->voltage ^ voltage);
     weakening->voltage = voltage;
 }
 
-/* A demand that fits the mean of a rippling bus would be cut off in each of its valleys. */
+/*
+ * The lowest radius counts: the circle would cut off a demand that fits the mean of a rippling bus
+ * in each of its valleys.
+ */
 static void find_valley(weakening_t *weakening, int32_t voltage_max)
 {
     const int32_t risen = fx_approach(weakening->valley, voltage_max, RIPPLE_SHIFT);
@@ -82,7 +85,7 @@ bool weakening_is_near(weakening_t *weakening, dq_t demand, int32_t voltage_max)
     return near;
 }
 
-/* Part over whole, Q16, at most 1; no part of nothing. Rounded to some 2^-15. */
+/* part / whole, Q16, at most 1; 0 if part is 0. Rounded to some 2^-15. */
 static int32_t share_of(uint32_t part, uint32_t whole)
 {
     int32_t share = (part > 0U) ? SHARE_ONE : 0;
@@ -104,8 +107,8 @@ static int32_t part_of(int32_t share_q16, int32_t whole)
 }
 
 /*
- * By how many bits the largest of numbers is beyond 15, from all their bits. Without those a
- * product fits 32 bits; one of 64 bits is a call on a Cortex-M0+.
+ * Returns by how many bits the largest of several numbers exceeds 15 bits. all_bits: their OR.
+ * Without these bits a product fits 32 bits; a 64-bit product is a library call on a Cortex-M0+.
  */
 static uint32_t bits_beyond_15(uint32_t all_bits)
 {
@@ -120,7 +123,7 @@ static int32_t reactive_volts(int32_t reactance_q14, int32_t current)
     return fx_clamp(fx_asr(reactance_q14 * current, 15U), -VOLTS_END, VOLTS_END);
 }
 
-/* What the resistance takes of the voltage's length, Q15 of U_b. */
+/* The voltage that the resistance takes along the demand, Q15 of U_b. */
 static int32_t resistive_volts(const weakening_in_t *in, dq_t current, int32_t length)
 {
     const int32_t power =
@@ -157,13 +160,13 @@ static int32_t other_leg(int32_t whole, int32_t part)
     return (int32_t)trig_sqrt((uint32_t)rest);
 }
 
-/* volts / X·I, of I. */
+/* The current volts / X, at most I. reactive: X·I. */
 static int32_t current_of_volts(int32_t volts, int32_t reactive, int32_t current_max)
 {
     return part_of(share_of((uint32_t)volts, (uint32_t)reactive), current_max);
 }
 
-/* i_d on the ellipse above this i_q. */
+/* The larger i_d on the ellipse at i_q*. */
 static int32_t ellipse_d(const weakening_in_t *in, const weakening_volts_t *volts)
 {
     const int32_t across = reactive_volts(volts->reactance_q14.q, in->reference.q);
@@ -173,7 +176,7 @@ static int32_t ellipse_d(const weakening_in_t *in, const weakening_volts_t *volt
     return (left < 0) ? -size : size;
 }
 
-/* i_q on the ellipse above this i_d. */
+/* |i_q| on the ellipse at this i_d. */
 static int32_t ellipse_q(const weakening_in_t *in, const weakening_volts_t *volts,
                          int32_t current_d)
 {
@@ -183,8 +186,8 @@ static int32_t ellipse_q(const weakening_in_t *in, const weakening_volts_t *volt
 }
 
 /*
- * i_d where the circle of the current meets the ellipse. 0: all of the circle lies within the
- * ellipse there.
+ * i_d where the circle of the current meets the ellipse. 0: at i_d = 0 the circle lies within the
+ * ellipse.
  */
 static int32_t circle_d(const weakening_in_t *in, const weakening_volts_t *volts)
 {
@@ -231,9 +234,9 @@ static int32_t torque_per_volt_d(const weakening_in_t *in, const weakening_volts
 }
 
 /*
- * Where the voltage asks for i_d: no deeper than it is of use, with the i_q that is left there. The
- * resistance counts with the current that flows. With an i_q* that the voltage does not allow it
- * would leave no i_q at all, and that in the next period all of it.
+ * Where the voltage decides i_d*: i_d* goes no deeper than it is of use, and `reach` is the i_q
+ * that is left there. The voltage of the resistance is that of the current that flows. With an i_q*
+ * that the voltage does not allow, it would leave no i_q at all, and in the next period all of it.
  */
 static void end_where_useless(const weakening_in_t *in, const weakening_volts_t *volts,
                               int32_t wanted, weakening_limits_t *limits)
@@ -251,9 +254,9 @@ static void end_where_useless(const weakening_in_t *in, const weakening_volts_t 
 }
 
 /*
- * Where i_d* is as deep as it is of use, a lack of voltage is not for the integral: less torque is
- * the answer. But what the integral has added to the bus goes: with it i_d* would be as deep as is
- * of use for a voltage that is not there, and stay so.
+ * Where i_d* is as deep as it is of use, the integral does not answer a lack of voltage: less
+ * torque is the answer. But an integral above 0 still falls. With it, i_d* would stay at the useful
+ * depth for a voltage that is not there.
  */
 static void correct_voltage(weakening_t *weakening, const weakening_limits_t *limits, int32_t left)
 {
