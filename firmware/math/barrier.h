@@ -4,8 +4,8 @@
  *
  * `volatile` orders volatile accesses among themselves only; the compiler may move any other access
  * across them. An interrupt sees the accesses of the interrupted code in the order of its
- * instructions. So it is enough to keep the compiler from changing that order. The barrier makes no
- * instruction. It does not order accesses for a second core or a DMA.
+ * instructions. So it is enough to keep the compiler from changing that order. The barrier
+ * generates no instruction. It does not order accesses for a second core or a DMA.
  */
 #ifndef BARRIER_H
 #define BARRIER_H

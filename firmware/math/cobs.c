@@ -3,7 +3,7 @@
 
 #define LONGEST (255U) /* a distance that stands for no 0 */
 
-/* From place `at` of the code to the next 0 of the bytes, or to their end. */
+/* The distance from place `at` of the code to the next 0 of the bytes, or to their end. */
 static uint32_t cobs_distance(const uint8_t *bytes, uint32_t count, uint32_t at)
 {
     uint32_t next = at;

@@ -4,8 +4,8 @@
  * 0 is replaced by the distance to the next one, and one byte in front of all gives the distance to
  * the first.
  *
- * Both ways go byte by byte, so that neither needs a second buffer. Pure, any context; no bytes
- * make them fail.
+ * Encoder and decoder go byte by byte, so that neither needs a second buffer. Pure, any context; no
+ * input makes them fail.
  */
 #ifndef COBS_H
 #define COBS_H
@@ -13,7 +13,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#define COBS_BYTES_MAX (253U) /* of what is encoded: no distance is longer than a byte can say */
+#define COBS_BYTES_MAX (253U) /* most bytes to encode: each distance fits into a byte */
 
 /*
  * Returns byte `at` of the code of `count` bytes, 0…COBS_BYTES_MAX; `at` is 0…count: the code is
@@ -30,7 +30,10 @@ typedef struct {
 /* Begin a code. */
 void cobs_start(cobs_decoder_t *decoder);
 
-/* Takes the next byte of the code, which is not 0. True when that gives a byte, then in *out. */
+/*
+ * Takes the next byte of the code, which is not 0. Returns true if that gives a byte, which is then
+ * in *out.
+ */
 bool cobs_decode(cobs_decoder_t *decoder, uint8_t in, uint8_t *out);
 
 /* Whether a code may end here. */

@@ -1,28 +1,32 @@
 /* SPDX-License-Identifier: MIT */
-/* What gcc and clang are told about inlining where their own choice makes a tick longer. */
+/*
+ * Inlining attributes of gcc and clang, for places where the compiler's own choice makes a tick
+ * longer.
+ */
 #ifndef INLINING_H
 #define INLINING_H
 
-/* All that such a function calls becomes part of it. */
+/* The compiler inlines all that such a function calls. */
 #define INLINES_ALL __attribute__((flatten))
 
 /*
- * For what a start does once. As a part of the tick's functions it would take their registers: 4 %
- * of a RUN tick on a Cortex-M0+.
+ * For functions that few ticks call, such as those of a start. Inlined into the functions of the
+ * tick, they would take their registers, which costs 4 % of a RUN tick on a Cortex-M0+.
  */
 #define NEVER_INLINED __attribute__((noinline))
 
 /*
- * For what a user does now and then in the tick. The compiler leaves it and what it alone calls
- * apart, and lays out the rest as if it were not there.
+ * For functions of the tick that run only now and then, such as on a user's command or on a fault.
+ * The compiler keeps such a function, and functions that only it calls, apart, and lays out the
+ * rest as if they were not there.
  */
 #define RARE __attribute__((noinline, cold))
 
 /*
- * The tick of RUN where the compiler has eight registers for it: it is made of all that it calls,
- * and what few ticks need stays apart. Left to itself, the compiler calls other parts of it as the
- * rest of the firmware grows. That costs a RUN tick 24 instructions on a Cortex-M0+. A Cortex-M4
- * would lose 12 by it.
+ * For the tick of RUN on a core that leaves the compiler eight registers. TICK_WHOLE inlines all
+ * that the tick calls; TICK_APART keeps functions that few ticks need apart. Without them the
+ * compiler changes its choice as the rest of the firmware grows. That costs a RUN tick 24
+ * instructions on a Cortex-M0+. On a Cortex-M4 the two attributes would cost 12 instructions.
  */
 #if defined(__ARM_ARCH_6M__)
 #define TICK_WHOLE INLINES_ALL

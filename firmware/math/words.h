@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Words of 32 bits as bytes, the lowest byte first, as files and flash have them. The same on a
- * machine of any byte order. Pure, any context; neither wants an aligned address.
+ * machine of any byte order. Pure, any context; neither needs an aligned address.
  */
 #ifndef WORDS_H
 #define WORDS_H
