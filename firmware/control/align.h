@@ -15,8 +15,8 @@
  *                 that offset
  *   EVALUATE      computes R, L_d, L_q and that offset
  *
- * Why the vector turns: a rotor opposite to a fixed vector would not start, and a rotor just before
- * that angle would swing back by half a turn, and more under load. A vector that turns in the
+ * Why the vector turns: a rotor opposite to a fixed vector would not start. A rotor just before
+ * that angle would swing back by half a turn, or by more under load. A vector that turns in the
  * wanted direction reaches every rotor angle.
  *
  * Whether the rotor rests. A rotor that swings or slips in the field of the vector induces a

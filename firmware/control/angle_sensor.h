@@ -5,9 +5,9 @@
  * A second-order loop follows the sensor. It filters the steps and the noise of the sensor out of
  * speed and angle. With e = sensor − θ̂, per tick
  *     ω̂ += e/2^8,  θ̂ += ω̂ + e/2^3
- * It is critically damped at 1/16 per tick (625 rad/s at 10 kHz). With half of that a speed loop of
- * 20 Hz would swing. At a constant acceleration the angle lags by 256 times the change of speed per
- * tick.
+ * It is critically damped at 1/16 per tick (625 rad/s at 10 kHz). With half of that bandwidth a
+ * speed loop of 20 Hz would swing. At a constant acceleration the angle lags by 256 times the
+ * change of speed per tick.
  *
  * Pure, total; call from the control interrupt.
  */

@@ -5,9 +5,9 @@
  *     v_d = PI_d(i_d* − i_d) + R·i_d* − ω·L_q·i_q
  *     v_q = PI_q(i_q* − i_q) + R·i_q* + ω·(L_d·i_d + φ)    motor equations (1), (2) of paper A
  *     √(v_d² + v_q²) ≤ v_limit
- * The d axis has priority, because it holds the flux: v_q gets what v_d leaves of the circle. While
- * the motor brakes (ω·i_q* < 0), the q axis has priority: if v_q were too small for the EMF, the
- * EMF would drive a current that nothing limits.
+ * The d axis has priority, because it holds the flux: v_q gets the part of the circle that v_d
+ * leaves. While the motor brakes (ω·i_q* < 0), the q axis has priority: if v_q were too small for
+ * the EMF, the EMF would drive a current that nothing limits.
  *
  * Speed, reference and model change once a slow period. So current_loop_plan() computes their
  * products then, and a tick multiplies them by the measured current only.
@@ -72,7 +72,7 @@ void current_loop_take_over(current_loop_t *loop, dq_t voltage);
 
 /*
  * One tick. Returns the voltage to apply, |v| ≤ limit. |reference| ≤ 23171, |measured| ≤ 42364.
- * limit 0…32766: a demand that saturates at 16 bits has to lie outside of the circle. Within the
+ * limit: 0…32766, so that a demand that saturates at 16 bits lies outside of the circle. Within the
  * circle both integrals move freely. Outside, each axis is limited first, as by pi_limit(). Then a
  * square root cuts the second axis to the circle, and its integral loses what was cut off.
  */

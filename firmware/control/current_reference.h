@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Current reference: the i_d*, i_q* that make a torque at this speed and on this bus. No other
- * module decides them.
+ * Current reference: which i_d*, i_q* make a torque at this speed and on this bus. Only this module
+ * decides that.
  *
  *     Te = 1.5·P·ψ·i_q,  ψ = φ + (L_d − L_q)·i_d           the flux that i_q turns into torque
  *
@@ -63,8 +63,8 @@ typedef struct {
     dq_t present;       /* i_d*, i_q* of the last slow period, ±16384 */
     step_t speed;       /* asked for, ±2^30 */
     step_t floor_speed; /* the least current counts from this speed on, ≥ 0 */
-    int32_t
-        imposed; /* i_d* of the imposed vector that RUN goes back to now, 0…16384; 0: it does not */
+    /* i_d* of the imposed vector that RUN goes back to now, 0…16384; 0: it does not */
+    int32_t imposed;
     int32_t ticks; /* of a slow period, 6…100 */
 } current_reference_in_t;
 
@@ -77,9 +77,9 @@ typedef struct {
 /*
  * Returns the next i_d*, without the limit of the voltage. It rises by at most `slope` a tick. It
  * falls by at most `slope_down` a tick below `floor`, and by the larger one of both above. The fall
- * below `floor` is slow, because the next torque may end as soon as the last one. The fall
- * above is fast, so that the flux that a positive i_d takes from a salient machine is back before
- * its torque needs it. model: in force. Two divisions and a root at most.
+ * below `floor` is slow, because the next torque may end as soon as the last one. The fall above it
+ * is fast, so that the flux that a positive i_d takes from a salient machine is back before its
+ * torque needs it. model: in force. Two divisions and a root at most.
  */
 int32_t current_reference_d(const current_reference_cfg_t *cfg, const current_loop_cfg_t *model,
                             const current_reference_in_t *in);

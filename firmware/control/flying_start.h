@@ -74,7 +74,7 @@ typedef struct {
     uint32_t tick; /* of the phase */
     flying_start_phase_t phase;
     uint32_t length; /* of the pulses */
-    ab_t first; /* an earlier current: of the tick before, then of the end of the first pulse */
+    ab_t first; /* in PRELOAD the current of the tick before, then of the end of the first pulse */
     bool gates; /* enable the gates in this tick */
     /* Valid with TURNING; the speed also with LIVE: */
     step_t speed;           /* measured */

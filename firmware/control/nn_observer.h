@@ -101,8 +101,8 @@ typedef struct {
     int32_t momentum_q15;    /* α */
     int32_t frame_share_q13; /* c of the gradient, 0…8192; 0: as in the paper */
     step_t speed_limit;      /* limit of |ω̂|, 1…2^29 */
-    step_t
-        corner; /* D/T as a speed, for ρ = corner/ω̂, 0…2^27: D ≤ 0.196, a larger one ends there */
+    /* D/T as a speed, for ρ = corner/ω̂, 0…2^27: a D above 0.196 counts as 0.196 */
+    step_t corner;
     int32_t rho_max_q13;  /* limit of |ρ|, 0…32767; 0: off */
     step_t rho_speed_min; /* below this speed ρ = 0, the back-EMF is too small, 1…2^29 */
 } nn_observer_cfg_t;

@@ -15,7 +15,8 @@
  * other sign. It must not be counted in the direction of i_q, because (40) would then change its
  * sign while braking, and the loop would run away at any braking current. The slope of i_d over the
  * lead changes its sign at tan β = −R/(ω·L_q), and the slope of the torque over U at tan β =
- * −R/(ω·L_d). `brake_max` keeps the lead above the latter. Harder braking takes some i_d.
+ * −R/(ω·L_d). `brake_max` keeps the lead above the second of these angles. Harder braking takes
+ * some i_d.
  *
  * No load. The angle of a vector that is small against `current_min` is noise. Its α_r fades to 0
  * with its magnitude, and the lead stays. With the angle of the vector itself α_r would jump

@@ -4,8 +4,8 @@
  *     I(k) = I(k−1) + K_i·T·e(k),   u(k) = K_p·e(k) + I(k) + feed-forward, limited to ±limit
  *
  * Signals are Q15 per unit. The integral is Q26 (11 bits finer than the output), so that an error
- * of one LSB integrates from K_i·T = 2^-11 on. Pure, total within the ranges; control interrupt
- * only.
+ * of one LSB is integrated if K_i·T is at least 2^-11. Pure, total within the ranges; control
+ * interrupt only.
  */
 #ifndef PI_H
 #define PI_H

@@ -10,8 +10,8 @@
  *     e(k) = i(k) − Re z(k),   z(k+1) = exp(jθ)·(z(k) + μ·e(k)),   out(k) = (1 − μ/2)·e(k)
  * As a transfer function:
  *     (1 − μ/2)·(1 − 2·cosθ·z⁻¹ + z⁻²) / (1 − (2 − μ)·cosθ·z⁻¹ + (1 − μ)·z⁻²)
- * With the sample rate f_s nothing is left at the frequency f_s·θ/2π. The gain is 1 at zero and at
- * f_s/2. Half of the power is left at both ends of a band of the width b with μ = 2t/(1 + t), t =
+ * With the sample rate f_s the gain is 0 at the frequency f_s·θ/2π, and 1 at zero and at f_s/2.
+ * Half of the power passes at both ends of a band of the width b with μ = 2t/(1 + t), t =
  * tan(π·b/f_s).
  *
  * The notch acts on the difference from the current that it starts with, so a constant current
