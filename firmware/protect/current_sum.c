@@ -3,7 +3,7 @@
 
 #include "fx.h"
 
-#define SAMPLES_MIN (16U) /* of a window; fewer are no mean */
+#define SAMPLES_MIN (16U) /* in a window; fewer do not give a mean */
 #define SHARE_SHIFT (15U)
 
 void current_sum_begin(current_sum_t *state)
@@ -28,7 +28,7 @@ void current_sum_zero(current_sum_t *state, int32_t sum)
     }
 }
 
-/* Without a zero there is nothing to compare with: the sum is taken for right. */
+/* The sum of this sample without its zero. If the zero is not known, the sum counts as 0. */
 static int32_t sum_of(const current_sum_t *state, const current_sum_in_t *in)
 {
     int32_t sum = 0;
@@ -39,7 +39,7 @@ static int32_t sum_of(const current_sum_t *state, const current_sum_in_t *in)
     return sum;
 }
 
-/* The mean that is allowed beside the currents of this window. */
+/* The largest mean of |i_a + i_b + i_c| that is allowed at the currents of this window. */
 static uint32_t largest_sum(const current_sum_t *state, const supervision_cfg_t *cfg)
 {
     const uint64_t share = (uint64_t)state->flowing * fx_unsigned(cfg->sum_share_q15);

@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The sum of the three phase currents, which is zero in a motor whose star point is not connected.
- * On a board that measures all three it shows a sensor that is wrong, and a current to ground.
+ * On a board that measures all three, another sum shows a wrong sensor or a current to ground.
  *
- * Means over a window of 2^mean_shift supervision periods, some 64 ms, and over at most
- * CURRENT_SUM_SAMPLES_MAX samples: CURRENT_SUM where
+ * CURRENT_SUM is found when
  *
  *     mean |i_a + i_b + i_c| > sum_max + sum_share · mean (|i_a| + |i_b| + |i_c|)
  *
- * The zero of the sum is measured while that of the sensors is. Pure, total within the ranges;
- * background only.
+ * The means are over a window of 2^mean_shift supervision periods, about 64 ms, and over at most
+ * CURRENT_SUM_SAMPLES_MAX samples.
+ *
+ * The zero of the sum is measured during the offset calibration of the sensors. Pure, total within
+ * the ranges; background only.
  */
 #ifndef CURRENT_SUM_H
 #define CURRENT_SUM_H
@@ -23,26 +25,28 @@
 #define CURRENT_SUM_SAMPLES_MAX (4096U)
 
 typedef struct {
-    int32_t zero_sum; /* of the sums without current, Q15 of I_b, and … */
-    int32_t zeros;    /* … how many, 0…CURRENT_SUM_SAMPLES_MAX; 0: the zero is not known */
-    uint32_t samples; /* of this window */
-    uint32_t sum;     /* of |i_a + i_b + i_c| in it, Q15 of I_b */
-    uint32_t flowing; /* of |i_a| + |i_b| + |i_c| */
+    int32_t zero_sum; /* sum of the samples without current, Q15 of I_b … */
+    int32_t zeros;    /* … and their number, 0…CURRENT_SUM_SAMPLES_MAX; 0: the zero is not known */
+    uint32_t samples; /* in this window */
+    uint32_t sum;     /* sum of |i_a + i_b + i_c| in it, Q15 of I_b */
+    uint32_t flowing; /* sum of |i_a| + |i_b| + |i_c| in it */
 } current_sum_t;
 
-/* Forgets the zero. Call when the sensors' own are about to be measured. */
+/* Forgets the zero. Call before the zeros of the sensors are measured. */
 void current_sum_reset(current_sum_t *state);
 
-/* Forgets the window. Call where no current is judged. */
+/* Forgets the window. Call while no current is judged. */
 void current_sum_begin(current_sum_t *state);
 
-/* One sample of the zero: the sum without current, as below. */
+/* One sample of the zero. sum: as in current_sum_in_t, while no current flows. */
 void current_sum_zero(current_sum_t *state, int32_t sum);
 
 typedef struct {
     int32_t a; /* phase currents, Q15 of I_b, ±16384 */
     int32_t b;
-    /* of all three as they are converted, with what their zeros are off: Q15 of I_b, ±2^17 */
+    /*
+     * sum of all three as converted, the zeros of the sensors not yet corrected: Q15 of I_b, ±2^17
+     */
     int32_t sum;
 } current_sum_in_t;
 

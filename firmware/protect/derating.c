@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 #include "derating.h"
 
-#define HEAT_BITS (10U) /* of the heat's Q24 below its Q14 */
+#define HEAT_BITS (10U) /* of the heat: Q24 has so many more than Q14 */
 #define HEAT_MAX ((uint32_t)DERATING_HEAT_MAX_Q24)
 #define HEAT_MAX_BITS (30U)
-#define STEP_MAX (0x3FFFFFFFU) /* of the heat in a period: the sum is a word */
+/* largest change of the heat in a period, so that the sum fits into a word */
+#define STEP_MAX (0x3FFFFFFFU)
 #define RATIO_BITS (16U)
 #define SPLIT_BITS (15U)
 #define SPLIT_MASK (0x7FFFU)
-#define VOLTAGE_SHIFT (2U)   /* of the voltage's filter, in slow periods */
-#define DISTANCE_MAX (65535) /* beyond the zero of a fade: a heat is up to 2^20 */
+#define VOLTAGE_SHIFT (2U) /* of the voltage's filter, in slow periods */
+/* largest distance beyond the zero of a fade; a heat is up to 2^20 */
+#define DISTANCE_MAX (65535)
 
 void derating_reset(derating_t *derating, const derating_cfg_t *cfg)
 {
@@ -20,7 +22,7 @@ void derating_reset(derating_t *derating, const derating_cfg_t *cfg)
     };
 }
 
-/* heat · 2^up, where top · 2^15 + rest, rest below 2^15, is the heat. Saturated, rounded down. */
+/* (top + rest / 2^15) · 2^up, with rest below 2^15. Saturated, rounded down. */
 static int32_t heat_shifted_up(uint32_t top, uint32_t rest, uint32_t up)
 {
     uint32_t heat = HEAT_MAX;
@@ -39,9 +41,9 @@ static int32_t heat_shifted_up(uint32_t top, uint32_t rest, uint32_t up)
 }
 
 /*
- * The heat in the other scale is heat · ratio · 2^(shift − RATIO_BITS), with a ratio below 2^15:
- * two products of 32 bits hold it, because a Cortex-M0+ has no longer ones. Rounded down; the same
- * configuration changes no bit.
+ * The heat in the other scale is heat · ratio · 2^(shift − SPLIT_BITS), with a ratio below 2^15.
+ * Two products of 32 bits hold heat · ratio, because a Cortex-M0+ has no longer ones. Rounded down;
+ * an equal configuration changes no bit.
  */
 void derating_change(derating_t *derating, const derating_cfg_t *from, const derating_cfg_t *to)
 {
@@ -59,7 +61,7 @@ void derating_change(derating_t *derating, const derating_cfg_t *from, const der
             halvings = k;
         }
     }
-    ratio &= SPLIT_MASK; /* as it is, said to the proof */
+    ratio &= SPLIT_MASK; /* changes nothing, but tells the proof the range */
     shift += halvings;
     low = (heat & SPLIT_MASK) * ratio;
     top = ((heat >> SPLIT_BITS) * ratio) + (low >> SPLIT_BITS);
@@ -110,9 +112,10 @@ static int32_t scaled_by(int32_t change, uint32_t up, uint32_t down)
 }
 
 /*
- * Low-pass of the squared current. A square that has no room in the scale of the heat, so of more
- * than four times the continuous current, is compared with the heat in its own scale. Returns
- * whether this current holds the heat above its limit.
+ * Low-pass of the squared current. In the scale of the heat there is no room for the squares of
+ * currents above some limit, at least four times the continuous current. Then the heat is shifted
+ * into the scale of the square instead. Returns whether this current holds the heat above its
+ * limit.
  */
 static bool heat_up(derating_t *derating, const derating_cfg_t *cfg, dq_t current)
 {
@@ -144,8 +147,8 @@ static uint32_t flag(uint32_t name, int32_t share)
 }
 
 /*
- * TEMPERATURE_SENSOR where the sensor cannot have this count, else OVERTEMPERATURE: with the bound
- * that it is beyond.
+ * TEMPERATURE_SENSOR if a working sensor cannot have this count, else OVERTEMPERATURE. The limit is
+ * the bound that the count is beyond.
  */
 static fault_t temperature_fault(const derating_cfg_t *cfg, int32_t raw)
 {
@@ -163,7 +166,7 @@ static fault_t temperature_fault(const derating_cfg_t *cfg, int32_t raw)
     return fault;
 }
 
-/* The share of the current that the temperature leaves; nothing where it is not known. */
+/* The share of the current that the temperature leaves; 0 if the temperature is not known. */
 static int32_t share_by_temperature(const derating_cfg_t *cfg, int32_t raw)
 {
     const bool known = (raw >= cfg->temperature_lowest) && (raw <= cfg->temperature_highest);
@@ -204,7 +207,7 @@ fault_id_t derating_step(derating_t *derating, const derating_cfg_t *cfg, dq_t c
     return id;
 }
 
-/* |i_q| at which the power at v_q is `power`, in either direction: Q30 of I_b·U_b. */
+/* |i_q| that makes `power`, Q30 of I_b·U_b, at v_q, in either direction; at most current_max. */
 static int32_t current_of(const derating_cfg_t *cfg, int32_t power, int32_t voltage_q)
 {
     const uint32_t voltage = fx_unsigned(fx_max(fx_abs(voltage_q), 1));
@@ -213,7 +216,7 @@ static int32_t current_of(const derating_cfg_t *cfg, int32_t power, int32_t volt
     return fx_min(fx_signed(current), cfg->current_max);
 }
 
-/* Limit of |i_q| by the power that the bus may give, or take, less the power of i_d. */
+/* Limit of |i_q|: the power that the bus may give or take, minus the power of i_d. */
 static int32_t limit_by_power(const derating_cfg_t *cfg, int32_t largest, int32_t bus,
                               int32_t power_d, int32_t voltage_q)
 {

@@ -12,15 +12,16 @@
  *     bus current  one limit for the current from the supply (motoring), one for the current into
  *                  it (braking)
  *
- * The smallest limit applies. Heat is the square of the current vector behind a low-pass with the
- * time constant of the winding. Heat 1 is the steady state at the continuous current.
+ * The smallest limit applies. Heat is the squared current vector behind a low-pass with the time
+ * constant of the winding. Heat 1 is the steady state at the continuous current.
  *
  * Bus current: bus·i_bus = 1.5·(v_d·i_d + v_q·i_q) is the power of the motor. The losses of the
- * inverter come on top. The limit of i_q follows from it. v is the voltage demand behind a low-pass
- * of four slow periods: i_q changes v_q, v_q changes the limit, and without the low-pass the two
- * would ring. Where v_q is 0, i_q takes no power and there is no limit. i_d stays what is asked
- * for, also that of an imposed current; i_q gets what i_d leaves. When a hand-over turns the frame,
- * the low-pass still holds the voltage of the frame before. The power is small there.
+ * inverter come on top. This equation gives the limit of i_q. v is the voltage demand behind a
+ * low-pass with a time constant of four slow periods: i_q changes v_q, and v_q changes the limit,
+ * so without the low-pass the two would ring. Where v_q is 0, i_q takes no power and there is no
+ * limit. This limit never reduces i_d, nor an imposed current; i_q gets the power that i_d leaves.
+ * After a hand-over has turned the frame, the low-pass still holds the voltage of the old frame for
+ * a while. The power is small at that speed.
  *
  * Currents Q15 of I_b, bus Q15 of U_b, speeds step_t. Pure, total within the ranges. Control
  * interrupt only: limits once per slow period, heat and temperature once per supervision period
@@ -60,7 +61,9 @@ typedef struct {
     int32_t heat_max_q14;     /* OVERLOAD above it, 1…2^20 */
     fade_t heat;              /* of current_max − current_continuous; x: heat, Q14 */
     fade_t temperature;       /* of current_max; x: raw count of the sensor */
-    /* counts that the sensor can have; beyond them it is broken, and the share is 0. 0…65535 */
+    /*
+     * counts that a working sensor can have; beyond them it is broken, and the share is 0. 0…65535
+     */
     int32_t temperature_lowest;
     int32_t temperature_highest;
     /* OVERTEMPERATURE or TEMPERATURE_SENSOR when the share is 0 for more periods than this */
@@ -80,7 +83,7 @@ typedef struct {
 #define DERATING_BUS_CURRENT (0x10U)
 
 #define DERATING_HEAT_ONE_Q24 (0x1000000)  /* steady state at the continuous current */
-#define DERATING_HEAT_MAX_Q24 (0x40000000) /* as hot as a winding can be: 64 */
+#define DERATING_HEAT_MAX_Q24 (0x40000000) /* the largest heat that is counted: 64 */
 
 typedef struct {
     int32_t heat_q24;    /* 2^24 = steady state at the continuous current, 0…2^30 */
@@ -93,7 +96,7 @@ typedef struct {
     uint32_t flags;      /* DERATING_…, of all */
 } derating_t;
 
-/* Returns the heat that is too much, heat_max_q14 as Q24. Pure. */
+/* Returns the limit of the heat: heat_max_q14 as Q24. Pure. */
 static inline int32_t derating_limit_q24(const derating_cfg_t *cfg)
 {
     return cfg->heat_max_q14 * 1024;
@@ -103,20 +106,23 @@ static inline int32_t derating_limit_q24(const derating_cfg_t *cfg)
 void derating_reset(derating_t *derating, const derating_cfg_t *cfg);
 
 /*
- * Take over another configuration: the heat becomes what the same square of the current is in the
- * scale of `to`, to 2^-14 of it, saturated. Control interrupt only.
+ * Convert the heat from the scale of one configuration to the scale of another, so that it stands
+ * for the same squared current. Relative error 2^-14, saturated. Control interrupt only.
  */
 void derating_change(derating_t *derating, const derating_cfg_t *from, const derating_cfg_t *to);
 
-/* Returns the share at x, Q15, 0…32767. |zero − x| ≤ 65535. */
+/*
+ * Returns the share at x, Q15, 0…32767. zero − x ≤ 65535; an x further than 65535 beyond the zero
+ * counts as that far.
+ */
 int32_t derating_share(const fade_t *fade, int32_t x);
 
 /*
- * One supervision period, gates open or not: the heat that `current` makes (each axis within ±
- * 32767, in any frame) and the temperature. Finds OVERLOAD where the heat is above its limit and
- * this current would hold it there, OVERTEMPERATURE, and TEMPERATURE_SENSOR where the count is one
- * that a whole sensor does not have: the temperature is not known then, so nothing is left of the
- * current (fault.h).
+ * One supervision period, gates open or not: updates the heat by `current` (each axis within
+ * ±32767, in any frame) and the limit by the temperature. Finds OVERLOAD when the heat is above its
+ * limit and this current would keep it there. Finds OVERTEMPERATURE. Finds TEMPERATURE_SENSOR when
+ * a working sensor cannot have this count: the temperature is then unknown, and the share of the
+ * current is 0 (fault.h).
  */
 fault_id_t derating_step(derating_t *derating, const derating_cfg_t *cfg, dq_t current,
                          uint16_t adc_temperature, fault_t *fault);

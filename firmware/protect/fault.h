@@ -2,10 +2,10 @@
 /*
  * Faults: why the gates were opened, with the measured value and the limit.
  *
- * A check that can find one takes a `fault_t *fault`. It returns FAULT_NONE and leaves *fault as it
- * is; or it writes what it has found, all but the tick, and returns the id. The drive latches a
- * fault in the tick that finds it. Derating only reduces the current and is no fault, see
- * derating.h. Names, units and advice as text: fault_text.h.
+ * A check that can find a fault takes a `fault_t *fault`. It returns FAULT_NONE and leaves *fault
+ * as it is; or it writes all of *fault but the tick, and returns the id. The drive latches a fault
+ * in the tick that finds it. Derating only reduces the current and is not a fault, see derating.h.
+ * Names, units and advice as text: fault_text.h.
  */
 #ifndef FAULT_H
 #define FAULT_H
@@ -19,13 +19,18 @@
 typedef enum {
     FAULT_NONE = 0,
     FAULT_BREAK, /* comparator of the power stage, value: the largest phase current, limit: 0 */
-    FAULT_OVERCURRENT,       /* value: the largest phase current */
-    FAULT_OVERVOLTAGE,       /* value: bus */
-    FAULT_UNDERVOLTAGE,      /* value: bus */
-    FAULT_CURRENT_OFFSET,    /* value: offset of the worse sensor from mid-scale */
-    FAULT_ADC_SATURATED,     /* a current sample at an end of its converter, value as OVERCURRENT */
-    FAULT_ADC_STUCK,         /* a current is constant while the rotor turns, value: its range */
-    FAULT_LOST_PHASE,        /* value: range of the weakest phase, or error of the current */
+    FAULT_OVERCURRENT,    /* value: the largest phase current */
+    FAULT_OVERVOLTAGE,    /* value: bus */
+    FAULT_UNDERVOLTAGE,   /* value: bus */
+    FAULT_CURRENT_OFFSET, /* value: offset of the worse sensor from mid-scale */
+    FAULT_ADC_SATURATED,  /* a current sample at an end of its converter, value as OVERCURRENT */
+    /*
+     * a current is constant while the rotor turns, value: its range; or, with open gates, a current
+     * flows and does not turn, value: the largest phase current
+     */
+    FAULT_ADC_STUCK,
+    /* value: range of the weakest phase, its current, or error of the current */
+    FAULT_LOST_PHASE,
     FAULT_OVERLOAD,          /* i²t, value: heat, Q14, 1 = steady state at the continuous current */
     FAULT_OVERTEMPERATURE,   /* value: raw count of the sensor */
     FAULT_OBSERVER_LOST,     /* value: mean error of the current of the model */
@@ -37,11 +42,15 @@ typedef enum {
     FAULT_STARTUP,           /* value, limit: see open_loop.c */
     FAULT_CURRENT_IMPLAUSIBLE, /* value: voltage that the measured current does not explain */
     FAULT_OSCILLATION,         /* value: amplitude of i_q*, the frequency: oscillation.h */
-    /* value: raw count of the sensor, limit: the last one that it can have */
+    /* value: raw count of the sensor, limit: the last count that a working sensor can have */
     FAULT_TEMPERATURE_SENSOR,
-    FAULT_CURRENT_SUM, /* value: mean of |i_a + i_b + i_c|, the limit for the currents that flow */
-    FAULT_FLUX_IMPLAUSIBLE, /* value: EMF that has come or gone within a second */
-    /* a word of the drive's state that nothing has written, value: a part, state_guard.h */
+    /* value: mean of |i_a + i_b + i_c|, limit: the allowed mean at these currents */
+    FAULT_CURRENT_SUM,
+    FAULT_FLUX_IMPLAUSIBLE, /* value: change of the EMF within a second */
+    /*
+     * a word of the drive's state has changed though nothing wrote it; value: the part,
+     * state_guard.h, or an index, config_guard.h
+     */
     FAULT_MEMORY,
     FAULT_COUNT /* number of entries, no fault */
 } fault_id_t;
@@ -55,8 +64,8 @@ typedef struct {
 } fault_t;
 
 /*
- * No fault. Word by word: a library's memset takes 46 instructions on a Cortex-M0+. The tick stays
- * as it is: the drive sets it when it latches a fault.
+ * Clears a fault. It does so word by word, because a library's memset takes 46 instructions on a
+ * Cortex-M0+. The tick stays as it is: the drive sets it when it latches a fault.
  */
 static inline void fault_clear(fault_t *fault)
 {

@@ -4,14 +4,16 @@
 #include <stddef.h>
 
 #define OF(number) ((uint32_t)1U << (uint32_t)(number))
-/* A derated torque that is below the load ends in one of these. */
+/* If derating leaves less torque than the load takes, one of these follows. */
 #define IN_RUN \
     (OF(FAULT_OSCILLATION) | OF(FAULT_OVERCURRENT) | OF(FAULT_OVERSPEED) | \
      OF(FAULT_SPEED_IMPLAUSIBLE) | OF(FAULT_OBSERVER_LOST) | OF(FAULT_STALL) | \
      OF(FAULT_LOST_PHASE))
 #define ROWS (sizeof(advices) / sizeof(advices[0]))
 
-/* The first row of a fault whose sign is there holds; the last one of each fault needs none. */
+/*
+ * The first row of a fault whose sign is present applies; the last row of each fault needs no sign.
+ */
 static const struct {
     uint32_t faults; /* bit k: of the fault k */
     fault_sign_t sign;
@@ -170,7 +172,7 @@ const fault_text_t *fault_text(fault_id_t id)
     return &texts[(index < (unsigned int)FAULT_COUNT) ? index : 0U];
 }
 
-/* The first row that is of one of the faults and of one of the signs; ROWS: none is. */
+/* Index of the first row that has one of the faults and one of the signs; ROWS: there is none. */
 static uint32_t find_row(uint32_t faults, uint32_t signs)
 {
     uint32_t k = 0U;

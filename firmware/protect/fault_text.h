@@ -2,9 +2,9 @@
 /*
  * Names and advice of the faults as text: one table for simulator, console and documentation.
  *
- * Several causes end in the same fault. What the drive knows beside it, its signs, tells them
- * apart: the advice is that of the first row of the table whose sign is there. Its first half, up
- * to the semicolon, says the likeliest cause and what to do.
+ * Several causes end in the same fault. Signs tell them apart: facts that the drive knows in
+ * addition to the fault. The first row of the table whose sign is present gives the advice. The
+ * first half of an advice, up to the semicolon, names the likeliest cause and says what to do.
  *
  * Constant strings. The control step does not use them, so an image without a console does not
  * contain them. Pure, any context.
@@ -25,38 +25,42 @@ typedef enum {
     FAULT_UNIT_WORD         /* 32 bits */
 } fault_unit_t;
 
-/* What the drive knows beside a fault; diagnosis.h says when a sign is there. */
+/*
+ * Signs: facts that the drive knows in addition to a fault; diagnosis.c decides which are present.
+ */
 typedef enum {
     FAULT_SIGN_NONE = 0,      /* no sign is needed */
     FAULT_SIGN_DERATED_BUS,   /* in RUN a low bus leaves less than 3/4 of the motoring current */
     FAULT_SIGN_DERATED_OTHER, /* likewise heat, temperature or the limit of the bus current */
     FAULT_SIGN_SWING,         /* in RUN some half-waves of a swing had been seen */
     /*
-     * a swing below the current's limit has the frequency of the shaft, half, twice or three times
-     * that
+     * a swing that the speed loop does not cause by itself has the frequency of the shaft, or half,
+     * twice or three times that
      */
     FAULT_SIGN_SHAFT,
     FAULT_SIGN_ELECTRIC,          /* … of the electrical turn, or twice that */
     FAULT_SIGN_SHAFT_OR_ELECTRIC, /* … both, with few pole pairs */
     FAULT_SIGN_SIX,               /* … six times that */
-    FAULT_SIGN_LAG,               /* … the one at which the speed loop lags by half a turn */
-    /* noise of the current sensors at rest is large beside the limit of the start */
+    /* a swing near the frequency at which the speed loop lags by half a turn */
+    FAULT_SIGN_LAG,
+    /* noise of the current sensors at rest is large against the residual that the start allows */
     FAULT_SIGN_NOISE,
     FAULT_SIGN_PROBE,        /* the motor was being measured */
     FAULT_SIGN_ALIGN,        /* the rotor was being aligned, R and L measured */
     FAULT_SIGN_START,        /* the start had aligned the rotor and held or turned it */
     FAULT_SIGN_OPEN_GATES,   /* nothing was driven */
     FAULT_SIGN_BRAKES,       /* the torque was against the speed, or a high bus took it away */
-    FAULT_SIGN_SLOW,         /* in RUN slower than the start hands over */
+    FAULT_SIGN_SLOW,         /* in RUN, slower than the hand-over speed of the start */
     FAULT_SIGN_NOT_FOLLOWED, /* the rotor did not turn with the vector of the start */
     FAULT_SIGN_RUN,          /* the drive was in RUN */
-    FAULT_SIGN_SENSED,       /* the angle is that of a sensor */
-    FAULT_SIGN_STUCK,        /* one of the measured phases does not change as the others do */
-    FAULT_SIGN_NO_CURRENT,   /* a phase had no current in the tick of the fault */
-    FAULT_SIGN_OPEN_WIRE,    /* a phase had none in the last half electrical turn */
-    FAULT_SIGN_COLD,         /* the temperature is beyond the cold end of its sensor */
-    FAULT_SIGN_GONE,         /* the bus is below half of its lowest voltage */
-    FAULT_SIGN_LATE,         /* there were late ticks */
+    FAULT_SIGN_SENSED,       /* a sensor measures the angle */
+    /* one of the two measured phases does not change while the other does */
+    FAULT_SIGN_STUCK,
+    FAULT_SIGN_NO_CURRENT, /* a phase had no current in the tick of the fault */
+    FAULT_SIGN_OPEN_WIRE,  /* a phase had no current in the last half electrical turn */
+    FAULT_SIGN_COLD,       /* the temperature is beyond the cold end of its sensor */
+    FAULT_SIGN_GONE,       /* the bus is below half of its under-voltage limit */
+    FAULT_SIGN_LATE,       /* there were late ticks */
     FAULT_SIGNS
 } fault_sign_t;
 
@@ -65,12 +69,12 @@ typedef struct {
     fault_unit_t unit;
 } fault_text_t;
 
-/* Returns the texts of a fault, those of FAULT_NONE when `id` is no fault. Never NULL. */
+/* Returns name and unit of a fault; if `id` is not a fault, those of FAULT_NONE. Never NULL. */
 const fault_text_t *fault_text(fault_id_t id);
 
 /*
  * One line, ASCII: the likeliest cause and what to do, a semicolon, and what to try next. signs:
- * bit k stands for the sign k. Without any sign it is the cause that is met most. Never NULL.
+ * bit k stands for the sign k. Without any sign it names the most frequent cause. Never NULL.
  */
 const char *fault_advice(fault_id_t id, uint32_t signs);
 

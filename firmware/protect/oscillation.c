@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "oscillation.h"
 
-#define BACK_SHIFT (2U) /* i_q* has turned at a quarter of the last half-wave */
-/* in a half-wave: a swing is not faster than a quarter of the slow rate */
+/* i_q* has turned when it has come back by a quarter of the last half-wave */
+#define BACK_SHIFT (2U)
+/* in a half-wave, so a swing is not faster than a quarter of the slow rate */
 #define PERIODS_LEAST (2U)
 #define HIGHEST_SHIFT (1U) /* a run ends below a half of its highest half-wave */
 
@@ -36,14 +37,18 @@ static void forget_run(oscillation_t *state, const oscillation_cfg_t *cfg, int32
     state->halves = 0U;
 }
 
-/* Half to twice as long, and not the single period in which noise turns most often. */
+/*
+ * Half to twice as long as `before`, and longer than the single period after which noise mostly
+ * turns.
+ */
 static bool is_as_long(uint32_t periods, uint32_t before)
 {
     return (periods >= PERIODS_LEAST) && (periods <= (2U * before)) && (before <= (2U * periods));
 }
 
 /*
- * Counts the half-wave that led to the extreme: on with the run, or as the first one of a new run.
+ * Counts the half-wave that led to the extreme: as the next one of the run, or as the first one of
+ * a new run.
  */
 static void count_half(oscillation_t *state, int32_t height)
 {

@@ -3,16 +3,16 @@
  * Oscillation: finds a swing of the torque current that goes on while the motion asked for does not
  * change. A speed loop that is too fast, a wrong dead time or an elastic shaft can cause one.
  *
- * A half-wave is the way from one turning point of i_q* to the next. It has turned where it has
- * come back from its extreme by twice the amplitude limit, or by a quarter of the last half-wave
- * where that is more. So ripple does not cut a large swing into pieces. Half-waves form a run while
- * each is about as long as the last one of its direction, and at least half as high as the highest
- * of the run. A run of `halves_max` is a swing.
+ * A half-wave is the way from one turning point of i_q* to the next. i_q* has turned when it has
+ * come back from its extreme by twice the amplitude limit, or by a quarter of the last half-wave if
+ * that is more. So ripple does not cut a large swing into pieces. Half-waves form a run while each
+ * is about as long as the last one of its direction, and at least half as high as the highest of
+ * the run. A run of `halves_max` is a swing.
  *
- * A transient dies out before: with the damping ζ half-waves shrink by exp(−πζ/√(1−ζ²)), so what is
- * found has ζ < ln 2/(π·(halves_max − 1)). A half-wave that counts has two slow periods at least;
- * noise turns in each second one. Each change of the motion asked for ends a run: on a ramp nothing
- * is found.
+ * A transient dies out earlier: with the damping ζ each half-wave is lower than the one before by
+ * the factor exp(−πζ/√(1−ζ²)), so a swing that is found has ζ < ln 2/(π·(halves_max − 1)). To
+ * continue a run a half-wave needs two slow periods at least, because noise mostly turns after one.
+ * Each change of the motion asked for ends a run, so nothing is found on a ramp.
  *
  * Currents Q15 of I_b, speeds step_t. Pure, total within the ranges; control interrupt only, once
  * per slow period.
@@ -26,7 +26,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* What follows when a swing is found. */
+/* Reaction to a swing. */
 typedef enum {
     OSCILLATION_ACT_NONE = 0, /* nothing is watched */
     /* lower the bandwidth of the speed loop; a fault if a swing is found again */
@@ -40,8 +40,8 @@ typedef struct {
     /* slow periods from a turning point until the next is seen; more end a run, 2…60000 */
     uint32_t periods_max;
     /*
-     * period at which the speed loop lags by half a turn, sixteenths of a slow period, 1…10^6: for
-     * who explains a swing
+     * period at which the speed loop lags by half a turn, sixteenths of a slow period, 1…10^6; only
+     * the diagnosis of a swing uses it
      */
     uint32_t lag_periods_q4;
     int32_t amplitude_max; /* of i_q*, 1…16383 */
@@ -49,7 +49,7 @@ typedef struct {
 
 typedef struct {
     uint32_t now;          /* slow periods, wraps */
-    step_t motion;         /* that was asked for */
+    step_t motion;         /* last motion asked for */
     bool falls;            /* direction of the half-wave under way */
     int32_t extreme;       /* the furthest i_q* since the last turning point … */
     uint32_t at;           /* … and when */
@@ -58,7 +58,7 @@ typedef struct {
     uint32_t since;        /* … and when */
     uint32_t periods_up;   /* of the last rising half-wave … */
     uint32_t periods_down; /* … and of the last falling one */
-    int32_t highest;       /* half-wave of the run */
+    int32_t highest;       /* highest half-wave of the run */
     uint32_t halves;       /* half-waves in the run … */
     uint32_t begun;        /* … and when it began */
     /*
@@ -78,8 +78,8 @@ typedef struct {
 void oscillation_reset(oscillation_t *state);
 
 /*
- * One slow period in RUN. OSCILLATION: a swing; value and limit are amplitudes. Then a new run
- * begins.
+ * One slow period in RUN. Finds OSCILLATION when there is a swing; value and limit are amplitudes.
+ * After that a new run begins.
  */
 fault_id_t oscillation_step(oscillation_t *state, const oscillation_cfg_t *cfg,
                             const oscillation_in_t *in, fault_t *fault);

@@ -22,8 +22,8 @@ typedef struct {
 } protection_cfg_t;
 
 /*
- * The limits in force: those of the configuration, or out of reach while a measurement has no
- * meaning.
+ * The limits in force. Each is the configured limit, or one that no sample reaches while its check
+ * is off (protection_limits()).
  */
 typedef struct {
     int32_t current_max;
@@ -42,14 +42,14 @@ typedef struct {
 protection_limits_t protection_limits(const protection_cfg_t *cfg, bool running);
 
 /*
- * The fault of a power stage that has opened its gates by itself: BREAK, with the phase current
- * that is largest now.
+ * Returns BREAK, the fault of a power stage that has opened its gates by itself. The value is the
+ * largest phase current of this tick.
  */
 fault_t protection_break(const protection_in_t *in);
 
 /*
- * |x| > limit, limit 0…65536, in one comparison: x + limit becomes a large unsigned number on
- * either side. Pure.
+ * Whether |x| > limit, limit 0…65536, in one comparison: x + limit is above 2·limit if x > limit,
+ * and wraps to a large unsigned number if x < −limit. Pure.
  */
 static inline bool protection_exceeds(int32_t x, int32_t limit)
 {
@@ -65,18 +65,18 @@ static inline bool protection_holds(const protection_limits_t *limits, const pro
            (in->bus <= limits->bus_max) && (in->bus >= limits->bus_min);
 }
 
-/* The first fault in the order of fault_id_t. Phase c is −a − b. */
+/* Returns the first fault in the order of fault_id_t. Phase c is −a − b. */
 fault_id_t protection_check(const protection_limits_t *limits, const protection_in_t *in,
                             fault_t *fault);
 
 /*
- * Whether a raw count is at an end of the range of its converter. shift: as sampling_cfg_t has it,
- * 15 − bits. config_check ensures that such a sample is an over-current too. The drive then names
- * the fault FAULT_ADC_SATURATED.
+ * Whether a raw count is at an end of the range of its converter. shift: 15 − bits, as in
+ * sampling_cfg_t. config_check ensures that such a sample is an over-current too. The drive then
+ * names the fault FAULT_ADC_SATURATED.
  */
 bool protection_saturated(uint16_t count, uint32_t shift);
 
-/* The offsets of both sensors from mid-scale after the calibration. */
+/* Checks the offsets of both sensors from mid-scale after the calibration. */
 fault_id_t protection_check_offset(const protection_cfg_t *cfg, int32_t offset_a, int32_t offset_b,
                                    fault_t *fault);
 

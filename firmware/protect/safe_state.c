@@ -28,8 +28,8 @@ void safe_state_break(safe_state_t *safe)
 }
 
 /*
- * The rotor is too fast for open gates: the current has changed by more than that of a slow one.
- * Looked at where a span ends.
+ * Whether the rotor is too fast for open gates: the current has changed by more than a slow rotor
+ * changes it. This is judged at the end of each span only.
  */
 static bool is_fast(safe_state_t *safe, const safe_state_cfg_t *cfg, ab_t current)
 {
@@ -80,7 +80,7 @@ static void seek_safe_state(safe_state_t *safe, const safe_state_cfg_t *cfg,
     }
 }
 
-/* What is broken stays so until it is cleared. */
+/* A broken power stage stays so until safe_state_reset(). */
 bool safe_state_step(safe_state_t *safe, const safe_state_cfg_t *cfg, const safe_state_in_t *in)
 {
     if (safe->phase != SAFE_STATE_BROKEN) {

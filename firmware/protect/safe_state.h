@@ -1,20 +1,22 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The safe state: what the gates do while the drive drives nothing.
+ * The safe state: the gates while the drive drives nothing.
  *
- * Open gates are safe while the EMF stays below what the bus bears. Above that speed the diodes
- * rectify into the bus, so the motor is shorted by the three low sides instead. Its current is then
- * φ/L at most in the end, and brakes little. The gates open once the rotor is slow.
+ * Open gates are safe while the EMF stays below the voltage that the bus bears. At a higher speed
+ * the diodes would rectify the EMF into the bus, so the three low sides short the motor instead.
+ * The final short-circuit current is φ/L at most, and it brakes little. The gates open once the
+ * rotor is slow.
  *
- * The change of the current tells when: in the short circuit it is the EMF's, T/L·ω·φ in a tick, so
- * it measures what would charge the bus. No observer takes part, as its loss may be the fault. What
- * decays with L/R changes little. A phase whose wire is open, a sensor that stands still or one
- * that clips leaves a change that is large twice in each electrical turn. The gates open when no
- * change over span_ticks was large for settle_ticks, more than a turn.
+ * The change of the current shows when the rotor is slow. In the short circuit the EMF causes this
+ * change, T/L·ω·φ in a tick, so it measures the voltage that would charge the bus. No observer
+ * takes part, because a lost observer may be the fault. A current that only decays with L/R changes
+ * little. A phase with an open wire and a sensor that is stuck or clips still leave a change that
+ * is large twice in each electrical turn. The gates open when no change over span_ticks was large
+ * for settle_ticks, more than a turn.
  *
- * They do not open while the bus is above its limit: it has no room for the energy of the windings.
- * When both sensors are dead no change is large, and only a bus above its limit tells of a fast
- * rotor.
+ * They do not open while the bus is above its limit, because it then has no room for the energy of
+ * the windings. If both sensors are dead no change is large, and only a bus above its limit shows a
+ * fast rotor.
  *
  * Called from drive_step in each tick that drives nothing. Pure, total. Speeds are steps per tick,
  * currents Q15 of I_b, the bus Q15 of U_b.
@@ -30,10 +32,11 @@
 typedef struct {
     /* opening the gates is safe up to this speed, 0…2^29; 0: always, the motor is never shorted */
     step_t open_speed;
-    uint32_t span_ticks; /* a change of the current is one over so many ticks, 0…1024 */
-    int32_t change_min;  /* a smaller change is that of a rotor slow enough, Q15 of I_b, 0…32767 */
+    uint32_t span_ticks; /* a change of the current is taken over so many ticks, 0…1024 */
+    /* a smaller change shows a rotor that is slow enough, Q15 of I_b, 0…32767 */
+    int32_t change_min;
     /*
-     * the gates open after so many ticks without a larger change and with the bus within its limit,
+     * the gates open after so many ticks without a large change and with the bus within its limit,
      * 0…2^20
      */
     uint32_t settle_ticks;
@@ -42,7 +45,7 @@ typedef struct {
 typedef enum {
     SAFE_STATE_OPEN = 0,
     SAFE_STATE_SHORT, /* gates on, all low sides: the rotor is fast, or the bus above its limit */
-    SAFE_STATE_BROKEN /* the power stage has opened the gates by itself: nothing closes them */
+    SAFE_STATE_BROKEN /* the power stage has opened the gates by itself: nothing turns them on */
 } safe_state_phase_t;
 
 typedef struct {
@@ -63,8 +66,8 @@ typedef struct {
 void safe_state_reset(safe_state_t *safe);
 
 /*
- * The drive stops to drive in this tick, at no more than this speed, 0…2^30. Faster than
- * cfg->open_speed: short.
+ * The drive stops driving in this tick. `speed`, 0…2^30, is an upper bound on the speed of the
+ * rotor. If it is above cfg->open_speed, the motor is shorted.
  */
 void safe_state_leave(safe_state_t *safe, const safe_state_cfg_t *cfg, step_t speed);
 
@@ -72,9 +75,9 @@ void safe_state_leave(safe_state_t *safe, const safe_state_cfg_t *cfg, step_t sp
 void safe_state_break(safe_state_t *safe);
 
 /*
- * One tick that drives nothing. A bus above its limit shorts the motor too: a load drives it, and
- * the diodes charge the bus. Returns whether all low sides are to be on, else the gates are to be
- * open.
+ * One tick that drives nothing. A bus above its limit shorts the motor too: a load turns it, and
+ * the diodes charge the bus. Returns true when all low sides must be on, false when the gates must
+ * be open.
  */
 bool safe_state_step(safe_state_t *safe, const safe_state_cfg_t *cfg, const safe_state_in_t *in);
 

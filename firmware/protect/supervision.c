@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 #include "supervision.h"
 
-/* half a turn: in it each phase of a vector moves by its length at least */
+/* half a turn: over it the current of each phase changes by at least the length of the vector */
 #define ARC_Q16 (32768)
 #define ARC_SAMPLES_MIN (8U)
-#define ARCS_MAX (3U)        /* a load step can make one of them look lopsided, at its ends two */
+#define ARCS_MAX (3U)        /* a load step can make one arc lopsided, two at most */
 #define WEAK_SHARE_LOG2 (3U) /* a phase is weak below an eighth of the strongest */
 #define ROOT_3_HALF_Q15 (28378)
 #define NO_PHASE (SUPERVISION_PHASES)
-#define FLUX_TIME_SHIFT (4U) /* φ̂ settles, and is compared, over 2^4 means: a second */
+/* φ̂ settles and is compared over 2^4 windows of a mean: about a second */
+#define FLUX_TIME_SHIFT (4U)
 #define EMF_SHARE_SHIFT (2U)
 #define Q30_TO_Q14 (16U)
 #define FLUX_OF_FILE_Q30 (0x40000000)
@@ -47,9 +48,7 @@ void supervision_reset(supervision_t *state)
     state->residual = 0;
 }
 
-/*
- * Counts up while something is wrong and down while not; true when it has been for longer than max.
- */
+/* Counts up while something is wrong and down while it is not; true when the count is above max. */
 static bool lasts(uint32_t *count, bool wrong, uint32_t max)
 {
     if (wrong) {
@@ -80,8 +79,8 @@ static int32_t range_of(const supervision_t *state, uint32_t phase)
 }
 
 /*
- * The fault of a weak phase: an open wire has no current, a dead channel reads a constant one. c is
- * not measured.
+ * The fault of a weak phase: an open wire has no current, a dead channel reads a constant one.
+ * Phase c is not measured, so it has no channel that can be dead.
  */
 static fault_t suspect(const supervision_t *state, const supervision_cfg_t *cfg, uint32_t weak,
                        int32_t current, int32_t limit)
@@ -162,8 +161,8 @@ fault_id_t supervision_check_phases(supervision_t *state, const supervision_cfg_
 }
 
 typedef struct {
-    uint32_t phase;  /* that should have a current and has none; NO_PHASE: all as they should be */
-    int32_t current; /* what it has */
+    uint32_t phase;  /* that should have a current and has none; NO_PHASE: there is none */
+    int32_t current; /* measured in it, absolute */
 } absent_t;
 
 static absent_t absent_phase(const supervision_cfg_t *cfg, const supervision_imposed_t *in)
@@ -208,8 +207,7 @@ fault_id_t supervision_check_imposed(supervision_t *state, const supervision_cfg
 }
 
 /*
- * A phase that was weak in the last arc is why the model fails: its fault comes in place of this
- * one.
+ * A weak phase in the last arc is the reason why the model fails, so its fault replaces this one.
  */
 static fault_id_t cause_of(const supervision_t *state, fault_t *fault)
 {
@@ -248,8 +246,8 @@ void supervision_forget_flux(supervision_t *state)
 }
 
 /*
- * Of the EMF, and of what the dead time and the resistance may take: healthy drives off their files
- * were measured up to half of it.
+ * The allowed change of the EMF: a share of the EMF, and a part for dead time and resistance. In
+ * healthy drives whose files do not fit, changes of up to half of it were measured.
  */
 static int32_t emf_change_max(const supervision_cfg_t *cfg, int32_t emf)
 {
@@ -278,16 +276,14 @@ fault_id_t supervision_check_flux(supervision_t *state, const supervision_cfg_t 
     return id;
 }
 
-/* Adds a sample to a mean. Returns the mean before. */
+/* Adds a sample to a mean; returns the mean without it. */
 static int32_t average(int32_t *sum, int32_t sample, uint32_t shift)
 {
     const int32_t before = *sum;
     int32_t mean;
 
-    /*
-     * @ assert before < -0x48000000 || -0x48000000 <= before < 0 || 0 <= before <= 0x48000000 ||
-     * before > 0x48000000;
-     */
+    /*@ assert before < -0x48000000 || -0x48000000 <= before < 0 ||
+               0 <= before <= 0x48000000 || before > 0x48000000; */
     mean = fx_asr(before, shift);
     *sum = before + (sample - mean);
     return mean;
@@ -325,9 +321,9 @@ fault_id_t supervision_check_observer(supervision_t *state, const supervision_cf
 }
 
 /*
- * A rotor that turns against full torque is braked by it. Each time it has become slower by
- * stall_speed, the count begins anew. It is compared with the slowest it was so far, because a
- * ripple of the estimate brakes nothing.
+ * Full torque brakes a rotor that turns against it. Each time the rotor has become slower by
+ * stall_speed, the count begins anew. The speed is compared with the speed when this happened last,
+ * so ripple of the estimate does not count as braking.
  */
 static bool is_stalled(supervision_t *state, const supervision_cfg_t *cfg,
                        const supervision_speed_t *in)
@@ -380,7 +376,7 @@ fault_id_t supervision_count_late(supervision_t *state, const supervision_cfg_t 
 {
     fault_id_t id = FAULT_NONE;
 
-    if (state->late <= cfg->late_max) { /* further does not matter */
+    if (state->late <= cfg->late_max) { /* a larger count does not matter */
         state->late++;
     }
     if (state->late > cfg->late_max) {

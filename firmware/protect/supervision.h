@@ -36,8 +36,8 @@ typedef struct {
      */
     uint32_t swing_periods;
     /*
-     * CURRENT_IMPLAUSIBLE: voltage of an imposed current beyond that of the model, Q15 of U_b,
-     * 1…32767
+     * CURRENT_IMPLAUSIBLE: voltage of an imposed current minus the voltage of the model, Q15 of
+     * U_b, 1…32767
      */
     int32_t voltage_max;
     int32_t follow_error_max; /* LOST_PHASE: mean error of the current control, 1…65535 */
@@ -68,24 +68,31 @@ typedef struct {
     uint32_t samples;                   /* of this arc; 0: begin a new one */
     int32_t lowest[SUPERVISION_PHASES]; /* of each phase in this arc */
     int32_t highest[SUPERVISION_PHASES];
-    uint32_t weak;      /* the phase that did not move in the last arcs … */
+    uint32_t weak;      /* the phase that was weak in the last arcs … */
     uint32_t weak_arcs; /* … and the number of these arcs in a row */
     fault_t suspect;    /* the fault that the last weak arc indicates; none after a healthy arc */
     uint32_t absent;    /* the phase that lacks its imposed current, or SUPERVISION_PHASES … */
     uint32_t absent_periods; /* … and for how many slow periods */
     uint32_t unexplained;    /* slow periods with too much voltage, counted up and down */
     dq_t off_current;        /* mean error of the current, Q15 times 2^mean_shift */
-    uint32_t off_reference;  /* periods, counted up and down, as unmodelled to stalled below */
-    uint32_t unmodelled;     /* periods of RUN with too much voltage */
-    int32_t flux_q30;        /* φ̂ as it was some time ago, Q30 of the file's */
-    uint32_t
-        flux_periods; /* for which φ̂ has been corrected since the start, up to when it is settled */
-    uint32_t flux_off; /* periods with another flux */
+    /* periods, counted up and down; so are unmodelled, flux_off and runaway to stalled */
+    uint32_t off_reference;
+    uint32_t unmodelled; /* periods of RUN with too much voltage */
+    int32_t flux_q30;    /* φ̂ of about a second ago: its low-pass, Q30 of the file's flux */
+    /*
+     * periods with a corrected φ̂ since the start or since the flux of the file has changed; stops
+     * when φ̂ has settled
+     */
+    uint32_t flux_periods;
+    uint32_t flux_off; /* periods in which φ̂ has changed too much */
     uint32_t runaway;
     uint32_t too_fast;
     uint32_t stalled;
-    step_t
-        onwards; /* ω̂ in the torque's direction, when it began to stall or was last braked by it */
+    /*
+     * ω̂ in the direction of the torque, at the start of the stall or when the torque had last
+     * slowed the rotor by stall_speed
+     */
+    step_t onwards;
     int32_t residual; /* Q15 times 2^mean_shift */
 } supervision_t;
 
@@ -111,7 +118,7 @@ typedef struct {
     int32_t a; /* phase currents, −16384…16383 */
     int32_t b;
     ab_t expected; /* current reference, ±32767 */
-    dq_t voltage;  /* of the current control less that of the model, Q15 of U_b */
+    dq_t voltage;  /* of the current control minus the voltage of the model, Q15 of U_b */
     int32_t emf;   /* of a rotor at the speed of the frame, Q15 of U_b, 0…97500 */
 } supervision_imposed_t;
 
@@ -130,32 +137,44 @@ fault_id_t supervision_check_imposed(supervision_t *state, const supervision_cfg
                                      const supervision_imposed_t *in, fault_t *fault);
 
 typedef struct {
-    /* the integrals of the current control: what its model does not explain, Q15 of U_b */
+    /* integrals of the current control: the voltage that its model does not explain, Q15 of U_b */
     dq_t voltage;
-    int32_t emf;          /* of the rotor, Q15 of U_b, 0…97500 */
-    step_t off_reference; /* |ω̂ − reference|, 0…2^30: a rotor that swings has such a voltage too */
-    bool excused; /* do not judge: the voltage is at its limit, where an integral means nothing */
+    int32_t emf; /* of the rotor, Q15 of U_b, 0…97500 */
+    /*
+     * |ω̂ − reference|, 0…2^30. From speed_error_max/2 on the voltage counts as right, because a
+     * swinging rotor causes such a voltage too
+     */
+    step_t off_reference;
+    /*
+     * do not judge, for example when the voltage is at its limit, where an integral means nothing
+     */
+    bool excused;
 } supervision_voltage_t;
 
-/* Whether emf, off_reference and excused count: else the voltage is right whatever they are. */
+/*
+ * Whether the voltage is large enough for emf, off_reference and excused to matter. If not, the
+ * voltage is right whatever their values are.
+ */
 bool supervision_is_large(const supervision_cfg_t *cfg, dq_t voltage);
 
 /*
- * CURRENT_IMPLAUSIBLE in RUN: an integral is above 2·voltage_max + EMF/4, counted up and down, for
- * more than 2^mean_shift / 2 periods. The EMF counts because a rotor that swings changes it. The
- * cause is a sensor that has lost its gain, or a leg that does not switch as it is told.
+ * CURRENT_IMPLAUSIBLE in RUN: an integral is above 2·voltage_max + EMF/4 for more than half of
+ * 2^mean_shift periods, counted up and down. The EMF counts because a rotor that swings changes it.
+ * The cause is a sensor that has lost its gain, or a leg that does not follow its command.
  */
 fault_id_t supervision_check_voltage(supervision_t *state, const supervision_cfg_t *cfg,
                                      const supervision_voltage_t *in, fault_t *fault);
 
-/* The flux of the file is another one from now on: φ̂ settles anew before it is judged. */
+/* Call when the flux of the file changes: φ̂ has to settle again before it is judged. */
 void supervision_forget_flux(supervision_t *state);
 
 /*
- * FLUX_IMPLAUSIBLE: within a second φ̂ has changed so much that the EMF has by 5/64 of it and
- * voltage_max/4. It is not judged in its first second. A magnet does not do that; a bus sensor that
- * has lost its gain does, and a wrong clock. Call only while φ̂ is corrected.
- * flux_q30: φ̂, Q30 of the file's, 2^29…1.5·2^30. emf: of the rotor, Q15 of U_b, 0…97500.
+ * FLUX_IMPLAUSIBLE: within a second φ̂ has changed so much that the EMF differs by more than 5/64
+ * of itself + voltage_max/4. φ̂ is not judged in its first second. A magnet cannot change so fast;
+ * the cause is a bus sensor that has lost its gain, or a wrong clock. Call only while φ̂ is
+ * corrected.
+ *
+ * flux_q30: φ̂, Q30 of the flux of the file, 2^29…1.5·2^30. emf: of the rotor, Q15 of U_b, 0…97500.
  */
 fault_id_t supervision_check_flux(supervision_t *state, const supervision_cfg_t *cfg,
                                   int32_t flux_q30, int32_t emf, fault_t *fault);
@@ -169,15 +188,15 @@ typedef struct {
 /*
  * LOST_PHASE at standstill or with an imposed current: the mean current does not follow its
  * reference. There the whole voltage is available for the current, so a voltage at its limit does
- * not excuse it. The mean has a sign, so the error of a reference that jitters cancels.
+ * not excuse an error. The mean has a sign, so the error of a reference that jitters cancels.
  */
 fault_id_t supervision_check_current(supervision_t *state, const supervision_cfg_t *cfg,
                                      const supervision_current_t *in, fault_t *fault);
 
 /*
- * OBSERVER_LOST: error is measured less modelled current, −8192…8191. When the last arc had a weak
- * phase, the fault of that phase is returned instead, because it is the cause; so it is by the two
- * checks above.
+ * OBSERVER_LOST. error: measured minus modelled current, −8192…8191. When the last arc had a weak
+ * phase, the fault of that phase is returned instead, because it is the cause.
+ * supervision_check_voltage() and supervision_check_flux() do the same.
  */
 fault_id_t supervision_check_observer(supervision_t *state, const supervision_cfg_t *cfg,
                                       dq_t error, fault_t *fault);
@@ -193,7 +212,7 @@ typedef struct {
 /*
  * SPEED_IMPLAUSIBLE, OVERSPEED, STALL. For closed loop only. STALL: with full torque the rotor
  * stands, or turns against the torque and does not slow down. Then the load is too large, or the
- * angle is wrong and the torque is not there.
+ * angle is wrong and the current makes no torque.
  */
 fault_id_t supervision_check_speed(supervision_t *state, const supervision_cfg_t *cfg,
                                    const supervision_speed_t *in, fault_t *fault);
