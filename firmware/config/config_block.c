@@ -11,7 +11,7 @@
 #define POLE_PAIRS_MAX (50U)
 #define SPEED_MAX_RPM (200000)
 
-/* No padding: in memory it is the block, word by word. */
+/* No padding, so a config_block_t in memory is the block, word by word. */
 #define BYTES_BEFORE_NAME (32U) /* eight words */
 _Static_assert(offsetof(config_block_t, about.name) == BYTES_BEFORE_NAME,
                "padding before the name");
@@ -21,7 +21,7 @@ _Static_assert(sizeof(config_block_t) ==
                    (offsetof(config_block_t, cfg) + sizeof(drive_cfg_t) + WORDS_BYTES),
                "padding behind the configuration");
 
-/* Of word `at`. */
+/* The offset of word `at`, bytes. */
 static uint32_t block_offset(uint32_t at)
 {
     return at * WORDS_BYTES;
@@ -61,7 +61,7 @@ void config_block_set_word(config_block_t *block, uint32_t at, uint32_t word)
     }
 }
 
-/* Of all words but the last. */
+/* The CRC of all words but the last. */
 static uint32_t block_crc(const config_block_t *block)
 {
     const uint8_t *const bytes = (const uint8_t *)block;
@@ -102,7 +102,7 @@ void config_block_decode(config_block_t *block, const uint8_t *bytes)
     }
 }
 
-/* The verdict before, unless that was good and these two differ. */
+/* Returns `before`, unless it is good and these two numbers differ. */
 static config_block_verdict_t compare(config_block_verdict_t before, config_block_fault_t fault,
                                       uint32_t found, uint32_t expected)
 {

@@ -4,11 +4,12 @@
 #include "config_rule.h"
 
 #define RATE_SHIFT_MAX (30U)
-/* a mantissa has 14 bits at least: a rate may be rounded down by less than one of so many */
+/* a rate may be lower by less than 1/1024: it is rounded, and its mantissa has 14 bits at least */
 #define ROUNDING (1024U)
 
 /*
- * Whether nothing is left at a later point, or on the other side. A gain of 0 never takes anything.
+ * Whether `fade` falls to 0 later than the fade of the image, or on the other side. A fade with
+ * gain 0 never falls.
  */
 static bool ends_later(const fade_t *image, const fade_t *fade)
 {
@@ -24,7 +25,9 @@ static bool ends_later(const fade_t *image, const fade_t *fade)
     return later;
 }
 
-/* Rates and times are in slow periods, which are as long as the tuning makes them. */
+/*
+ * A rate per supervision period, scaled to a common exponent. The tuning sets how long a period is.
+ */
 static uint64_t rate_of(const drive_cfg_t *cfg)
 {
     const derating_cfg_t *const heat = &cfg->derating;
@@ -32,7 +35,10 @@ static uint64_t rate_of(const drive_cfg_t *cfg)
     return (uint64_t)(uint32_t)heat->heat_rate << (RATE_SHIFT_MAX - heat->heat_rate_shift);
 }
 
-/* Whether the winding of `cfg` warms more slowly: rate / slow_ticks, both sides multiplied. */
+/*
+ * Whether the winding of `cfg` warms more slowly. It compares rate / slow_ticks, both sides
+ * multiplied by both slow_ticks.
+ */
 static bool warms_later(const drive_cfg_t *image, const drive_cfg_t *cfg)
 {
     const uint64_t found = rate_of(cfg) * (uint64_t)image->slow_ticks;
@@ -41,7 +47,10 @@ static bool warms_later(const drive_cfg_t *image, const drive_cfg_t *cfg)
     return (found * ROUNDING) < (least * (ROUNDING - 1U));
 }
 
-/* A time is rounded up to whole periods. */
+/*
+ * Whether the stage may be hot for longer. A time is rounded up to whole periods, so one period
+ * more is allowed.
+ */
 static bool waits_longer(const drive_cfg_t *image, const drive_cfg_t *cfg)
 {
     const uint64_t found = (uint64_t)cfg->derating.temperature_periods * cfg->slow_ticks;

@@ -39,7 +39,8 @@ const char *config_change_refused(const drive_cfg_t *from, const drive_cfg_t *to
     const bool starts = to->startup.current_hold != 0;
 
     /*
-     * Without a start-up there is no way out of its states, and nothing has checked what they read.
+     * Without a start-up the drive cannot leave the states of a start-up, and nothing has checked
+     * the settings that these states read.
      */
     return first_different(compare_rows(from, to), "startup.current_hold", started != starts);
 }

@@ -53,7 +53,7 @@ static bool lies_outside(const config_row_t *row, const drive_cfg_t *cfg)
 
 /*
  * The path of the first row of this use whose setting is out of its range, in the order of cfg.def;
- * NULL: none is. A row of CFG_BOTH is two here, the second one for the start-up.
+ * NULL: there is none. A row of CFG_BOTH becomes two here, the second one for the start-up.
  */
 static const char *first_outside(const drive_cfg_t *cfg, config_use_t use)
 {
@@ -94,7 +94,10 @@ static const char *check_rows(const drive_cfg_t *cfg)
     return bad;
 }
 
-/* A sample at an end of the converter range exceeds the limit with any offset, see protection.h. */
+/*
+ * The limits of the currents. With any offset, a sample at an end of the converter range has to
+ * exceed the over-current limit, see protection.h.
+ */
 static const char *check_limits(const char *before, const drive_cfg_t *cfg)
 {
     const uint32_t lsb = (uint32_t)1U << cfg->sampling.current_shift;
@@ -139,8 +142,8 @@ static const char *check_startup(const char *before, const startup_cfg_t *cfg, s
 }
 
 /*
- * With a sensor there is no start-up, and the observer has the speed of the sensor, so it must not
- * be trained.
+ * With a sensor there is no start-up. The sensor gives the observer its speed, so the observer must
+ * not be trained.
  */
 static const char *check_sensor(const char *before, const drive_cfg_t *cfg)
 {
@@ -153,7 +156,7 @@ static const char *check_sensor(const char *before, const drive_cfg_t *cfg)
     return in_order(bad, "observer.momentum_q15", cfg->observer.momentum_q15, 0);
 }
 
-/* What two settings have to have in common. */
+/* Rules between two settings. */
 static const char *check_rules(const drive_cfg_t *cfg)
 {
     const char *bad = NULL;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Whether a configuration is one that the arithmetic can take: the ranges of cfg.def, then what two
- * settings have to have in common.
+ * Whether the arithmetic can take a configuration: first the ranges of cfg.def, then the rules
+ * between two settings.
  */
 #ifndef CONFIG_CHECK_H
 #define CONFIG_CHECK_H

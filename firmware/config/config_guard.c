@@ -44,7 +44,7 @@ static fault_id_t check_next_word(config_guard_t *guard, const drive_cfg_t *cfg,
     return id;
 }
 
-/* An index that has flipped by itself would lead out of the configuration. */
+/* A bit of the index has flipped by itself: the index would lead out of the configuration. */
 RARE static fault_id_t begin_again(config_guard_t *guard, fault_t *fault)
 {
     const uint32_t end = GUARDED_BYTES;

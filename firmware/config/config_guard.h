@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Guard of the configuration. A CRC is stored with it. It is checked completely at the start, and
- * then again and again, one word per call.
+ * Guard of the configuration. A CRC is stored with it. The whole configuration is checked at the
+ * start, and then again and again, one word per call.
  *
- * CRC-32 (crc32.h) over the bytes of drive_cfg_t before its field crc. It finds every error of up
- * to three bits at this length and every burst of up to 32 bits. Fletcher's sums do not: two flips
- * of highest bits can cancel.
+ * The CRC is a CRC-32 (crc32.h) over the bytes of drive_cfg_t before its field crc. It finds every
+ * error of up to three bits at this length and every burst of up to 32 bits. Fletcher's sums do
+ * not: two flips of highest bits can cancel.
  *
- * All machines that share a configuration are little-endian, and all its fields have 32 bits, so
- * its bytes are the same on each machine.
+ * All machines that share a configuration are little-endian, and all fields of a configuration have
+ * 32 bits, so its bytes are the same on each machine.
  */
 #ifndef CONFIG_GUARD_H
 #define CONFIG_GUARD_H
@@ -30,9 +30,10 @@ uint32_t config_guard_crc(const drive_cfg_t *cfg);
 void config_guard_reset(config_guard_t *guard);
 
 /*
- * Process the next four bytes. After the last ones it finds FAULT_CONFIGURATION (fault.h) when
- * the CRC differs from the stored one. It finds a changed bit within two times CONFIG_GUARD_STEPS
- * calls.
+ * Process the next four bytes. After the last ones it finds FAULT_CONFIGURATION (fault.h) when the
+ * CRC differs from the stored one. So it finds a changed bit within two times CONFIG_GUARD_STEPS
+ * calls. It finds FAULT_MEMORY when guard->at is beyond the configuration: value is guard->at,
+ * limit the end.
  */
 fault_id_t config_guard_step(config_guard_t *guard, const drive_cfg_t *cfg, fault_t *fault);
 

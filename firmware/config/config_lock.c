@@ -5,14 +5,15 @@
 #include "config_rule.h"
 #include "fx.h"
 
-/* 0 is no limit. */
+/* Whether a limit is higher, or gone. 0 means that there is no limit. */
 static bool is_lifted(uint32_t from, uint32_t to)
 {
     return (from != 0U) && ((to == 0U) || (to > from));
 }
 
 /*
- * In slow periods, which are as long as the tuning makes them; a time is rounded up to whole ones.
+ * Whether a time is longer. It counts periods, which are as long as the tuning makes them, and is
+ * rounded up to whole ones.
  */
 static bool is_longer(const drive_cfg_t *from, uint32_t from_periods, const drive_cfg_t *to,
                       uint32_t to_periods)
@@ -22,19 +23,25 @@ static bool is_longer(const drive_cfg_t *from, uint32_t from_periods, const driv
     return ((uint64_t)to_periods * to->slow_ticks) >= rounded;
 }
 
-/* Where a watch begins. Moved far enough away it would never begin. */
+/*
+ * Whether the threshold at which a check begins is less than half. If it moved far enough, the
+ * check would never begin.
+ */
 static bool is_half(int32_t from, int32_t to)
 {
     return to < (from / 2);
 }
 
-/* Above this speed the motor is shorted at a stop; 0: never. */
+/*
+ * Whether the gates may open at more than twice the speed. Above it a stop shorts the motor; 0:
+ * never.
+ */
 static bool is_open_further(step_t from, step_t to)
 {
     return (from != 0) && ((to == 0) || ((to / 2) > from));
 }
 
-/* What a file chooses. */
+/* The first setting that protects less than the same setting of `from`. */
 static const char *choice_refused(const drive_cfg_t *from, const drive_cfg_t *to)
 {
     const supervision_cfg_t *const before = &from->supervision;
@@ -86,7 +93,7 @@ void config_lock_keep(config_lock_t *lock, const drive_cfg_t *cfg)
          fx_unsigned(now->sum_share_q15), fx_unsigned(cfg->oscillation.amplitude_max)}};
 }
 
-/* What follows from the motor's constants. */
+/* The first limit that is more than twice as wide as the one that was unlocked last. */
 static const char *limit_refused(const config_lock_t *lock, const drive_cfg_t *to)
 {
     static const char *const paths[CONFIG_LOCK_LIMITS] = {

@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What protects is locked: another configuration may not protect less than the one in force, unless
- * somebody has unlocked it at rest (commander.h).
+ * The lock: another configuration may not protect less than the one in force, unless somebody has
+ * unlocked this at rest (commander.h).
  *
- * What a file chooses may not be less at all: what has a ceiling (config_ceiling.h), the watch for
- * swings, the time-out of the link, the lowest bus, the limits of the supply, late ticks, and the
- * times of overspeed, runaway and stall, but for their rounding. What follows from the motor's
- * constants may be twice as wide, as the constants are when they are corrected: the limits of the
- * supervision, the amplitude of a swing, the speed up to which gates open. Of most of them twice is
- * meant from what was unlocked last, so that many small changes lead no further than one.
+ * Settings that a file chooses may not protect less at all, apart from the rounding of times. These
+ * are the settings with a ceiling (config_ceiling.h), the watch for swings, the time-out of the
+ * link, the lowest bus, the limits of the supply, late ticks, and the times of overspeed, runaway
+ * and stall.
+ *
+ * Limits that follow from the constants of the motor may become twice as wide, because they do so
+ * when somebody corrects these constants. These are the limits of the supervision, the amplitude of
+ * a swing, and the speed up to which the gates open. For most of them twice is counted from the
+ * configuration that was unlocked last, so that many small changes lead no further than one.
  *
  * Pure. Context: background.
  */
@@ -19,21 +22,21 @@
 
 #define CONFIG_LOCK_LIMITS (12U)
 
-/* What follows from the motor's constants, as it was unlocked last. */
+/* The limits that follow from the constants of the motor, as they were unlocked last. */
 typedef struct {
     uint32_t limits[CONFIG_LOCK_LIMITS];
 } config_lock_t;
 
 /*
- * This configuration is in force with the will of whoever may unlock: at the start, and when it was
- * unlocked.
+ * Keeps the limits of `cfg` as the ones that were unlocked last. Call at the start, and when an
+ * unlocked configuration is taken.
  */
 void config_lock_keep(config_lock_t *lock, const drive_cfg_t *cfg);
 
 /*
- * Returns the path of the first setting of `to` that protects less than that of `from`, or than
- * twice what `lock` has, a constant string; NULL: none does. Both configurations are good by
- * config_check.h.
+ * Returns the path of the first setting of `to` that protects less than `from` does, or whose limit
+ * is wider than twice the limit in `lock`, a constant string; NULL: there is none. config_check()
+ * has accepted both configurations.
  */
 const char *config_lock_refused(const config_lock_t *lock, const drive_cfg_t *from,
                                 const drive_cfg_t *to);

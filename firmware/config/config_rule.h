@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A list of rules about a configuration, of which the first broken one is told. Within
+ * A list of rules about a configuration. The first broken rule is reported. For use within
  * firmware/config.
  */
 #ifndef CONFIG_RULE_H
@@ -11,13 +11,13 @@
 #include <stdint.h>
 
 typedef struct {
-    const char *path; /* of the setting that it is about, a constant string */
+    const char *path; /* of the setting that the rule is about, a constant string */
     bool broken;
 } config_rule_t;
 
 #define CONFIG_RULES(rules) ((uint32_t)(sizeof(rules) / sizeof((rules)[0])))
 
-/* Returns the path of the first broken rule; NULL: none is. Pure, any context. */
+/* Returns the path of the first broken rule; NULL: there is none. Pure, any context. */
 static inline const char *config_rule_broken(const config_rule_t *rules, uint32_t count)
 {
     const char *path = NULL;

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The whole configuration of a drive in per-unit integers. cfg.def has a row for each setting: its
- * range, what one of it is, what it means. config_check.h checks them.
+ * range, its quantity and its meaning. config_check.h checks the settings.
  *
- * host_sim/config writes it from motor, board and tuning files in SI units and documents how it
- * computes each number. docs/design.md lists bases and formats. Constant while the drive runs.
+ * host_sim/config computes the configuration from motor, board and tuning files in SI units and
+ * documents how it computes each number. docs/design.md lists bases and formats. Constant while the
+ * drive runs.
  */
 #ifndef DRIVE_CFG_H
 #define DRIVE_CFG_H
@@ -39,8 +40,8 @@ typedef struct {
 /* RUN, with or without a start-up. */
 typedef struct {
     /*
-     * share of a change of the speed reference, in torque control of the one that the torque makes,
-     * that ω̂ takes on at once, 0…16384; 0: the published law
+     * share of a change of the speed reference by which ω̂ changes at once, 0…16384; 0: the
+     * published law. In torque control it is a share of the change of speed that the torque causes
      */
     int32_t acceleration_q14;
 } run_cfg_t;
@@ -53,15 +54,15 @@ typedef struct {
     step_t speed_min; /* current control below this speed, 0…2^29 */
     uint32_t settle_periods; /* slow periods for which the conditions must hold, 1…10000 */
     phase_compensator_cfg_t compensator;
-    virtual_resistance_cfg_t damping; /* of the currents' own mode */
+    virtual_resistance_cfg_t damping; /* of the natural mode of the currents */
 } voltage_drive_cfg_t;
 
 /* The line between the drive and a PC. */
 typedef struct {
-    uint32_t timeout_ticks; /* without a message for so long the drive stops, 0…2^30; 0: never */
+    uint32_t timeout_ticks; /* the drive stops after so long without a message, 0…2^30; 0: never */
 } link_cfg_t;
 
-/* In the order of their use in a tick, the motion loops last: see drive_t. */
+/* The parts that a tick of RUN uses come first, see drive_t. */
 typedef struct {
     uint32_t speed_shift; /* speed in Q15 of Ω_b = step >> speed_shift, 1…16 */
     sampling_cfg_t sampling;

@@ -15,14 +15,14 @@ typedef struct {
     flying_start_cfg_t flying_start;
     align_cfg_t align;
     /*
-     * imposed at standstill, Q15 of I_b, 1…16384. 0: no start-up; RUN begins with a rotor that is
-     * taken to be at rest at angle 0
+     * imposed at standstill, Q15 of I_b, 1…16384. 0: no start-up; RUN begins and assumes that the
+     * rotor is at rest at angle 0
      */
     int32_t current_hold;
     int32_t current_move;  /* imposed while the reference moves, Q15 of I_b, current_hold…16384 */
     int32_t current_slope; /* change of the imposed current per tick, Q15 of I_b, 1…16384 */
     /*
-     * beyond these an imposed current is controlled firmly, along its vector and across, Q15 of
+     * beyond these an imposed current is controlled firmly, along its vector and across it, Q15 of
      * I_b, 1…16384
      */
     int32_t along_max;
@@ -34,34 +34,37 @@ typedef struct {
      */
     step_t track_speed;
     /*
-     * the observer takes over from this speed on; at once, when a rotor turns as fast at a start,
-     * 1…2^29 …
+     * the observer takes over from this speed on; at a start it takes over at once if the rotor
+     * already turns so fast, 1…2^29 …
      */
     step_t handover_speed;
     /*
-     * below this one RUN fades the imposed current in; it hands back at 3/4, in position mode at
-     * 1/2 of it, 1…handover_speed − 1
+     * below this speed RUN fades the imposed current in. RUN hands back at 3/4 of it, in position
+     * mode at 1/2 of it, 1…handover_speed − 1
      */
     step_t hold_speed;
     /*
-     * in place of it in speed mode, while a load against the motion takes load_current or more of
-     * i_q, 1…hold_speed
+     * replaces hold_speed in speed and torque mode while a load against the motion takes
+     * load_current or more of i_q, 1…hold_speed
      */
     step_t loaded_speed;
     int32_t load_current; /* Q15 of I_b, 1…16384 */
     /*
-     * the observer takes over only with a residual (drive_t.residual, here |e'_q|) below this, Q15
-     * of I_b, 1…16384
+     * the observer takes over only while the residual (drive_t.residual, here |e'_q|) is below
+     * this, Q15 of I_b, 1…16384
      */
     int32_t residual_max;
     /*
      * a residual above this means that the rotor does not follow the vector, residual_max…16384 …
      */
     int32_t residual_lost;
-    /* … in so many slow periods more than without: the start is repeated, 1…60000 */
+    /*
+     * … the start is repeated when the slow periods with it outnumber the others by so many,
+     * 1…60000
+     */
     uint32_t lost_periods;
     uint32_t settle_periods; /* slow periods that HANDOVER takes at least, 0…handover_periods − 1 */
-    /* slow periods that HANDOVER may take, else the start is repeated, 1…60000 */
+    /* slow periods that HANDOVER may take; after them the start is repeated, 1…60000 */
     uint32_t handover_periods;
     uint32_t attempts; /* failed starts until FAULT_STARTUP, 1…100 */
 } startup_cfg_t;
