@@ -127,7 +127,7 @@ static uint32_t mix(uint32_t before, uint32_t word)
     return hash;
 }
 
-/* Words of a piece, from one to before another. */
+/* Hashes the words `first` to `end` − 1 of a piece. */
 static uint32_t hash_words(uint32_t before, const drive_t *drive, const piece_t *piece,
                            uint32_t first, uint32_t end)
 {

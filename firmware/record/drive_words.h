@@ -23,17 +23,17 @@ uint32_t drive_words_count(void);
 uint32_t drive_words_get(const drive_t *drive, uint32_t at);
 
 /*
- * Sets word `at`. Of the word of a byte only the lowest 8 bits are used; the word of a flag must be
- * 0 or 1.
+ * Sets word `at`. If the word stands for a byte, only its lowest 8 bits are used. The word of a
+ * flag must be 0 or 1.
  */
 void drive_words_set(drive_t *drive, uint32_t at, uint32_t word);
 
 #define DRIVE_WORDS_HASH_START (2166136261U)
 
 /*
- * Goes on with a hash, `before` so far, over at most `count` words from *at on, and moves *at
- * behind them: for whoever has no time for all of them at once. Begin with DRIVE_WORDS_HASH_START
- * and *at 0; the hash is whole when *at is drive_words_count().
+ * Continues a hash, for a caller that has no time for all words at once. `before` is the hash so
+ * far. This call adds at most `count` words from *at on, and sets *at to the word after them. Begin
+ * with DRIVE_WORDS_HASH_START and *at 0; the hash is complete when *at is drive_words_count().
  */
 uint32_t drive_words_hash_part(uint32_t before, const drive_t *drive, uint32_t *at, uint32_t count);
 

@@ -1,27 +1,28 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The code, in bits; the first is the lowest of the first byte, and a number has its lowest bit
+ * The code, in bits. The first bit is the lowest of the first byte, and a number has its lowest bit
  * first.
  *
  *     for each channel    6 bits: 0, it is constant; or 1 + k + 15 · p: the differences from
  *                         prediction p have the Rice parameter k, 0…14
- *     entries             up to the first frame: 1, a change; 0, the frame, each channel as 5 bits,
- *                         how many bits its value has, and these. Behind it: a frame is a code for
- *                         each channel that is not constant; a change begins with 11 ones
+ *     entries up to       1, a change; 0, the frame: for each channel 5 bits with the number of
+ *     the first frame     bits of its value, then the value
+ *     further entries     a frame is a code for each channel that is not constant; a change begins
+ *                         with 11 ones
  *     zeros               to the end of the byte
  *
- * Predictions, of v1, the value before, and v2 to v4, those before it, all modulo 2^16; up to the
- * first frame all are its value:
+ * The predictions, all modulo 2^16. v1 is the value before, v2 to v4 are the values before it. At
+ * the first frame all four become its value:
  *
  *     0    v1
  *     1    2·v1 − v2
  *     2    v1 + (v2 − v4)/2, rounded down
  *
  * A difference d of 16 bits becomes z = 0, 1, 2, 3, … for 0, −1, 1, −2, … Its Rice code is z >> k
- * ones, a 0 and the lowest k bits of z. Where that would be 10 ones or more it is 10 ones, a 0 and
- * the 16 bits of z. A change is its first, second and fourth word.
+ * ones, a 0 and the lowest k bits of z. If there were 10 ones or more, the code is 10 ones, a 0 and
+ * the 16 bits of z instead. A change is coded as its first, second and fourth word.
  *
- * A code is at most 24 bits long in one piece, so that it is put with one shift.
+ * No piece of a code has more than 24 bits, so one shift puts it.
  */
 #include "frame_code.h"
 
@@ -31,10 +32,10 @@
 #define MODE_BITS (6U)
 #define RICE_MAX (14U)
 #define RICES (RICE_MAX + 1U)
-#define SAMPLE (32U)    /* entries that prediction and parameter are chosen by */
-#define FIRST_ONES (3U) /* differences whose prediction lacks values */
+#define SAMPLE (32U)    /* the first entries, by which prediction and parameter are chosen */
+#define FIRST_ONES (3U) /* differences whose prediction has too few values before them */
 #define ONES_MAX (10U)
-#define ESCAPE_BITS (11U) /* ONES_MAX ones and a 0: a value; or a 1: a change */
+#define ESCAPE_BITS (11U) /* ONES_MAX ones, then 0 before a value, or 1 before a change */
 #define ESCAPE_VALUE (0x3FFU)
 #define ESCAPE_CHANGE (0x7FFU)
 #define LENGTH_BITS (5U)
@@ -47,7 +48,7 @@
 #define BYTE_BITS (8U)
 #define BYTE_MASK (0xFFU)
 
-/* Where a channel is in an entry that is a frame. */
+/* The place of a channel in an entry that is a frame. */
 static const struct {
     uint32_t word;
     uint32_t shift;
@@ -55,24 +56,24 @@ static const struct {
 
 typedef enum {
     BEFORE,  /* the value before */
-    LINE,    /* the line through the two before */
-    SMOOTH,  /* on with half the step over two, one before */
-    CONSTANT /* and as many predictions */
+    LINE,    /* the line through the two values before */
+    SMOOTH,  /* the value before, plus half the step from v4 to v2 */
+    CONSTANT /* no prediction; also the number of predictions */
 } prediction_t;
 
 #define PREDICTIONS ((uint32_t)CONSTANT)
 
-/* What a channel is predicted from, and how. */
+/* The prediction of a channel, and the values before it. */
 typedef struct {
     prediction_t prediction;
     uint32_t rice;
-    uint32_t v1; /* the value before, and those before it */
+    uint32_t v1; /* the value before, then the ones before it */
     uint32_t v2;
     uint32_t v3;
     uint32_t v4;
 } channel_t;
 
-/* Both ways: the channels and whether there was a frame. */
+/* For coding and decoding: the channels, and whether there was a frame. */
 typedef struct {
     channel_t channels[CHANNELS];
     bool began;
@@ -109,7 +110,7 @@ static uint32_t halve(uint32_t difference)
     return (((difference ^ SIGN_BIT) & VALUE_MASK) >> 1U) - (SIGN_BIT / 2U);
 }
 
-/* Its lowest 16 bits count. */
+/* The predicted value. Only its lowest 16 bits count. */
 static uint32_t predict(const channel_t *channel, prediction_t prediction)
 {
     uint32_t value = channel->v1;
@@ -140,9 +141,7 @@ static void learn_first(channel_t *channel, uint32_t value)
     channel->v4 = value;
 }
 
-/*
- * Of the differences of a channel: how many, and the sum of z by each prediction.
- */
+/* The differences of a channel: their number, and for each prediction the sum of z. */
 typedef struct {
     uint32_t count;
     uint32_t z[PREDICTIONS];
@@ -157,8 +156,8 @@ static void add_difference(sums_t *sums, const channel_t *history, uint32_t valu
 }
 
 /*
- * The first ones come from values that there are not yet: none counts for more than the bits that
- * it takes at most.
+ * The first differences are wrong, because their prediction has too few values. So none counts for
+ * more than the most bits that its code can take.
  */
 static void limit_first(sums_t *sums)
 {
@@ -219,13 +218,16 @@ static sums_t sum_up(const recorder_entry_t *entries, uint32_t count, uint32_t c
     return sums;
 }
 
-/* Bits of `count` codes with parameter k, whose z have this sum, to less than a bit each. */
+/*
+ * The bits of `count` codes with parameter k whose z have this sum. The error is less than a bit a
+ * code.
+ */
 static uint32_t cost_of(uint32_t count, uint32_t sum, uint32_t k)
 {
     return (count * (k + 1U)) + (sum >> k);
 }
 
-/* The cost falls with k up to the best one, and rises behind it. */
+/* The cost falls as k rises to the best one, and rises after it. */
 static uint32_t best_rice(uint32_t count, uint32_t sum)
 {
     uint32_t k = 0U;
@@ -236,7 +238,7 @@ static uint32_t best_rice(uint32_t count, uint32_t sum)
     return k;
 }
 
-/* The prediction and the parameter with the least cost. */
+/* Chooses the prediction and the parameter with the least cost. */
 static void plan_channel(channel_t *channel, const sums_t *sums)
 {
     uint32_t least = UINT32_MAX;
@@ -254,8 +256,8 @@ static void plan_channel(channel_t *channel, const sums_t *sums)
 }
 
 /*
- * The code of the first channel carries the escape of a change. So it counts as constant only where
- * there is none.
+ * The code of the first channel carries the escape of a change. So this channel counts as constant
+ * only if there is no change.
  */
 static void plan_code(code_t *code, const recorder_entry_t *entries, uint32_t count)
 {
@@ -280,7 +282,7 @@ static void plan_code(code_t *code, const recorder_entry_t *entries, uint32_t co
     code->began = false;
 }
 
-/* What is beyond `room` is counted and not written. */
+/* Bytes beyond `room` are counted and not written. */
 typedef struct {
     uint8_t *bytes;
     uint32_t room;
@@ -289,7 +291,7 @@ typedef struct {
     uint32_t count;
 } bits_out_t;
 
-/* At most 24 bits, those above are 0. */
+/* Puts at most 24 bits; the bits of `value` above them must be 0. */
 static void put_bits(bits_out_t *writer, uint32_t value, uint32_t count)
 {
     writer->bits |= value << writer->count;
@@ -431,7 +433,7 @@ typedef struct {
     const uint8_t *bytes;
     uint32_t length; /* in bits */
     uint32_t at;
-    bool is_bad; /* a bit was asked for behind the end, or means nothing */
+    bool is_bad; /* a bit beyond the end was asked for, or bits have no meaning */
 } bits_in_t;
 
 static uint32_t get_bit(bits_in_t *reader)
@@ -457,7 +459,10 @@ static uint32_t get_bits(bits_in_t *reader, uint32_t count)
     return value;
 }
 
-/* Ones up to the next 0, which is taken too; ONES_MAX at most, without what follows. */
+/*
+ * Takes the ones up to the next 0, and that 0 too. Stops after ONES_MAX ones, and takes nothing
+ * after them.
+ */
 static uint32_t get_ones(bits_in_t *reader)
 {
     uint32_t count = 0U;
@@ -468,7 +473,7 @@ static uint32_t get_ones(bits_in_t *reader)
     return count;
 }
 
-/* What stands behind `quotient` ones. */
+/* Takes the rest of a code after its `quotient` ones. */
 static uint32_t get_rice(bits_in_t *reader, uint32_t quotient, uint32_t rice)
 {
     uint32_t folded;
@@ -508,8 +513,8 @@ static void get_first(bits_in_t *reader, code_t *code, recorder_entry_t *entry)
 }
 
 /*
- * The next value of a channel that is not constant. True when it is the escape of a change in place
- * of it.
+ * Takes the next value of a channel that is not constant. Returns true when the escape of a change
+ * stands in its place.
  */
 static bool get_value(bits_in_t *reader, channel_t *channel)
 {
@@ -525,8 +530,8 @@ static bool get_value(bits_in_t *reader, channel_t *channel)
 }
 
 /*
- * True when it is a change in place of a frame: its escape is in the first channel, and in no
- * other.
+ * Takes the next frame. Returns true when a change stands in its place. The escape of a change is
+ * in the first channel only.
  */
 static bool get_next(bits_in_t *reader, code_t *code, recorder_entry_t *entry)
 {
@@ -579,7 +584,7 @@ static void get_modes(bits_in_t *reader, code_t *code)
     code->began = false;
 }
 
-/* Less than a byte is left, and that is zeros. */
+/* Whether less than a byte is left, with zeros only. */
 static bool ends_here(bits_in_t *reader)
 {
     const uint32_t left = reader->length - reader->at;

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Entries of the flight recorder in few bytes: the inputs of the ticks, for a line. The outputs are
- * left out, because whoever has the inputs computes them.
+ * Entries of the flight recorder in few bytes: the inputs of the ticks, to be sent over a line. The
+ * outputs are left out, because a receiver computes them from the inputs.
  *
- * A code stands for itself: it begins with whole values and needs no code before it. What follows
- * is coded as the difference from a prediction, for each channel by the one of three that fits
- * these entries best: the value before, or a line, steep or smooth, through those before. The
- * differences are Rice codes, with the parameter that fits. A channel that is constant takes 6
- * bits.
+ * A code is complete in itself: it begins with whole values and needs no code before it. Each later
+ * value is coded as its difference from a prediction. There are three predictions: the value
+ * before, a line through the last two values, and a smoother line. Each channel uses the one that
+ * fits these entries best. The differences are Rice codes, with the parameter that fits best. A
+ * channel that is constant takes 6 bits.
  */
 #ifndef FRAME_CODE_H
 #define FRAME_CODE_H
@@ -20,17 +20,17 @@
 #define FRAME_CODE_ENTRIES_MAX (64U)
 
 /*
- * Codes entries[0] to at most entries[count − 1], count 1…FRAME_CODE_ENTRIES_MAX, as many as fit
- * into `room` bytes, at least 32. Returns how many, at least 1; *length: bytes written. Context:
- * background.
+ * Codes as many of the entries, from entries[0] on, as fit into `room` bytes; count is
+ * 1…FRAME_CODE_ENTRIES_MAX, room at least 32. Returns the number of coded entries, at least 1;
+ * *length: bytes written. Context: background.
  */
 uint32_t frame_code_encode(const recorder_entry_t *entries, uint32_t count, uint8_t *bytes,
                            uint32_t room, uint32_t *length);
 
 /*
- * Decodes exactly `count` entries, 1…FRAME_CODE_ENTRIES_MAX; the words of the outputs are 0. False,
- * and the entries may be anything, when the bytes are no code of so many entries, or are longer. No
- * bytes make it read beyond `length`. Pure.
+ * Decodes exactly `count` entries, 1…FRAME_CODE_ENTRIES_MAX; the words of the outputs are 0.
+ * Returns false when the bytes are not a code of so many entries, or are longer; the entries may
+ * then hold anything. It never reads beyond `length`, whatever the bytes are. Pure.
  */
 bool frame_code_decode(const uint8_t *bytes, uint32_t length, recorder_entry_t *entries,
                        uint32_t count);

@@ -16,8 +16,8 @@
 #define COMPARE_MASK (0x7FFFU)
 #define CHANGE_MARK (0x8000U)
 #define GATE_BIT (15U)
-#define TICK_ENTRIES (3U) /* that a tick may take */
-#define SLACK_SHARE (2U)  /* of a segment at most, where a slow period has so many ticks */
+#define TICK_ENTRIES (3U) /* reserved for a tick */
+#define SLACK_SHARE (2U)  /* at most 1/2 of a segment is slack, even in a long slow period */
 
 _Static_assert(sizeof(recorder_entry_t) == (1U << RING_ENTRY_LOG2), "an entry has 16 bytes");
 _Static_assert(RECORDER_STATES == (SPARE + 1U), "one state more than segments");
@@ -34,7 +34,7 @@ static uint32_t slow_part(const drive_in_t *in)
     return pair(command, in->adc_temperature);
 }
 
-/* An index that has flipped by itself still is one of a segment. */
+/* The index of a segment, even if a bit of it has flipped by itself. */
 static uint32_t in_ring(uint32_t segment)
 {
     return segment % RECORDER_SEGMENTS;
@@ -48,8 +48,9 @@ static recorder_entry_t *first_of(const recorder_t *recorder, uint32_t segment)
 }
 
 /*
- * Entries at the end of the ring that no sound tick takes. A stop that has flipped by itself is
- * looked at once in a slow period, and until then the ticks may go beyond it.
+ * Entries at the end of the ring that a tick normally leaves free. A stop with a flipped bit is
+ * found once in a slow period only. Until then the ticks may go beyond the true stop, into these
+ * entries.
  */
 static uint32_t slack(const recorder_t *recorder, uint32_t segment, uint32_t slow_ticks)
 {
@@ -61,8 +62,8 @@ static uint32_t slack(const recorder_t *recorder, uint32_t segment, uint32_t slo
 }
 
 /*
- * Where the last tick of a segment begins. The proof does not see that a tick takes two entries at
- * most, so it is three.
+ * The place where the last tick of a segment begins. A tick needs two entries at most; three are
+ * reserved, because the proof cannot show it.
  */
 static const recorder_entry_t *stop_of(const recorder_t *recorder, uint32_t segment,
                                        uint32_t slow_ticks)
@@ -72,14 +73,14 @@ static const recorder_entry_t *stop_of(const recorder_t *recorder, uint32_t segm
     return &recorder->entries[behind - TICK_ENTRIES - slack(recorder, segment, slow_ticks)];
 }
 
-/* Whether the ring is where it was. */
+/* Whether place and size of the ring are as recorder_init() has set them. */
 static bool is_ring_sound(const recorder_t *recorder)
 {
     return (recorder->entries == recorder->due_entries) &&
            (recorder->segment_entries == recorder->due_segment_entries);
 }
 
-/* Whether a tick may begin there. */
+/* Whether a tick may begin at `at`. */
 static bool is_within(const recorder_t *recorder, const recorder_entry_t *at)
 {
     return ring_is_within(at, recorder->stop, recorder->span);
@@ -95,7 +96,9 @@ static void set_stop(recorder_t *recorder, uint32_t segment, uint32_t slow_ticks
     recorder->stop = stop;
 }
 
-/* Compared by bit operations, so that there is only one branch. */
+/*
+ * Whether a slow input has changed. Compared by bit operations, so that there is only one branch.
+ */
 static bool has_changed(const recorder_t *recorder, const drive_in_t *in)
 {
     const uint32_t target = fx_unsigned(in->command.target);
@@ -103,7 +106,9 @@ static bool has_changed(const recorder_t *recorder, const drive_in_t *in)
     return ((target ^ recorder->target) | (slow_part(in) ^ recorder->slow)) != 0U;
 }
 
-/* Both are looked at in one tick of a slow period. */
+/*
+ * Whether the stop has flipped or a slow input has changed. Asked in one tick of each slow period.
+ */
 static bool needs_attention(const recorder_t *recorder, const drive_in_t *in)
 {
     return (recorder->stop != recorder->due_stop) || has_changed(recorder, in);
@@ -151,8 +156,8 @@ static void enter_segment(recorder_t *recorder, const drive_t *drive, const driv
 }
 
 /*
- * Where this tick has room in the current segment, behind the change if there is one; NULL where it
- * has none.
+ * The place for this tick in the current segment, after the change if there is one; NULL if there
+ * is no room.
  */
 static recorder_entry_t *room_for_tick(recorder_t *recorder, const drive_t *drive,
                                        const drive_in_t *in)
@@ -171,7 +176,7 @@ static recorder_entry_t *room_for_tick(recorder_t *recorder, const drive_t *driv
     return at;
 }
 
-/* Where the entries of this tick go; NULL when the recording is frozen or there is no room. */
+/* The place for the entries of this tick; NULL when the recording is frozen or there is no room. */
 static recorder_entry_t *next_room(recorder_t *recorder, const drive_t *drive, const drive_in_t *in)
 {
     const bool fits = recorder->offered && (recorder->next_tick == (drive->tick - 1U));
@@ -193,14 +198,14 @@ static recorder_entry_t *next_room(recorder_t *recorder, const drive_t *drive, c
     return at;
 }
 
-/* A ring that is not where it was is not written to any more. */
+/* If place or size of the ring have flipped, nothing is written to it any more. */
 RARE static recorder_entry_t *turn_over(recorder_t *recorder, const drive_t *drive,
                                         const drive_in_t *in)
 {
     return is_ring_sound(recorder) ? next_room(recorder, drive, in) : NULL;
 }
 
-/* Something is not as it was: a stop that has flipped by itself, or the slow inputs. */
+/* Something has changed: a stop that has flipped by itself, or the slow inputs. */
 RARE static recorder_entry_t *attend_change(recorder_t *recorder, recorder_entry_t *at,
                                             const drive_t *drive, const drive_in_t *in)
 {
@@ -231,7 +236,10 @@ void recorder_step(recorder_t *recorder, const drive_t *drive, const drive_in_t 
     }
 }
 
-/* A tick that finds its segment full looks at `changed`, so that no other tick has to. */
+/*
+ * With a stop of NULL the next tick finds its segment full. Only such a tick looks at `changed`, so
+ * no other tick has to.
+ */
 void recorder_change(recorder_t *recorder, const drive_cfg_t *before)
 {
     recorder->before = before;
@@ -253,7 +261,7 @@ static void begin_anew(recorder_t *recorder)
         recorder->segments[k] = (recorder_segment_t){0};
     }
     recorder->at = recorder->entries;
-    recorder->stop = NULL; /* before any place: the next tick turns over */
+    recorder->stop = NULL; /* before any place, so the next tick calls turn_over() */
     recorder->current = NONE;
     recorder->offered = false;
     recorder->gap = false;
@@ -286,7 +294,7 @@ const char *recorder_init(recorder_t *recorder, recorder_entry_t *entries, uint3
     return bad;
 }
 
-/* 0 is no number. */
+/* The number of the next segment. It skips 0, which means an empty segment. */
 static uint32_t number_after(const recorder_t *recorder)
 {
     const uint32_t newest = recorder_newest(recorder);
@@ -348,7 +356,7 @@ static bool is_over(const recorder_t *recorder, uint32_t tick)
            ((tick - recorder->trigger) > recorder->post_ticks);
 }
 
-/* While no offer is open. */
+/* Offers the end, or the next segment, if it is time. Call while no offer is open. */
 static void prepare(recorder_t *recorder, const volatile drive_t *live)
 {
     if (is_over(recorder, live->tick)) {
@@ -407,7 +415,10 @@ static uint32_t segment_before(uint32_t segment)
     return (segment == 0U) ? (RECORDER_SEGMENTS - 1U) : (segment - 1U);
 }
 
-/* Of a segment up to `end`, found by halves: a reader asks in each of its passes. */
+/*
+ * The number of entries of a segment up to `end`. Found by bisection, because a reader asks for it
+ * in each of its passes.
+ */
 static uint32_t count_entries(const recorder_t *recorder, uint32_t segment,
                               const recorder_entry_t *end)
 {
@@ -427,7 +438,7 @@ static uint32_t count_entries(const recorder_t *recorder, uint32_t segment,
     return least;
 }
 
-/* The other one of the two that a history can have; NULL when it can have only one. */
+/* The second of the two configurations that a history can have; NULL when it can have only one. */
 static const drive_cfg_t *other_config(const recorder_t *recorder, const drive_cfg_t *begin)
 {
     const drive_cfg_t *const end = recorder->states[SPARE].cfg;
@@ -440,7 +451,7 @@ static bool is_entry_of_change(const recorder_entry_t *entry)
     return (entry->word[2] & CHANGE_MARK) != 0U;
 }
 
-/* From the state before a segment to the one after it. */
+/* The number of ticks from the state before a segment to the state after it. */
 static uint32_t ticks_of_segment(const recorder_t *recorder, uint32_t segment)
 {
     const uint32_t after =
@@ -450,9 +461,9 @@ static uint32_t ticks_of_segment(const recorder_t *recorder, uint32_t segment)
 }
 
 /*
- * Whether a segment has no configuration but the two of a history that begins with `begin`, and a
- * frame for each of its ticks: a place to write that has flipped by itself leaves old frames, or
- * overwrites new ones.
+ * Whether a segment is sound. Its changes have only the two configurations of a history that begins
+ * with `begin`, and it has a frame for each of its ticks. If a bit of the write pointer flips by
+ * itself, old frames remain, or new ones are overwritten, so the number of frames differs.
  */
 static bool has_only_two(const recorder_t *recorder, uint32_t segment, const drive_cfg_t *begin)
 {
@@ -473,7 +484,10 @@ static bool has_only_two(const recorder_t *recorder, uint32_t segment, const dri
     return known && (frames == ticks_of_segment(recorder, segment));
 }
 
-/* From this segment to the end no configuration has been overwritten since. */
+/*
+ * Whether the configurations from this segment to the end are known: none was overwritten, and they
+ * are two at most.
+ */
 static bool is_configured(const recorder_t *recorder, uint32_t segment)
 {
     const drive_cfg_t *const begin = recorder->states[segment].cfg;
@@ -487,8 +501,8 @@ static bool is_configured(const recorder_t *recorder, uint32_t segment)
 }
 
 /*
- * Segments of the history up to the current one: without a gap between them, each with its
- * configuration.
+ * The number of segments of the history, up to the current one: there is no gap between them, and
+ * their configurations are known.
  */
 static uint32_t count_segments(const recorder_t *recorder)
 {
@@ -512,7 +526,7 @@ recorder_history_t recorder_history(const recorder_t *recorder)
     if (recorder->frozen && is_ring_sound(recorder)) {
         uint32_t count;
 
-        barrier_compiler(); /* what was recorded is read behind `frozen` */
+        barrier_compiler(); /* what was recorded is read after `frozen` */
         count = count_segments(recorder);
         if (count > 0U) {
             history.first =
@@ -553,8 +567,8 @@ const drive_t *recorder_end_state(const recorder_t *recorder)
 }
 
 /*
- * What has been written of a segment. The place to write is read before the segment that is
- * written: if a tick turns over between the two, the segment is complete and has an end.
+ * Fills the view with what has been written of a segment. `at` is read before `current`: if a tick
+ * begins another segment between the two reads, this segment is complete and has an end.
  */
 static void fill_view(const recorder_t *recorder, uint32_t segment, recorder_view_t *view)
 {

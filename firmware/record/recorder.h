@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The flight recorder: a ring of input and output frames, and a snapshot of the drive's state where
- * it begins.
+ * The flight recorder: a ring of input and output frames, with snapshots of the drive's state.
  *
  *     control interrupt  recorder_step(&recorder, &drive, &in, &out);  after each drive_step()
  *     background         recorder_service(&recorder, &drive);          once a tick or more often
@@ -9,22 +8,22 @@
  * drive_step() is pure. So a snapshot, the configuration and the input frames determine the run,
  * and the recorded outputs let a replay check itself.
  *
- * The ring has RECORDER_SEGMENTS segments. Each has a snapshot from before its first frame. When a
- * segment is nearly full, the background copies the state of the drive between two ticks and offers
- * the next segment. The interrupt takes it when the copy belongs to exactly this tick, and rejects
- * it otherwise. So the interrupt never copies a state, and at any time all segments but one hold
- * history.
+ * The ring has RECORDER_SEGMENTS segments. Each has a snapshot of the state before its first frame.
+ * When a segment is nearly full, the background copies the state of the drive between two ticks and
+ * offers the next segment. The interrupt takes it when the copy belongs to exactly this tick, and
+ * rejects it otherwise. So the interrupt never copies a state, and at any time all segments but one
+ * hold history.
  *
  * When the drive enters FAULT, recording goes on for post_ticks and then freezes, with one more
  * snapshot: the state after the last frame. The recording is held until it is released, even when
- * the fault is cleared. After the release it begins anew; in FAULT it waits until the drive leaves
- * FAULT, and can be read again until then.
+ * the fault is cleared. After the release a new recording begins. If the drive is still in FAULT,
+ * it begins when the drive leaves FAULT, and the old one can be read again until then.
  *
  * When the background is busy for more than RECORDER_MARGIN ticks at the end of a segment, there is
  * a gap. Frames before a gap are no longer part of the history.
  *
- * A reader can follow the ring while it is written: recorder_find() and what is below it. While it
- * does, a fault does not freeze the recording: the reader has the frames, and goes on.
+ * A reader can follow the ring while it is written, see "Reading while it records" below. While a
+ * reader follows, a fault does not freeze the recording: the reader has the frames, and goes on.
  */
 #ifndef RECORDER_H
 #define RECORDER_H
@@ -36,7 +35,7 @@
 #include <stdint.h>
 
 #define RECORDER_SEGMENTS (4U)
-#define RECORDER_STATES (5U)  /* one more than segments; the proof takes a literal only */
+#define RECORDER_STATES (5U)  /* one more than segments; a literal, because the proof needs one */
 #define RECORDER_MARGIN (16U) /* entries left in a segment when the next is offered */
 #define RECORDER_ENTRIES_MIN (4U * RECORDER_MARGIN) /* of a segment */
 #define RECORDER_ENTRIES_MAX (65535U)               /* of a segment */
@@ -49,50 +48,55 @@ typedef struct {
 } recorder_frame_t;
 
 typedef struct {
-    const recorder_entry_t *end; /* behind its last entry, valid once the segment is complete */
-    uint32_t number;             /* counts the segments from 1 on, wrapping; 0: it holds nothing */
-    uint32_t config_crc;         /* of the configuration of the state before it */
-    bool follows;                /* it continues the segment before it without a gap */
+    /* the place after its last entry, valid once the segment is complete */
+    const recorder_entry_t *end;
+    /* counts the segments from 1 on, wrapping; 0: the segment is empty */
+    uint32_t number;
+    uint32_t config_crc; /* of the configuration before its first frame */
+    bool follows;        /* it continues the segment before it without a gap */
 } recorder_segment_t;
 
 typedef struct {
-    recorder_entry_t *volatile at; /* the next entry, as long as it is not beyond the stop */
-    /* the last one at which a tick may begin; NULL: turn over */
+    /* the place of the next entry, as long as it is not beyond the stop */
+    recorder_entry_t *volatile at;
+    /* the last place at which a tick may begin; NULL: the next tick calls turn_over() */
     const recorder_entry_t *volatile stop;
     /*
-     * `at` may be at most so many entries before the stop. No flip of it reaches as far as `at` can
-     * be beyond the stop.
+     * `at` may be at most so many entries before the stop. It has 16 bits: whatever bits of it
+     * flip, it stays below the huge distance of an `at` beyond the stop (ring.h).
      */
     uint16_t span;
     const recorder_entry_t *due_stop; /* `stop` as the interrupt has set it */
     uint32_t target;                  /* first word of the last change */
     uint32_t slow;                    /* its second word: mode, request, temperature */
-    volatile uint32_t current;        /* segment; RECORDER_SEGMENTS: none yet */
+    volatile uint32_t current;        /* the segment that is written; RECORDER_SEGMENTS: none yet */
     volatile bool offered;            /* segment `next` may begin in the tick `next_tick` */
     volatile bool frozen;
     uint32_t next;  /* segment, or RECORDER_SEGMENTS: the end */
     uint32_t ended; /* number of the last segment before the recording began anew */
     uint32_t next_tick;
-    bool gap;                  /* a tick was not recorded */
-    bool triggered;            /* freeze … */
-    uint32_t trigger;          /* … post_ticks after this tick */
-    bool held;                 /* keep the recording once it is frozen */
-    bool followed;             /* by a reader: a fault does not freeze … */
-    bool passed;               /* … nor does it later, while the drive stays in FAULT */
-    uint32_t kept;             /* segment whose state a reader has kept, 0: none */
+    bool gap;         /* a tick was not recorded */
+    bool triggered;   /* freeze … */
+    uint32_t trigger; /* … post_ticks after this tick */
+    bool held;        /* keep the recording once it is frozen */
+    /* a reader follows the ring: a fault does not freeze the recording … */
+    bool followed;
+    /* … nor does it after the reader has left, while the drive stays in FAULT */
+    bool passed;
+    uint32_t kept;             /* number of the segment whose state a reader has kept, 0: none */
     bool changed;              /* the next frame is the first with another configuration */
     const drive_cfg_t *before; /* the configuration before the last change, NULL: none */
     recorder_entry_t *entries;
     uint32_t segment_entries;
-    /* entries and segment_entries once more: where they differ nothing is written */
+    /* copies of entries and segment_entries: if they differ, turn_over() gives no place to write */
     const recorder_entry_t *due_entries;
     uint32_t due_segment_entries;
     uint32_t post_ticks;
     recorder_segment_t segments[RECORDER_SEGMENTS];
     /*
-     * Before the first frame of each segment. The last one belongs to no segment: while `kept` is
-     * not 0 it is the state that a reader has kept, in a frozen recording the state after the last
-     * frame.
+     * The state before the first frame of each segment. The last one belongs to no segment: in a
+     * frozen recording it is the state after the last frame; before, while `kept` is not 0, it is
+     * the state that a reader has kept.
      */
     drive_t states[RECORDER_STATES];
 } recorder_t;
@@ -107,18 +111,15 @@ typedef struct {
 const char *recorder_init(recorder_t *recorder, recorder_entry_t *entries, uint32_t segment_entries,
                           uint32_t post_ticks);
 
-/*
- * Records a tick: its frames and the tick and state of the drive. Context: control interrupt, after
- * drive_step().
- */
+/* Records the input and output frame of a tick. Context: control interrupt, after drive_step(). */
 void recorder_step(recorder_t *recorder, const drive_t *drive, const drive_in_t *in,
                    const drive_out_t *out);
 
 /*
- * The drive has another configuration in place of `before`, from the frame on that is recorded
- * next. The frame gets a change in front of it. `before` is kept as long as the recording may need
- * it, or is overwritten: then the history begins behind the change. Context: control interrupt,
- * before drive_step().
+ * Call when the drive takes another configuration in place of `before`. The next frame is the first
+ * one with it; a change is recorded in front of this frame. The caller keeps `before` as long as
+ * the recording may need it. If the caller overwrites it, the history begins after the change.
+ * Context: control interrupt, before drive_step().
  */
 void recorder_change(recorder_t *recorder, const drive_cfg_t *before);
 
@@ -129,22 +130,23 @@ void recorder_change(recorder_t *recorder, const drive_cfg_t *before);
 void recorder_service(recorder_t *recorder, const drive_t *drive);
 
 /*
- * recorder_hold freezes the recording as soon as possible, after a fault not before post_ticks, and
- * holds it. A recording that is held already, as that of a fault is, stays as it is.
- * recorder_release ends that. Context: background.
+ * recorder_hold freezes the recording as soon as possible and holds it; after a fault it does not
+ * freeze before post_ticks. A recording that is already held, as after a fault, stays as it is.
+ * recorder_release ends the hold. Context: background.
  */
 void recorder_hold(recorder_t *recorder, const drive_t *drive);
 void recorder_release(recorder_t *recorder);
 
 /*
  * History of a frozen recording: its oldest segment, and the number of entries from there to the
- * end. It has 0 entries when the recording is not frozen, or when two changes of the configuration
- * have come within its last segment. Context: background.
+ * end. It has 0 entries when the recording is not frozen, when its last segment has more than two
+ * configurations or one that was overwritten, or when a flipped bit has spoilt the ring. Context:
+ * background.
  */
 typedef struct {
     uint32_t first; /* segment */
     uint32_t entries;
-    uint32_t of_segment[RECORDER_SEGMENTS]; /* from the first on */
+    uint32_t of_segment[RECORDER_SEGMENTS]; /* entries of each segment, from the first one on */
 } recorder_history_t;
 
 recorder_history_t recorder_history(const recorder_t *recorder);
@@ -155,26 +157,26 @@ const recorder_entry_t *recorder_entry(const recorder_t *recorder,
 
 /*
  * Return the state before the first frame of the history and after the last one; ->cfg is the
- * configuration then.
+ * configuration at that time.
  */
 const drive_t *recorder_begin_state(const recorder_t *recorder, const recorder_history_t *history);
 const drive_t *recorder_end_state(const recorder_t *recorder);
 
 /*
- * Returns the configuration that the history changes to, or changes to and leaves again; NULL when
- * that of its begin is in force all the time.
+ * Returns the configuration that the history changes to, even if it changes back later; NULL when
+ * the configuration of its begin is in force all the time.
  */
 const drive_cfg_t *recorder_further_config(const recorder_t *recorder,
                                            const recorder_history_t *history);
 
 /*
- * Reading while it records: segments by their number. All in the background, between two calls of
- * recorder_service(); what they return is good until the next one.
+ * Reading while it records. A segment is named by its number. Call all of these in the background,
+ * between two calls of recorder_service(). Their results are valid until its next call.
  */
 
 /*
- * A reader begins, or ends. While it follows, a fault does not freeze the recording, and a
- * recording that is frozen but not held begins anew at once.
+ * Call when a reader begins, or ends. While it follows, a fault does not freeze the recording, and
+ * a recording that is frozen but not held begins anew at once.
  */
 void recorder_follow(recorder_t *recorder, bool on);
 
@@ -185,26 +187,29 @@ uint32_t recorder_newest(const recorder_t *recorder);
 typedef struct {
     const recorder_entry_t *first;
     uint32_t entries;     /* so far */
-    bool complete;        /* there will not be more */
+    bool complete;        /* there will not be more entries */
     bool follows;         /* nothing is missing between the segment before it and this one */
     uint32_t config_crc;  /* of the configuration of `state` */
     const drive_t *state; /* before its first frame */
 } recorder_view_t;
 
-/* False when the segment of this number is not in the ring, or not any more. */
+/*
+ * Fills `view`. Returns false when the segment of this number is not in the ring, or not any more.
+ */
 bool recorder_find(const recorder_t *recorder, uint32_t number, recorder_view_t *view);
 
 /*
- * Returns the state before a segment of the ring, and keeps it: asked for again by this number it
- * is the same, also when the ring has overwritten the segment, until another one is asked for or
- * the recording is about to freeze. NULL when the segment is neither in the ring nor kept. A
- * recording that freezes needs the place; its own states are returned as they are.
+ * Returns the state before a segment, and keeps a copy of it. Later calls with the same number
+ * return the same state, even if the ring has overwritten the segment since then. The copy is lost
+ * when another segment is asked for or the recording is about to freeze, because a frozen recording
+ * needs its place. From the trigger of a freeze on, no copy is made: the state in the ring is
+ * returned. Returns NULL when the segment is neither in the ring nor kept.
  */
 const drive_t *recorder_keep_state(recorder_t *recorder, uint32_t number);
 
 /*
- * Decodes the next entry into `frame`. True when the entry was a frame, so that `frame` is
- * complete; false for a change. Pure.
+ * Decodes the next entry into `frame`. Returns true when the entry was a frame, so that `frame` is
+ * complete. A change sets only its part of `frame->in` and returns false. Pure.
  */
 bool recorder_unpack(const recorder_entry_t *entry, recorder_frame_t *frame);
 

@@ -26,7 +26,7 @@ void recorder_about_name(recorder_about_t *about, const char *name)
     }
 }
 
-/* How the recording ends. */
+/* Fills in how the recording ends. */
 static void describe_end(recorder_header_t *header, const drive_t *end)
 {
     const bool failed = end->state == DRIVE_STATE_FAULT;
@@ -78,7 +78,7 @@ static uint32_t entry_word(const recorder_dump_t *dump, uint32_t at)
     return entry->word[at % ENTRY_WORDS];
 }
 
-/* Word `at` of what begins there. */
+/* Word `at` of the object that begins at `first`. */
 static uint32_t word_at(const uint8_t *first, uint32_t at)
 {
     const uint32_t offset = at * WORDS_BYTES;
@@ -86,7 +86,7 @@ static uint32_t word_at(const uint8_t *first, uint32_t at)
     return words_get(&first[offset]);
 }
 
-/* Any word but the last one. */
+/* Word `at` of the file; not the last one, which is the CRC. */
 static uint32_t word_of(const recorder_dump_t *dump, uint32_t at)
 {
     const uint32_t config = RECORDER_HEADER_WORDS;
@@ -109,7 +109,7 @@ static uint32_t word_of(const recorder_dump_t *dump, uint32_t at)
     return word;
 }
 
-/* The next word to `to`; zero behind the end. */
+/* Puts the next word to `to`; zero after the end. */
 static void put_next(recorder_dump_t *dump, uint8_t *to)
 {
     const uint32_t last = dump->header.words - 1U;

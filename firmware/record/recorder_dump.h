@@ -30,7 +30,7 @@
 #define RECORDER_VERSION (4U)
 #define RECORDER_LINE_MARK ('~')
 #define RECORDER_LINE_WORDS (13U)
-/* less its end */
+/* without the 0 at its end */
 #define RECORDER_LINE_CHARACTERS (1U + (((RECORDER_LINE_WORDS + 2U) / 3U) * 16U))
 
 #define RECORDER_BUILD_WORDS (5U) /* 20 bytes: a GNU build-id */
@@ -38,8 +38,8 @@
 
 /*
  * Facts that the frames do not contain. They give the integers their units and do not influence a
- * replay. Each is a fact of motor or board, in a unit in which the whole range of its key fits 32
- * bits.
+ * replay. Each is a fact about the motor or the board. Its unit is chosen so that the whole range
+ * of its key fits into 32 bits.
  */
 typedef struct {
     uint32_t tick_ps;                     /* 10^7…5·10^8: 100…2 kHz */
@@ -50,7 +50,10 @@ typedef struct {
     uint32_t name[RECORDER_NAME_WORDS];   /* motor, board, tuning: characters, then zeros */
 } recorder_about_t;
 
-/* Writes a name into `about->name`, which is zero before. Text that does not fit is cut off. */
+/*
+ * Writes a name into `about->name`, which must be all zeros before. Text that does not fit is cut
+ * off.
+ */
 void recorder_about_name(recorder_about_t *about, const char *name);
 
 /* All its members are words, in this order. */
@@ -58,14 +61,14 @@ typedef struct {
     uint32_t magic;
     uint32_t version;
     uint32_t words;        /* of the file */
-    uint32_t config_words; /* this and the next: differ when the recording is of another firmware */
+    uint32_t config_words; /* this and the next differ when another firmware has recorded */
     uint32_t state_words;
     uint32_t entries;
-    uint32_t further;    /* configurations behind the entries, 0 or 1 */
+    uint32_t further;    /* configurations after the entries, 0 or 1 */
     uint32_t first_tick; /* of the frames */
-    uint32_t end_tick;   /* the one after the last */
-    uint32_t end_hash;   /* drive_words_hash() then */
-    uint32_t fault_id;   /* of FAULT then, else 0 */
+    uint32_t end_tick;   /* the tick after the last frame */
+    uint32_t end_hash;   /* drive_words_hash() of the state at the end */
+    uint32_t fault_id;   /* of the fault if it ends in FAULT, else 0 */
     uint32_t fault_value;
     uint32_t fault_limit;
     uint32_t fault_tick;
@@ -86,8 +89,8 @@ typedef struct {
 } recorder_dump_t;
 
 /*
- * Begin with the first line. The recorder must be frozen and held, and the configurations that it
- * was used with stay as they are until the last line; `about` is copied.
+ * Begin with the first line. The recorder must be frozen and held. Its configurations must stay as
+ * they are until the last line; `about` is copied.
  */
 void recorder_dump_start(recorder_dump_t *dump, const recorder_t *recorder,
                          const recorder_about_t *about);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Distances in the ring of the recorder, from bits that may have flipped by themselves. A header of
- * its own, as the proof has an equal formulation in its place. Pure, any context.
+ * Distances in the ring of the recorder. They are right even if bits of the pointers have flipped
+ * by themselves. This header is separate, because the proof replaces it by an equal formulation.
+ * Pure, any context.
  */
 #ifndef RING_H
 #define RING_H
@@ -16,8 +17,8 @@
 #define RING_TOP_SHIFT ((8U * sizeof(size_t)) - RING_ENTRY_LOG2)
 
 /*
- * In entries. The bits below an entry come to the top: what is not a whole number of them is a huge
- * one.
+ * Returns the distance in entries. The bits of the distance below one entry move to the top, so a
+ * distance that is not a whole number of entries becomes a huge number.
  */
 static inline size_t ring_entries_between(const recorder_entry_t *first,
                                           const recorder_entry_t *end)
@@ -31,8 +32,8 @@ static inline size_t ring_entries_between(const recorder_entry_t *first,
 }
 
 /*
- * Whether `at` is not beyond `stop`, and at most `span` entries before it. Where it lies beyond the
- * stop, or between two entries, their number is a huge one. Without a stop, NULL, nothing is
+ * Whether `at` is not beyond `stop`, and at most `span` entries before it. If `at` is beyond the
+ * stop or between two entries, the distance is a huge number. If the stop is NULL, nothing is
  * within.
  */
 static inline bool ring_is_within(const recorder_entry_t *at, const recorder_entry_t *stop,
