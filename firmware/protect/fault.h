@@ -26,7 +26,7 @@ typedef enum {
     FAULT_ADC_SATURATED,  /* a current sample at an end of its converter, value as OVERCURRENT */
     /*
      * a current is constant while the rotor turns, value: its range; or, with open gates, a current
-     * flows and does not turn, value: the largest phase current
+     * flows and does not turn, value: the larger measured one
      */
     FAULT_ADC_STUCK,
     /* value: range of the weakest phase, its current, or error of the current */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The safe state: the gates while the drive drives nothing.
+ * The safe state: the state of the gates while the drive drives nothing.
  *
  * Open gates are safe while the EMF stays below the voltage that the bus bears. At a higher speed
  * the diodes would rectify the EMF into the bus, so the three low sides short the motor instead.
@@ -10,9 +10,9 @@
  * The change of the current shows when the rotor is slow. In the short circuit the EMF causes this
  * change, T/L·ω·φ in a tick, so it measures the voltage that would charge the bus. No observer
  * takes part, because a lost observer may be the fault. A current that only decays with L/R changes
- * little. A phase with an open wire and a sensor that is stuck or clips still leave a change that
- * is large twice in each electrical turn. The gates open when no change over span_ticks was large
- * for settle_ticks, more than a turn.
+ * little. If a wire is open, or a sensor is stuck or clips, the change is still large twice in each
+ * electrical turn. The gates open when no change over span_ticks was large for settle_ticks, more
+ * than a turn.
  *
  * They do not open while the bus is above its limit, because it then has no room for the energy of
  * the windings. If both sensors are dead no change is large, and only a bus above its limit shows a
