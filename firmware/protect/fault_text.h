@@ -40,7 +40,7 @@ typedef enum {
     FAULT_SIGN_SHAFT,
     FAULT_SIGN_ELECTRIC,          /* … of the electrical turn, or twice that */
     FAULT_SIGN_SHAFT_OR_ELECTRIC, /* … both, with few pole pairs */
-    FAULT_SIGN_SIX,               /* … six times that */
+    FAULT_SIGN_SIX,               /* … six times the electrical turn */
     /* a swing near the frequency at which the speed loop lags by half a turn */
     FAULT_SIGN_LAG,
     /* noise of the current sensors at rest is large against the residual that the start allows */
