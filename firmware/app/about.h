@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a person is told with: the facts of motor and board that the drive's integers do not
- * contain.
+ * Facts of motor and board for the texts that a person reads. The drive's integers do not contain
+ * them.
  *
  * nfconfig writes them into drive_config.h, as the initialisers DRIVE_ABOUT:
  *
@@ -28,9 +28,10 @@ typedef struct {
     int32_t speed_max_rpm; /* of the shaft, either way */
     uint32_t is_example;   /* as in config_about_t */
     uint32_t baud;         /* bits a second of the serial line, 10 a byte */
-    /* of adc_ia and adc_ib without current: half of the converter's range */
+    /* reading of adc_ia and adc_ib at no current: half of the converter's range */
     uint16_t current_zero_count;
-    uint32_t current_full_scale_ua; /* ±, that many counts away from it */
+    /* ±: current of a reading that is current_zero_count counts away from current_zero_count */
+    uint32_t current_full_scale_ua;
     uint32_t bus_full_scale_uv;
     temperature_line_t temperature; /* of adc_temperature */
 } about_t;

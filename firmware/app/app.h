@@ -33,14 +33,14 @@ typedef struct {
      * none
      */
     const drive_cfg_t *volatile change;
-    drive_command_t
-        failure;         /* while it is told: the drive takes it in place of the user's command */
+    /* while `fails` is true the drive takes this in place of the user's command */
+    drive_command_t failure;
     volatile bool fails; /* written by the background only */
     /* Background only: */
     cross_check_t check;
     uint32_t ticket; /* of the next command of a PC, commander.h */
-    bool failed;     /* as commander_step() has seen the drive last */
-    bool keeps_heat; /* it was taken over from the last reset, kept_heat.h */
+    bool failed;     /* the drive was in FAULT at the last commander_step() */
+    bool keeps_heat; /* kept_heat_restore() has run: the heat may be kept, kept_heat.h */
     bool unlocked;   /* the next configuration may protect less, commander.h */
 } app_t;
 
@@ -55,24 +55,27 @@ void app_record(app_t *app, recorder_t *recorder);
 
 /*
  * Post another configuration. The control interrupt takes it with the command, within a slow
- * period, as a whole and at one tick boundary: drive_change() says what that means. One that is
- * posted before it was taken is forgotten. `cfg` must outlive its use; what was in force before it
- * is needed until app_changes() is false, and by the recorder as long as recorder_change() says.
- * Context: background.
+ * period, as a whole and at one tick boundary: drive_change() says what that means. A second post
+ * before the interrupt has taken the first one replaces it. `cfg` must outlive its use. The
+ * configuration that was in force before must stay valid until app_changes() is false, and for the
+ * recorder as long as recorder_change() says. Context: background.
  */
 void app_change(app_t *app, const drive_cfg_t *cfg);
 
-/* Whether a configuration that was posted is still to be taken. Context: background. */
+/* Whether a posted configuration has not been taken yet. Context: background. */
 bool app_changes(const app_t *app);
 
 /*
  * Tell the drive of a fault that the background has found. The drive latches it within a slow
  * period, in any state but FAULT, and opens the gates in that tick. Value and limit are clamped to
- * 0…65535. A recording has it as a command. Context: background.
+ * 0…65535. A recording shows it as a command. Context: background.
  */
 void app_fail(app_t *app, const fault_t *fault);
 
-/* Once per pass: what was told is over once the drive is in FAULT. Context: background. */
+/*
+ * Forgets the failure of app_fail() once the drive is in FAULT. Call once per pass. Context:
+ * background.
+ */
 void app_forget_failure(app_t *app);
 
 /* The control interrupt: sample, step, apply, record. Call once a PWM period, never re-entered. */

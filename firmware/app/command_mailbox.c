@@ -5,9 +5,9 @@
 #include "inlining.h"
 
 #define REQUEST_SHIFT (8U)
-#define SEED (0xA5A50000UL) /* memory of zeros is no sound slot */
+#define SEED (0xA5A50000UL) /* memory of zeros is not a sound slot */
 
-/* A bit of the command that flips also flips one bit of its check word. */
+/* If a bit of the command flips, one bit of the computed check word flips. */
 static uint32_t check_of(const drive_command_t *command)
 {
     const uint32_t rest = command->mode | ((uint32_t)command->request << REQUEST_SHIFT);
@@ -34,7 +34,7 @@ void command_mailbox_init(command_mailbox_t *box)
     box->in_force = 0U;
 }
 
-/* The barriers keep the stores of each slot on their side of the store of the index. */
+/* The barriers keep the order of the stores: one slot, the index, the other slot. */
 void command_mailbox_post(command_mailbox_t *box, const drive_command_t *command)
 {
     const command_slot_t slot = slot_of(command);
@@ -48,7 +48,7 @@ void command_mailbox_post(command_mailbox_t *box, const drive_command_t *command
     box->slots[before] = slot;
 }
 
-/* The other slot in place of a damaged one. Where it is damaged too, no request. */
+/* The other slot in place of a damaged one. If it is damaged too: speed 0 without a request. */
 RARE static const command_slot_t *spare(const command_slot_t *other)
 {
     static const command_slot_t none = {

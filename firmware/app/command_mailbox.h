@@ -7,8 +7,9 @@
  * slot in force. The interrupt sees either the old command or the whole new one, never a mixture.
  *
  * Between two posts both slots hold the same command, each with a check word. So a bit that flips
- * by itself in this memory changes no command: the other slot counts, and the next
- * command_mailbox_mend() repairs the one that is damaged. Where both are, nothing is asked for.
+ * by itself in this memory changes no command: the interrupt takes the other slot, and the next
+ * command_mailbox_mend() repairs the damaged one. If both slots are damaged, the command is speed 0
+ * without a request.
  *
  * One background posts and one interrupt on the same core takes. The background must not interrupt
  * the interrupt. No function waits or fails. The interrupt takes once a slow period. Of two
@@ -33,7 +34,9 @@ typedef struct {
     volatile uint32_t in_force; /* its lowest bit is an index; written by the background only */
 } command_mailbox_t;
 
-/* Puts speed 0 without a request in force. Call before the control interrupt is enabled. */
+/*
+ * Puts a command in force: speed 0 without a request. Call before the control interrupt is enabled.
+ */
 void command_mailbox_init(command_mailbox_t *box);
 
 /*
@@ -45,7 +48,7 @@ void command_mailbox_post(command_mailbox_t *box, const drive_command_t *command
 /* Returns the command in force. Context: the interrupt, and the background that posts. */
 drive_command_t command_mailbox_take(const command_mailbox_t *box);
 
-/* Repairs what has changed by itself. Call once per pass of the background. */
+/* Repairs a slot in which a bit has flipped. Call once per pass of the background. */
 void command_mailbox_mend(command_mailbox_t *box);
 
 #endif

@@ -29,7 +29,7 @@ bool commander_take_ticket(app_t *app, uint32_t ticket)
     return counts;
 }
 
-/* A zero that the drive has not taken yet, so that the next command does not lose it. */
+/* The zero request, if the drive has not taken it yet: the next command must not lose it. */
 static uint8_t zero_to_come(const app_t *app)
 {
     return (uint8_t)(command_mailbox_take(&app->mailbox).request & DRIVE_REQUEST_ZERO);
@@ -136,7 +136,7 @@ static bool is_too_fast(const drive_command_t *command, step_t speed_max)
            ((command->target > speed_max) || (command->target < -speed_max));
 }
 
-/* Why this target in this mode is none; NULL: it is one. */
+/* Why this target is refused in this mode; NULL: it is not. */
 static const char *target_refused(const app_t *app, const drive_command_t *command,
                                   step_t speed_max)
 {
@@ -154,7 +154,7 @@ static const char *target_refused(const app_t *app, const drive_command_t *comma
     return why;
 }
 
-/* Why there is no such request now; NULL: there is. */
+/* Why this request is refused now; NULL: it is not. */
 static const char *request_refused(const app_t *app, uint8_t what, bool counts)
 {
     const bool failed = app->drive.state == DRIVE_STATE_FAULT;
@@ -169,7 +169,7 @@ static const char *request_refused(const app_t *app, uint8_t what, bool counts)
     } else if (!failed && (what == DRIVE_REQUEST_CLEAR)) {
         why = NO_FAULT;
     } else {
-        /* there is, unless it comes late */
+        /* it is possible now; `why` stays if its ticket is old */
     }
     return why;
 }
@@ -233,7 +233,7 @@ void commander_lock(app_t *app)
     app->unlocked = false;
 }
 
-/* What the drive has obeyed, or obeys no more. It was told of the zero in its last frame. */
+/* The requests that are over. The drive has taken a zero if its last frame had it. */
 static uint8_t requests_over(const app_t *app)
 {
     const bool failed = app->drive.state == DRIVE_STATE_FAULT;
@@ -251,7 +251,7 @@ void commander_step(app_t *app)
     command_mailbox_mend(&app->mailbox);
     command = command_mailbox_take(&app->mailbox);
     if ((command.request & over) != 0U) {
-        command.request &= (uint8_t)~over; /* the ticket stays: whoever has cleared goes on */
+        command.request &= (uint8_t)~over; /* the ticket stays: the PC that cleared uses it */
         command_mailbox_post(&app->mailbox, &command);
     }
     if (failed && !app->failed) {

@@ -14,7 +14,7 @@ void console_say(console_t *console, const char *line)
     text_end_line(&console->out);
 }
 
-/* `why` a command is refused; NULL: it is not. Returns whether it is done. */
+/* why: the reason for a refusal; NULL: the command is done. Returns whether it is done. */
 static bool answer(console_t *console, const char *why)
 {
     if (why != NULL) {
@@ -24,7 +24,7 @@ static bool answer(console_t *console, const char *why)
     return why == NULL;
 }
 
-/* Until it is dumped nothing else is recorded. */
+/* Whether a recording is kept: until it is dumped or given up, nothing else is recorded. */
 static bool keeps_recording(const console_t *console)
 {
     const recorder_t *const recorder = console->app->recorder;
@@ -59,7 +59,7 @@ static bool set_speed(console_t *console, const char *argument)
     return done;
 }
 
-/* Where the configuration is refused nothing is asked of the drive. */
+/* If the configuration was refused, T_b is 0, and only torque 0 is accepted. */
 static bool set_torque(console_t *console, const char *argument)
 {
     const about_t *const about = console->about;
@@ -86,7 +86,7 @@ static bool set_torque(console_t *console, const char *argument)
     return done;
 }
 
-/* Why the recorder has nothing to do with a command now; NULL: it has. */
+/* Why the recorder cannot take a command now; NULL: it can. */
 static const char *why_not(const console_t *console)
 {
     const char *why = NULL;
@@ -101,7 +101,7 @@ static const char *why_not(const console_t *console)
     return why;
 }
 
-/* It is the tick that freezes: without one there never would be an end. */
+/* The tick freezes the recording: without ticks a dump would wait for ever. */
 static bool never_freezes(const console_t *console)
 {
     const hal_t *const hal = console->hal;
@@ -118,7 +118,7 @@ static const char *ask_for_dump(console_t *console)
     if (why != NULL) {
         /* that is the answer */
     } else if (identify_is_busy(&console->identify)) {
-        why = CONSOLE_MEASURING; /* its records would wait for the end of the dump, with current */
+        why = CONSOLE_MEASURING; /* with current it would wait for the dump's end */
     } else if (never_freezes(console)) {
         why = "the control tick does not run, nothing is recorded";
     } else {
@@ -128,7 +128,7 @@ static const char *ask_for_dump(console_t *console)
     return why;
 }
 
-/* The recording of a fault is given up; one that is not kept goes on. */
+/* Gives up the recording of a fault. A recording that is not kept goes on. */
 static const char *record_anew(console_t *console)
 {
     const char *const why = why_not(console);
@@ -158,7 +158,9 @@ static void start_dump(console_t *console)
     console->dump_phase = CONSOLE_DUMP_SENT;
 }
 
-/* A line of the dump once all before it is sent: other lines come in between. */
+/*
+ * Adds the next line of the dump. It waits until `out` is sent, so other lines may come in between.
+ */
 static void send_dump(console_t *console)
 {
     char line[RECORDER_LINE_CHARACTERS + 1U];
@@ -230,7 +232,7 @@ static void do_other_line(console_t *console)
     }
 }
 
-/* A line that changes what is asked of the drive; stop is none: it always counts. */
+/* Whether a line changes the command to the drive. `stop` is left out: it always counts. */
 static bool is_command(const char *line)
 {
     return (text_after(line, "speed ") != NULL) || (text_after(line, "torque ") != NULL) ||
@@ -238,7 +240,7 @@ static bool is_command(const char *line)
            same(line, "identify") || same(line, "unlock");
 }
 
-/* Whether it commands the drive. */
+/* Carries out the line. Returns whether it commands the drive and was not refused. */
 static bool do_line(console_t *console, bool counts)
 {
     const char *const line = console->line;

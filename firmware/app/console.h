@@ -5,9 +5,9 @@
  *
  *     run  stop  clear  speed RPM  torque NM  zero  unlock  status  dump  record  identify
  *
- * It is given the bytes that were typed, and leaves what it says in `out`; the line is link.h's. It
- * runs in the background, commands the drive by way of commander.h and reads it; the control tick
- * may interrupt it at any instruction.
+ * The caller passes in the typed bytes; the console writes its text to `out`. link.h owns the line.
+ * The console runs in the background, commands the drive through commander.h and reads the drive's
+ * state; the control tick may interrupt it at any instruction.
  */
 #ifndef CONSOLE_H
 #define CONSOLE_H
@@ -27,39 +27,40 @@
 typedef enum {
     CONSOLE_DUMP_NONE = 0,
     CONSOLE_DUMP_ASKED, /* the recording is held, and will be frozen */
-    CONSOLE_DUMP_SENT   /* line by line */
+    CONSOLE_DUMP_SENT   /* it is sent line by line */
 } console_dump_t;
 
 typedef struct {
-    app_t *app; /* with a recorder once a dump is asked for */
+    app_t *app; /* without a recorder, dump and record are refused */
     hal_t *hal;
     const about_t *about;
     drive_state_t announced;
     char line[CONSOLE_LINE_MAX + 1U];
     uint32_t length; /* of the line so far */
-    text_t out;      /* to be sent: who has sent all of it sets its length to 0 */
+    text_t out;      /* to be sent: the sender of all of it sets its length to 0 */
     console_dump_t dump_phase;
     recorder_dump_t dump;
     identify_t identify;
 } console_t;
 
 /*
- * Call once. `app` may be initialised later, and never if that fails: it is zero before. So the
- * console can say why. All three outlive it.
+ * Call once. `app` may be all zero: it may be initialised later, or never if that fails. So the
+ * console can say why it failed. All three must outlive the console.
  */
 void console_init(console_t *console, app_t *app, hal_t *hal, const about_t *about);
 
-/* Says a line. What does not fit behind what is still to be sent is lost. */
+/* Adds a line to `out`. Characters that do not fit there are lost. */
 void console_say(console_t *console, const char *line);
 
 /*
- * Takes a byte that was typed. A line ends with CR, LF or both and is done at once; an empty one is
- * none. True when it ended a line that commands the drive, and was not refused. counts: false for a
- * line that comes late, see commander.h; then a command other than stop is refused.
+ * Takes a typed byte. CR, LF or both end a line, and the line is carried out at once. An empty line
+ * is ignored. Returns true when the byte ended a line that commands the drive and was not refused.
+ * counts: false for a line that comes late, see commander.h; then a command other than stop is
+ * refused.
  */
 bool console_take(console_t *console, uint8_t byte, bool counts);
 
-/* A line that was begun is forgotten. */
+/* Forgets a line that has begun. */
 void console_forget(console_t *console);
 
 /*
