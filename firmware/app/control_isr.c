@@ -6,7 +6,7 @@
 
 #include <stddef.h>
 
-/* Nothing is told. */
+/* No failure is posted from here on. */
 static void clear_failure(app_t *app)
 {
     app->fails = false;
@@ -37,7 +37,7 @@ void app_record(app_t *app, recorder_t *recorder)
     app->recorder = recorder;
 }
 
-/* The barrier keeps the words of the configuration in front of the store that posts it. */
+/* The barrier keeps the stores to the configuration before the store that posts it. */
 void app_change(app_t *app, const drive_cfg_t *cfg)
 {
     barrier_compiler();
@@ -48,7 +48,7 @@ bool app_changes(const app_t *app)
 {
     const bool posted = app->change != NULL;
 
-    barrier_compiler(); /* what was in force before is written after this */
+    barrier_compiler(); /* the caller may overwrite the old configuration only after this */
     return posted;
 }
 
@@ -68,7 +68,7 @@ static uint32_t half_word(int32_t number)
     return (uint32_t)fx_clamp(number, 0, 0xFFFF);
 }
 
-/* The barrier keeps the words of the failure in front of the store that tells it. */
+/* The barriers keep the order: the failure is written only while `fails` is false. */
 void app_fail(app_t *app, const fault_t *fault)
 {
     const uint32_t numbers = half_word(fault->value) | (half_word(fault->limit) << 16U);
@@ -81,7 +81,7 @@ void app_fail(app_t *app, const fault_t *fault)
     app->fails = true;
 }
 
-/* It is also over where it is none: a bit has flipped by itself. */
+/* If `fails` is true without a failure, a bit has flipped by itself: it is cleared too. */
 void app_forget_failure(app_t *app)
 {
     if (app->fails &&
@@ -91,14 +91,15 @@ void app_forget_failure(app_t *app)
 }
 
 /*
- * Both have to say it: a bit that flips by itself in one of them tells nothing, and starts nothing.
+ * Both `fails` and the request must say so: a bit that flips by itself in one of them neither
+ * causes a fault nor starts the drive.
  */
 static bool is_told(const app_t *app)
 {
     return app->fails && (app->failure.request == DRIVE_REQUEST_FAIL);
 }
 
-/* What was found is applied before it is recorded: its time is short. */
+/* The outputs are applied before they are recorded, because little time is left for them. */
 void control_isr(app_t *app)
 {
     hal_sample(app->hal, &app->in);

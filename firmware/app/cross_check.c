@@ -11,7 +11,7 @@ typedef struct {
     uint32_t tick;
     drive_state_t state;
     current_sum_in_t current;
-    bool saturated; /* a converter is at an end: what it reads is no current */
+    bool saturated; /* a converter is at an end of its range: its reading is not the current */
 } measured_t;
 
 static measured_t measure_tick(const app_t *app)
@@ -32,7 +32,7 @@ static measured_t measure_tick(const app_t *app)
     };
 }
 
-/* In ticks, that of the means of the supervision. */
+/* Window in ticks, the same as for the means of the supervision. */
 static uint32_t window_of(const drive_cfg_t *cfg)
 {
     return (cfg->slow_ticks * SUPERVISION_STEPS) << cfg->supervision.mean_shift;
@@ -74,8 +74,8 @@ static void check_sum(app_t *app, const measured_t *measured)
 }
 
 /*
- * What a control interrupt changes meanwhile is of two ticks, and counts for nothing. The barriers
- * have the tick read twice.
+ * If a control interrupt comes meanwhile, the measurements are of two ticks and are discarded. The
+ * barriers make the compiler read the tick a second time.
  */
 static void check_tick(app_t *app, uint32_t tick)
 {
@@ -90,7 +90,7 @@ static void check_tick(app_t *app, uint32_t tick)
     }
 }
 
-/* A board that did not start has no ticks, and its drive no configuration. */
+/* A board that did not start has no ticks and no configuration: nothing is checked there. */
 void cross_check_step(app_t *app)
 {
     const uint32_t tick = app->drive.tick;

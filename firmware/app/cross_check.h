@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the background checks of the measurements, beside what the control interrupt does
- * (supervision.h): the sum of the three phase currents (current_sum.h). A fault goes to the drive
- * as that of the background does, app_fail().
+ * The check of the measurements by the background, in addition to those by the control interrupt
+ * (supervision.h): it checks the sum of the three phase currents (current_sum.h). It reports a
+ * fault to the drive by app_fail().
  */
 #ifndef CROSS_CHECK_H
 #define CROSS_CHECK_H
@@ -10,8 +10,8 @@
 #include "app.h"
 
 /*
- * Once per pass of the background; within one tick it does nothing more. A pass in which a control
- * interrupt comes counts for nothing. Context: background.
+ * Call once per pass of the background. It checks once a tick. If a control interrupt comes during
+ * a check, that check is discarded. Context: background.
  */
 void cross_check_step(app_t *app);
 

@@ -13,8 +13,8 @@
 #define LAG_EIGHTHS_MOST (12U) /* … and 12/8 at most */
 #define EIGHT (8U)
 #define HALVES_SEEN (4U) /* half-waves that are a swing, though not yet a fault */
-#define NOISE_SHARE (6)  /* noise above 1/6 of a limit is not small beside it */
-#define WHOLE_SHARE (16) /* a swing within 1/16 of the current's limit is held by it */
+#define NOISE_SHARE (6)  /* noise above 1/6 of a limit is not small */
+#define WHOLE_SHARE (16) /* a swing that comes within 1/16 of the current limit is held by it */
 /* a rotor that turns with less than 1/2 of the vector's speed does not follow it */
 #define FOLLOW_SHARE (2)
 
@@ -28,7 +28,7 @@ static bool was_running(const drive_t *drive)
     return drive->scene.state == DRIVE_STATE_RUN;
 }
 
-/* Less than 3/4 of the motoring current was left, by one of these limits. */
+/* Whether one of these limits left less than 3/4 of the motoring current. */
 static bool is_derated_by(const drive_t *drive, uint32_t limits)
 {
     const int32_t whole = drive->cfg->derating.current_max;
@@ -37,7 +37,7 @@ static bool is_derated_by(const drive_t *drive, uint32_t limits)
            (drive->scene.motoring < (whole - (whole / 4)));
 }
 
-/* Steps of a turn in one tick with the frequency of the swing; 0: there was none. */
+/* Frequency of the swing in steps per tick; 0: there was none. */
 static int64_t swing_step(const drive_t *drive)
 {
     const int64_t ticks = 2LL * (int64_t)drive->oscillation.span * (int64_t)drive->cfg->slow_ticks;
@@ -56,8 +56,8 @@ static bool is_times(int64_t frequency, int64_t turn, int64_t times)
 }
 
 /*
- * Period of the swing and the one at which the loop lags by half a turn, in sixteenths of a slow
- * period.
+ * Period of the swing, and the period at which the loop lags by half a turn, in sixteenths of a
+ * slow period.
  */
 typedef struct {
     uint64_t swing_q4;
@@ -84,7 +84,7 @@ static bool is_slower_than_lag(const periods_t *periods)
     return (EIGHT * periods->swing_q4) > (LAG_EIGHTHS_MOST * periods->lag_q4);
 }
 
-/* A loop that swings by itself does so up to the limit of its current. */
+/* A loop that swings by itself reaches the limit of its current. */
 static bool swings_at_limit(const drive_t *drive)
 {
     const int32_t whole = drive->cfg->derating.current_max;
@@ -93,12 +93,12 @@ static bool swings_at_limit(const drive_t *drive)
 }
 
 /*
- * The cause of a swing that the loop answers to, by its frequency. With few pole pairs two causes
+ * The cause of a swing that is forced on the loop, by its frequency. With few pole pairs two causes
  * have the same frequency.
  */
 static uint32_t forced_signs(int64_t frequency, int64_t shaft, int64_t electric)
 {
-    /* half: as a four-stroke engine or a belt */
+    /* half of the shaft's frequency: a four-stroke engine or a belt */
     const bool turns = is_times(2 * frequency, shaft, 1) || is_times(frequency, shaft, 1) ||
                        is_times(frequency, shaft, 2) || is_times(frequency, shaft, 3);
     const bool electrical = is_times(frequency, electric, 1) || is_times(frequency, electric, 2);
@@ -122,13 +122,16 @@ static uint32_t swing_signs(const drive_t *drive, uint32_t pole_pairs)
     const bool own = lags && swings_at_limit(drive);
     uint32_t signs = sign_if(FAULT_SIGN_LAG, lags);
 
-    if (!fast && !own) { /* what is faster the loop does not answer to */
+    if (!fast && !own) { /* the loop does not answer to a faster one */
         signs |= forced_signs(swing_step(drive), electric / (int64_t)pole_pairs, electric);
     }
     return signs;
 }
 
-/* Mean change of a sample by noise at rest, Q15 of I_b: 1.13 of its rms value. */
+/*
+ * Mean change from sample to sample by noise at rest, Q15 of I_b: 1.13 of the rms value of the
+ * noise.
+ */
 static int32_t noise_at_rest(const drive_t *drive)
 {
     const uint64_t samples = 2ULL * drive->calibration.samples;
@@ -141,13 +144,13 @@ static int32_t noise_at_rest(const drive_t *drive)
     return (int32_t)mean;
 }
 
-/* Beside the smallest current that a start judges by. */
+/* Noise compared with the smallest current by which a start judges. */
 static bool is_noisy_at_rest(const drive_t *drive)
 {
     return (NOISE_SHARE * noise_at_rest(drive)) > drive->cfg->startup.residual_max;
 }
 
-/* Where a start turns the vector without the rotor, the observer finds no speed, or another one. */
+/* If a start turns the vector without the rotor, the observer finds no speed, or a wrong one. */
 static bool is_not_followed(const drive_t *drive)
 {
     const step_t vector = drive->vector.step;
@@ -156,7 +159,10 @@ static bool is_not_followed(const drive_t *drive)
     return drive_is_imposed(drive->scene.state) && ((FOLLOW_SHARE * slip) > fx_abs(vector));
 }
 
-/* More than ripple. Where a high bus has taken the braking torque away, none is left to be seen. */
+/*
+ * Whether the braking torque is more than ripple. If a high bus has taken the braking torque away,
+ * none is visible: then a torque that does not clearly drive counts too.
+ */
 static bool brakes(const drive_t *drive)
 {
     const fault_scene_t *const scene = &drive->scene;
@@ -188,7 +194,7 @@ static uint32_t scene_signs(const drive_t *drive)
            sign_if(FAULT_SIGN_NOT_FOLLOWED, is_not_followed(drive));
 }
 
-/* Of the arc under way: a phase that has kept its value while another one has moved. */
+/* Whether a phase has kept its value in the arc under way, while another one has moved. */
 static bool is_stuck(const drive_t *drive)
 {
     const supervision_t *const seen = &drive->supervision;
@@ -219,7 +225,7 @@ static bool is_cold_end(const drive_t *drive)
 {
     const derating_cfg_t *const cfg = &drive->cfg->derating;
     const bool below = drive->fault.value < cfg->temperature_lowest;
-    const bool rises = cfg->temperature.gain > 0; /* its counts, with the temperature */
+    const bool rises = cfg->temperature.gain > 0; /* the counts rise with the temperature */
 
     return below == rises;
 }

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Tells the causes of a fault apart by what the drive knows: the frequency of a swing against the
- * turn and against the lag of the loop, the limits in force, the noise of the current sensors at
- * rest, what the phases did. fault_text.h has the signs and the advice.
+ * Tells the causes of a fault apart by what the drive knows: the frequency of a swing compared with
+ * the rotor's turns and with the lag of the loop, the limits in force, the noise of the current
+ * sensors at rest, the phase currents. fault_text.h has the signs and the advice.
  *
- * It looks at the state as the fault has left it, when somebody asks: the tick pays for nothing but
- * noting the scene of a fault. Context: background, in FAULT.
+ * When asked, it looks at the state that the fault has left. The only cost in the tick is to note
+ * the scene of a fault. Context: background, in FAULT.
  */
 #ifndef DIAGNOSIS_H
 #define DIAGNOSIS_H

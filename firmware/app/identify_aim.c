@@ -4,12 +4,12 @@
 #define LOOP_SHARE (8U)       /* bandwidth of the current control: 1/8 a tick */
 #define SLOW_SHARE (40U)      /* its integral is 5 times slower, */
 #define QUICK_SHARE (10U)     /* or about as quick */
-#define SOFT_SHARE (256U)     /* and across a current at rest another 256 times */
+#define SOFT_SHARE (256U)     /* and across a current at rest another 256 times slower */
 #define SOFT_GAIN_SHARE (16U) /* K_p across a current at rest: R and this damp the rotor */
-/* of the current's converter: a quarter of it is still above its noise */
+/* of the current's converter: a quarter of so many counts is still above its noise */
 #define COUNTS_LEAST (24)
 #define FULL_SCALE (16384)  /* of a current sensor, Q15 of I_b */
-#define INTEGRAL_BITS (11U) /* by which the integral is finer, pi.h */
+#define INTEGRAL_BITS (11U) /* the integral has so many bits more, pi.h */
 
 void identify_aim_current(identify_t *identify, int32_t current)
 {
@@ -26,8 +26,8 @@ void identify_aim_window(identify_t *identify, const char *kind, int32_t settle,
 }
 
 /*
- * A gain in Q32 as a word of PROBE_GAIN_D. One that the word has no shift for is the largest that
- * it has.
+ * A gain in Q32 as a word of PROBE_GAIN_D. A gain that is too large for the word becomes the
+ * largest that it can hold.
  */
 static int32_t gain_word(uint64_t gain_q32)
 {

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * How warm the winding may be when an identification begins. STILL imposes the largest current, for
- * some seconds. A winding with a short time constant would end it by OVERLOAD if it were warm
- * already, or if it may be: after the supply was away nobody knows its heat (kept_heat.h).
+ * some seconds. If a winding with a short time constant were already warm, OVERLOAD would end the
+ * identification. After a loss of supply the heat is unknown, so the winding may be warm
+ * (kept_heat.h).
  *
  * Part of the identification. Context: background.
  */
@@ -14,10 +15,10 @@
 #include <stdint.h>
 
 /*
- * Returns the heat up to which it may begin, Q24: 1 is the steady heat of the continuous current.
- * From there LARGEST_MS of the largest current end a tenth below the limit, without what cools
- * meanwhile. Never below 0.25: cooling from 0.9 to 0.25 takes 1.3 time constants. At that floor
- * OVERLOAD remains possible. Pure.
+ * Returns the largest heat at which it may begin, Q24: 1 is the steady heat of the continuous
+ * current. From there, LARGEST_MS of the largest current lead to 0.1 below the limit, with no
+ * cooling counted. Never below 0.25: cooling from 0.9 to 0.25 takes 1.3 time constants. At that
+ * floor OVERLOAD remains possible. Pure.
  */
 int32_t identify_heat_most_q24(const identify_t *identify);
 

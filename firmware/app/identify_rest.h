@@ -2,8 +2,8 @@
 /*
  * Experiments on a rotor that does not turn: PULSE, CATCH, STILL.
  *
- * A plan looks at the sums of the experiment that has ended, and aims the next one. It returns
- * whether it did: if not, it has changed the phase, and the plan of that phase is next. Context:
+ * A plan looks at the sums of the experiment that has ended, and sets up the next one. It returns
+ * whether it did: if not, it has changed the phase, and the plan of the new phase is next. Context:
  * background.
  */
 #ifndef IDENTIFY_REST_H
@@ -17,8 +17,9 @@
 int32_t identify_rest_largest(const identify_t *identify);
 
 /*
- * Ends it while a current is imposed along the axis of a phase. The reason is `why`, a text that
- * outlives it. Where a phase carries no current, the reason is that this phase is open.
+ * Ends the identification while a current is imposed along the axis of a phase. The reason is
+ * `why`, a text that outlives it. If a phase carries no current, the reason is that this phase is
+ * open.
  */
 void identify_rest_refuse(identify_t *identify, const char *why);
 

@@ -2,8 +2,8 @@
 /*
  * Experiments on a rotor that turns: SPIN, RAMP, COAST.
  *
- * A plan looks at the sums of the experiment that has ended, and aims the next one. It returns
- * whether it did: if not, it has changed the phase, and the plan of that phase is next. Context:
+ * A plan looks at the sums of the experiment that has ended, and sets up the next one. It returns
+ * whether it did: if not, it has changed the phase, and the plan of the new phase is next. Context:
  * background.
  */
 #ifndef IDENTIFY_TURN_H
@@ -29,13 +29,13 @@ bool identify_turn_seeks_speed(const identify_t *identify);
  */
 bool identify_turn_lacks_voltage(const identify_t *identify);
 
-/* Ends it for that, and for a rotor that falls out of step again and again. */
+/* End the identification: the voltage is too low; the rotor falls out of step again and again. */
 void identify_turn_refuse_voltage(identify_t *identify);
 void identify_turn_refuse_lost(identify_t *identify);
 
 /*
- * The rotor has fallen out of step: it is caught again, and goes more slowly. At the third time it
- * is refused.
+ * The rotor has fallen out of step: catches it again, for a slower attempt. The third time it ends
+ * the identification.
  */
 void identify_turn_catch_again(identify_t *identify);
 

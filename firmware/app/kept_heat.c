@@ -17,7 +17,7 @@
 /* Two copies: a reset while one is written leaves the other. */
 #define COPIES (HAL_KEPT_WORDS / COPY_WORDS)
 
-/* Words that are all 0, or all 1, are none. */
+/* With this seal, words that are all 0, or all 1, are not valid. */
 static uint32_t seal_of(uint32_t heat, uint32_t scale)
 {
     return ~(heat + scale);
@@ -28,7 +28,7 @@ static uint32_t scale_of(const derating_cfg_t *cfg)
     return (cfg->heat_shift << GAIN_BITS) | (uint32_t)cfg->heat_gain;
 }
 
-/* In the scale of `cfg`. */
+/* Converts a kept heat into the scale of `cfg`. */
 static int32_t in_scale_of(uint32_t heat, uint32_t scale, const derating_cfg_t *cfg)
 {
     const derating_cfg_t before = {.heat_shift = scale >> GAIN_BITS,
@@ -39,7 +39,7 @@ static int32_t in_scale_of(uint32_t heat, uint32_t scale, const derating_cfg_t *
     return kept.heat_q24;
 }
 
-/* The heat of a copy. False, and `heat_q24` is as it was, where its words are none. */
+/* Reads the heat of a copy. Returns false, and leaves *heat_q24, if the copy is not valid. */
 static bool copy_holds(const app_t *app, uint32_t first, int32_t *heat_q24)
 {
     const uint32_t heat = hal_kept(app->hal, first + HEAT);
@@ -68,8 +68,9 @@ void kept_heat_restore(app_t *app)
 }
 
 /*
- * A change that is posted may come in between, with another scale: then it is kept in the next
- * pass. Nobody else posts one, so the configuration stays what it is from the look at it on.
+ * While a change is posted, the tick may take it at any instruction, and with it another scale: the
+ * heat is kept in a later pass then. Only the background posts changes, so the configuration stays
+ * the same after this check.
  */
 void kept_heat_step(app_t *app)
 {
