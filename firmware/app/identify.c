@@ -50,7 +50,7 @@ static void post(identify_t *identify, uint32_t which)
     identify->in_force[which] = command.target;
 }
 
-/* The word that was posted last has reached the drive. */
+/* Whether the word that was posted last has reached the drive. */
 static bool word_is_taken(const identify_t *identify)
 {
     const drive_command_t asked = command_mailbox_take(&identify->app->mailbox);
@@ -60,7 +60,9 @@ static bool word_is_taken(const identify_t *identify)
            (now->request == asked.request);
 }
 
-/* Posts the next word that is not in force, the window's left out. Returns whether all are. */
+/*
+ * Posts the next word that is not in force, except the window's. Returns whether all are in force.
+ */
 static bool ask(identify_t *identify)
 {
     bool complete = true;
@@ -74,7 +76,7 @@ static bool ask(identify_t *identify)
     return complete;
 }
 
-/* Its word differs from those of the windows before. */
+/* Its number makes the window's word differ from those of the windows before. */
 static void ask_for_window(identify_t *identify)
 {
     const uint32_t number = identify->windows & WINDOW_NUMBERS;
@@ -116,7 +118,7 @@ static void add_words(text_t *text, dq_t value)
     add_word(text, value.q);
 }
 
-/* The end of a record, which is all that the text has. */
+/* Adds the end of a record. The text has nothing but this record. */
 static void end_record(identify_t *identify, text_t *text)
 {
     identify->crc = text_crc(identify->crc, text->characters, text->length);
@@ -192,12 +194,12 @@ static void say_end(identify_t *identify, text_t *text)
         }
     }
     if (identify->needed > 0) {
-        /* rounded up: a name plate with the current that is said has enough of it */
+        /* rounded up: a name plate with the current of this text has enough */
         add_amperes(text, milliamperes(identify, identify->needed) + 1);
     }
 }
 
-/* That of the vector, and a third of it for the rotor's swings. */
+/* The speed of the vector, and a third more for the rotor's swings. */
 static void add_highest_speed(const identify_t *identify, text_t *text, const char *before)
 {
     const step_t speed = identify_turn_speed(identify);
@@ -207,7 +209,7 @@ static void add_highest_speed(const identify_t *identify, text_t *text, const ch
     text_add(text, " rpm");
 }
 
-/* Before each phase: what it will do, with which current and speed. */
+/* Says before each phase what it will do, with which current and speed. */
 static void say_phase(identify_t *identify, text_t *text)
 {
     const int32_t continuous = milliamperes(identify, identify_aim_continuous(identify));
@@ -288,13 +290,15 @@ static void plan_next(identify_t *identify)
     }
 }
 
-/* Largest mean change of a sensor from sample to sample that leaves a result, Q15 of I_b. */
+/* Largest mean change of a sensor from sample to sample that still allows a result, Q15 of I_b. */
 static int32_t noise_most(const identify_t *identify)
 {
     return identify_aim_continuous(identify) / NOISE_SHARE;
 }
 
-/* Of the first pulses on each axis. Larger ones and what turns change the current themselves. */
+/*
+ * Judges the first pulses on each axis only: larger pulses and a turning vector change the current.
+ */
 static bool is_noisy(const identify_t *identify)
 {
     const probe_sums_t *const sums = identify_aim_sums(identify);
@@ -322,8 +326,8 @@ static void have_asked(identify_t *identify)
 }
 
 /*
- * Ramps of each further attempt take twice as long. The longest leads from a quarter of the speed
- * down to half of an eighth of it.
+ * The ramps of each further attempt take twice as long. The longest ramp leads from 1/4 of the
+ * highest speed down to 1/16 of it.
  */
 static uint32_t longest_move(const identify_t *identify)
 {
@@ -387,7 +391,10 @@ void identify_init(identify_t *identify, app_t *app, const about_t *about)
     *identify = (identify_t){.app = app, .about = about};
 }
 
-/* The words that probe_reset() leaves. A run that the drive has not taken yet is taken back. */
+/*
+ * Starts from the words that probe_reset() leaves. Withdraws a run that the drive has not taken
+ * yet.
+ */
 static void begin_identifying(identify_t *identify)
 {
     const uint32_t ticks = MS_PS / identify->about->rotation.tick_ps;
@@ -421,8 +428,8 @@ const char *identify_start(identify_t *identify)
     if (identify_is_busy(identify)) {
         why = "it is under way";
     } else if (app_changes(identify->app)) {
-        why = "the configuration changes in this moment; ask again"; /* its currents are planned by
-                                                                        it */
+        /* the plan takes its currents from the configuration */
+        why = "the configuration changes in this moment; ask again";
     } else if (identify->about->is_example != 0U) {
         why = "the configuration has an example motor: name the one that is connected, by "
               "`identify PLATE.toml NEW.toml` of motorsim live";
@@ -435,8 +442,8 @@ const char *identify_start(identify_t *identify)
 }
 
 /*
- * The user's command instead of a word of the probe, without its request; what else is requested
- * meanwhile stays.
+ * Puts the user's command, without its request, in place of a word of the probe. Another request
+ * that has come meanwhile stays.
  */
 static void give_back(identify_t *identify)
 {
@@ -462,11 +469,11 @@ void identify_refuse(identify_t *identify, const char *why)
 {
     if (identify_is_busy(identify) && (identify->phase != IDENTIFY_ENDS)) {
         identify_aim_refusal(identify, why);
-        give_back(identify); /* its line may have to wait */
+        give_back(identify); /* now: the last line may have to wait */
     }
 }
 
-/* The scales, then the first plan_next: its words are for a drive in PROBE. */
+/* Says the scales and plans the first experiment. Its words are for a drive in PROBE. */
 static void start_probing(identify_t *identify, text_t *text)
 {
     say_scales(identify, text);
@@ -475,7 +482,7 @@ static void start_probing(identify_t *identify, text_t *text)
     post(identify, 0U);
 }
 
-/* From it on a rotor drives the current. */
+/* A larger current than this is driven by a rotor. */
 static int32_t runaway_current(const identify_t *identify)
 {
     const int32_t pulses = (identify_aim_continuous(identify) * 5) / 4;
@@ -484,7 +491,7 @@ static int32_t runaway_current(const identify_t *identify)
     int32_t largest;
 
     switch (identify->phase) {
-    case IDENTIFY_PULSE: /* nothing turns, and nothing regulates */
+    case IDENTIFY_PULSE: /* nothing turns, and no current control acts */
         largest = fx_min(pulses, middle);
         break;
     case IDENTIFY_RAMP: /* a rotor that is lost is caught again */
@@ -583,11 +590,14 @@ static void take_turn(identify_t *identify, text_t *text)
                (identify->app->drive.state == DRIVE_STATE_PROBE)) {
         say_or_go_on(identify, text);
     } else {
-        /* nothing is asked, or READY: the first word has not been taken yet */
+        /* the drive is still READY: it has not taken the first word yet */
     }
 }
 
-/* Whatever it waits for: the drive, a window, a rotor, or a line that nobody reads. */
+/*
+ * Whether it takes too long, whatever it waits for: the drive, a window, a rotor, or a line that
+ * nobody reads.
+ */
 static bool lasts_too_long(const identify_t *identify)
 {
     const uint32_t longest = LONGEST_MS * fx_unsigned(identify->ms_ticks);
@@ -596,8 +606,8 @@ static bool lasts_too_long(const identify_t *identify)
 }
 
 /*
- * A rotor that is braked, that swings in the field or is caught by it gives power back. At rest the
- * bus is too high by itself.
+ * A rotor that is braked, that swings in the field or is caught by it gives power back. With a
+ * rotor at rest, the bus is too high for another reason.
  */
 static void refuse_fault(identify_t *identify, fault_id_t fault)
 {
@@ -611,7 +621,10 @@ static void refuse_fault(identify_t *identify, fault_id_t fault)
                                 : fault_text(fault)->name);
 }
 
-/* What ends it from outside. The first phase is said in PROBE. */
+/*
+ * Looks for a reason from outside to end it. The first phase is said in PROBE, so from then on the
+ * drive has to be in PROBE.
+ */
 static void look_for_end(identify_t *identify)
 {
     const drive_t *const drive = &identify->app->drive;
@@ -639,7 +652,7 @@ void identify_step(identify_t *identify, text_t *text)
             take_turn(identify, text);
         }
         if (identify->phase == IDENTIFY_ENDS) {
-            give_back(identify); /* at once: its line may have to wait */
+            give_back(identify); /* at once: the last line may have to wait */
         }
     }
 }

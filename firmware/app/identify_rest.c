@@ -17,13 +17,13 @@
 #define PULSE_PATTERNS (16)
 #define PULSE_TICKS_MOST (64)
 /*
- * An open phase leaves its own axis no current and the two others 3/4; saliency leaves one 0.4 of
- * another at least.
+ * With an open phase, a pulse on its axis has no current, and pulses on the two other axes have
+ * 3/4. With saliency, the current on one axis is at least 0.4 of that on another.
  */
 #define OPEN_SHARE (8)
 /*
- * A pulse of twice the time with 5/8 of the voltage has 5/4 of the current. 13/8 is more than iron
- * that saturates makes of it.
+ * A pulse of twice the time with 5/8 of the voltage has 5/4 of the current. 13/8 is more than
+ * saturating iron can cause.
  */
 #define LAG_EIGHTHS (13)
 /* of the continuous current: an answer above the converter's noise */
@@ -80,7 +80,7 @@ static int32_t largest_answer(const identify_rest_t *rest)
     return largest;
 }
 
-/* What the legs lose is the same in two pulses: it cancels in their difference. */
+/* The voltage that the legs lose is the same in two pulses: it cancels in their difference. */
 static void find_inductance(identify_rest_t *rest)
 {
     const int64_t more = fx_max(largest_peak(rest) - rest->before, 1);
@@ -95,9 +95,9 @@ static void find_inductance(identify_rest_t *rest)
 }
 
 /*
- * How far the currents of pulses on the three axes, m + b·cos(2·(angle − rotor)), are apart:
- * returns b. m + b is the answer along the flux, by 1/L_d, and m − b across. What the legs lose is
- * the same on each axis: a common share of m and b.
+ * The currents of pulses on the three axes are m + b·cos(2·(angle − rotor)). Returns b, which says
+ * how far they are apart. m + b is the answer along the flux, by 1/L_d, and m − b the answer across
+ * it. The voltage that the legs lose is the same on each axis: it takes the same share of m and b.
  */
 static int32_t unlike_peaks(const identify_rest_t *rest)
 {
@@ -112,10 +112,11 @@ static int32_t unlike_peaks(const identify_rest_t *rest)
 }
 
 /*
- * Half of φ/(L_q − L_d): from the whole on a rotor has no stiffness on a current. L is that of the
- * axis with the largest answer p, so L_d = L·p/(m + b), L_q = L·p/(m − b). φ is that of the
- * configuration: of a name plate, what is usual for its speed and the bus. emf_q13 is Ω_b·φ/U_b and
- * Ω_b is 2^(15 + shift) steps a tick, of 2^32 a turn: φ in volt-ticks is emf·2^(4 − shift)/2π.
+ * Returns half of φ/(L_q − L_d): with the whole of it or more, a current does not hold the rotor. L
+ * was found on the axis with the largest answer p, so L_d = L·p/(m + b), L_q = L·p/(m − b). φ comes
+ * from the configuration; for a name plate it is the usual φ for its speed and the bus. emf_q13 is
+ * Ω_b·φ/U_b and Ω_b is 2^(15 + shift) steps a tick, of 2^32 a turn: φ in volt-ticks is
+ * emf·2^(4−shift)/2π.
  */
 static int32_t find_stiff_current(const identify_t *identify)
 {
@@ -138,13 +139,16 @@ static int32_t find_stiff_current(const identify_t *identify)
     return stiff;
 }
 
-/* So large a current says which phases are connected, long before the drive misses one. */
+/*
+ * Whether the current is large enough to show which phases are connected. The drive would find a
+ * lost phase much later.
+ */
 static bool shows_current(const identify_t *identify)
 {
     return largest_answer(&identify->rest) >= (identify_aim_continuous(identify) / 16);
 }
 
-/* Behind a low pass a short pulse seems smaller than a long one. */
+/* After a low pass, a short pulse seems smaller than a long one. */
 static void note_lag(identify_t *identify)
 {
     identify_rest_t *const rest = &identify->rest;
@@ -157,8 +161,8 @@ static void note_lag(identify_t *identify)
 }
 
 /*
- * In small steps once a current shows; twice as much before, first of the voltage, then of the
- * time.
+ * Enlarges the pulses in small steps once a current shows. Before that it doubles them: first the
+ * voltage, then the time.
  */
 static void enlarge_pulse(identify_t *identify)
 {
@@ -182,7 +186,7 @@ static void enlarge_pulse(identify_t *identify)
 
 /*
  * Why the answers of the three axes are not those of a motor; NULL: they may be. One turned axis is
- * no reason here: a phase that stands out is judged by its resistance.
+ * not a reason here: STILL judges an unlike phase by its resistance.
  */
 static const char *find_wrong_phase(const identify_rest_t *rest)
 {
@@ -271,7 +275,7 @@ bool identify_rest_plan_pulse(identify_t *identify)
 #define CATCH_MOVES (10U)
 #define CATCH_HALFWAY (2U)  /* the move in which the vector begins to turn */
 #define CATCH_LOOKS (40U)   /* of 100 ms each: 4 s for a swing to calm down */
-#define CATCH_RISE_MS (30)  /* each */
+#define CATCH_RISE_MS (30)  /* of each move */
 #define CATCH_TURN_MS (400) /* half a turn */
 #define CATCH_LOOK_MS (100)
 #define CALM_SHARE (16)
@@ -290,8 +294,8 @@ static step_t turn_rate(const identify_t *identify, int32_t half_turn_ms)
 }
 
 /*
- * |i_q| of a rotor that swings or slips, beyond what noise has for its largest sample. Windings
- * that differ have a mean of i_q, which stays for STEADY_LOOKS.
+ * A rotor that swings or slips has an |i_q| above the largest sample of the noise. Unlike windings
+ * cause a mean of i_q: if it stays for STEADY_LOOKS, the rotor does not swing.
  */
 static bool swings_no_more(identify_t *identify)
 {
@@ -318,9 +322,9 @@ static void refuse_restless(identify_t *identify)
 }
 
 /*
- * A small current rises opposite to where the rotor is to be, the vector turns there in two
- * quarters, and the rest of the current follows. A rotor that falls into the field falls into a
- * small one: its EMF drives no over-current.
+ * A small current rises opposite to the angle where the rotor is to be. The vector turns to that
+ * angle in two quarters of a turn, and the rest of the current follows. So a rotor that falls into
+ * the field falls into a small one: its EMF drives no over-current.
  */
 static void aim_catch(identify_t *identify)
 {
@@ -335,7 +339,7 @@ static void aim_catch(identify_t *identify)
     } else if (step == CATCH_HALFWAY) {
         angle = HALF_TURN / 2U;
     } else {
-        /* where it is to be */
+        /* the angle where the rotor is to be */
     }
     identify_aim_current(identify, (identify_aim_continuous(identify) * share) / 8);
     identify_aim_gains(identify, IDENTIFY_GAINS_SOFT);
@@ -354,9 +358,9 @@ static void aim_catch(identify_t *identify)
 }
 
 /*
- * φ of a name plate may be wrong by a factor. So a salient rotor is tried with half as much again:
- * where it has no stiffness it turns off the vector. Not where thrice the current of the
- * experiments would hold it, nor where L_q/L_d is below 9/7.
+ * φ of a name plate may be wrong by a factor. So a salient rotor is tried with 1.5 times
+ * stiff_current: if this current does not hold it, it turns away from the vector. No try is needed
+ * if three times the current of the experiments would hold it, or if L_q/L_d is below 9/7.
  */
 static bool is_to_be_tried(const identify_t *identify)
 {
@@ -384,8 +388,8 @@ static void aim_try(identify_t *identify)
 }
 
 /*
- * A pulse along the vector changes i_q by b·sin 2δ and i_d by m + b·cos 2δ: it is off by more than
- * 15 degrees.
+ * Whether the rotor is off the vector by δ of more than 15 degrees. A pulse along the vector
+ * changes i_q by b·sin 2δ and i_d by m + b·cos 2δ.
  */
 static bool lies_beside(identify_t *identify)
 {
@@ -397,9 +401,9 @@ static bool lies_beside(identify_t *identify)
 }
 
 /*
- * It is caught again with 3/4 of the current, or the experiments begin. What lies beside any
- * current has another cause, such as unlike windings: the experiments find it, with the current
- * that the pulses have told.
+ * A rotor off the vector is caught again with 3/4 of the current; otherwise the experiments begin.
+ * If the rotor lies off the vector with each current, the cause is another one, such as unlike
+ * windings. The experiments find it, with the current that follows from the pulses.
  */
 static bool judge_try(identify_t *identify)
 {
@@ -430,7 +434,7 @@ static bool leave_catch(identify_t *identify)
         identify->rest.tries = true;
         aim_try(identify);
     } else {
-        /* the second time it is for those who turn it */
+        /* a rotor that was lost is caught again to go on with SPIN */
         identify_aim_phase(identify,
                            (identify->turn.slower == 0U) ? IDENTIFY_STILL : IDENTIFY_SPIN);
     }
@@ -459,23 +463,23 @@ bool identify_rest_plan_catch(identify_t *identify)
 /* ---- STILL ---- */
 
 #define LEVELS (14U)
-#define LEVEL_FOR_R (5U) /* with the first one it gives R: half of its current */
-/* 1/8 of R·i is more than a winding warms up by, and a share of what tells phases apart */
+#define LEVEL_FOR_R (5U) /* with the first level it gives R: 0.41 of that level's current */
+/* 1/8 of R·i is more than the warming of a winding adds, and less than what tells phases apart */
 #define UNSTEADY_SHARE (8)
 #define UNSTEADY_ONE (256)
 /*
- * A voltage that is off by a share makes R of an axis off by 1.7 of it, by two levels 0.59 of the
- * current apart; R of a phase by twice that.
+ * The two levels are 0.59 of the current apart, so a voltage that is off by a share makes R of an
+ * axis off by 1.7 times that share, and R of a phase by twice as much.
  */
 #define UNSTEADY_TIMES (4)
 #define TOO_HEAVY \
     "the rotor swings too slowly for this current: take inertia off, or allow more continuous current"
 #define LEVEL_SETTLE_MS (20)
-#define AXIS_SETTLE_MS (100) /* and then a look at least */
+#define AXIS_SETTLE_MS (100) /* and then one look or more */
 #define BURSTS (10U)
 #define BURST_ROUNDS (2U)
 #define BURST_TICKS (256)
-/* R of a phase may be 1/4 off that in the middle: mismatch of sensors, unlike wires */
+/* R of a phase may be 1/4 off the middle one: mismatch of sensors, unlike wires */
 #define UNLIKE_SHARE (4)
 
 int32_t identify_rest_largest(const identify_t *identify)
@@ -489,8 +493,8 @@ int32_t identify_rest_largest(const identify_t *identify)
 }
 
 /*
- * Along the axis of an open phase no current flows; along another axis it flows in the other two
- * phases. NULL: each phase has some.
+ * The name of an open phase; NULL: each phase has some current. Along the axis of an open phase no
+ * current flows; along another axis it flows in the other two phases.
  */
 static const char *find_open_phase(const identify_t *identify)
 {
@@ -518,7 +522,10 @@ void identify_rest_refuse(identify_t *identify, const char *why)
     identify_aim_refusal(identify, (open != NULL) ? open : why);
 }
 
-/* Down, and up again in between: so a winding that gets warm shows. */
+/*
+ * The levels go down, and three of them come again on the way up: that shows a winding that gets
+ * warm.
+ */
 static void aim_level(identify_t *identify)
 {
     static const uint8_t shares[LEVELS] = {255, 205, 164, 131, 105, 84,  67,
@@ -534,12 +541,13 @@ typedef struct {
     uint8_t bias; /* in 1/16 of the continuous current */
     uint8_t along;
     uint8_t across;
-    bool slow; /* it is the one before with half of the voltage, for twice as many ticks */
+    bool slow; /* the burst before with half of the voltage, for twice as many ticks */
 } burst_t;
 
 /*
- * A slow burst has the current of the one before: iron is as saturated in both. So sensors that
- * follow late show along the current, and the way that the rotor goes meanwhile shows across it.
+ * A slow burst has the current of the burst before, so the iron is equally saturated in both. Their
+ * difference shows sensors that follow late along the current, and the rotor's motion during the
+ * pulses across it.
  */
 static const burst_t *burst_of(uint32_t step)
 {
@@ -552,9 +560,9 @@ static const burst_t *burst_of(uint32_t step)
 }
 
 /*
- * Volt-ticks for pulses of so much current. Across, what the legs lose changes its sign with the
- * current and is a large part of a small pulse: the pulses before say what a current takes, and L
- * what more of it takes.
+ * Volt-ticks for pulses of this current. Across the imposed current, the voltage that the legs lose
+ * changes its sign with the current and is a large part of a small pulse. So the volt-ticks of the
+ * pulses before are taken, and L gives the volt-ticks for the difference in current.
  */
 static int64_t volts_for(const identify_rest_t *rest, bool along, int64_t current)
 {
@@ -573,7 +581,7 @@ static void aim_patterns(identify_t *identify, int32_t quarter)
                         patterns * QUARTERS * quarter);
 }
 
-/* Pulses that cannot take longer come once more. */
+/* Pulses that cannot take longer are repeated as they are. */
 static void aim_slow_burst(identify_t *identify)
 {
     const int32_t quarter = 2 * *identify_aim_word(identify, PROBE_PULSE_TICKS);
@@ -586,9 +594,9 @@ static void aim_slow_burst(identify_t *identify)
 }
 
 /*
- * Pulses of so much current, as short as the voltage allows: 3/8 of the bus. The sum of both is at
- * most 7/8 of the largest current: while the current control holds its voltage along the pulses, a
- * ripple of the bus changes the mean current.
+ * Pulses of this current, as short as the voltage allows: 3/8 of the bus. Pulses along the imposed
+ * current and this current are together at most 7/8 of the largest current: the current control
+ * holds its voltage along the pulses, so a ripple of the bus changes the mean current.
  */
 static void aim_fast_burst(identify_t *identify)
 {
@@ -622,8 +630,8 @@ static void aim_burst(identify_t *identify)
 }
 
 /*
- * L across, of two pulses of unlike current. The smaller one may hardly overcome what the legs
- * lose.
+ * L across the imposed current, from two pulses of unlike current. The smaller pulse may hardly
+ * overcome the voltage that the legs lose.
  */
 static void note_across(identify_rest_t *rest, int32_t volts, int32_t current)
 {
@@ -639,8 +647,8 @@ static void note_across(identify_rest_t *rest, int32_t volts, int32_t current)
 }
 
 /*
- * L of the pulses that have ended: it falls with the current. What is planned next is not slow, and
- * takes no L of those.
+ * Notes L from the pulses that have ended: it falls with the current. Slow bursts are not noted,
+ * because no plan needs their L.
  */
 static void note_burst(identify_t *identify)
 {
@@ -685,8 +693,8 @@ static void note_level(identify_t *identify)
 }
 
 /*
- * A rotor that swings more slowly than the looks see induces another voltage when a level comes
- * again.
+ * A rotor may swing too slowly for the looks to see it. It induces another voltage when a level
+ * comes again.
  */
 static void note_twice(identify_t *identify)
 {
@@ -723,8 +731,9 @@ static void note_still(identify_t *identify)
 }
 
 /*
- * R of a phase, Q13. Along the axis of a phase flows its whole current, and half of it back through
- * each other one: R_axis = 2/3·R_phase + 1/6·(both others) = (R_phase + mean of the three axes)/2.
+ * R of a phase, Q13. On the axis of a phase the whole current flows through this phase, and half of
+ * it back through each other phase: R_axis = 2/3·R_phase + 1/6·(both others) = (R_phase + mean of
+ * the three axes)/2.
  */
 static int32_t phase_resistance(const identify_rest_t *rest, uint32_t phase)
 {
@@ -734,7 +743,7 @@ static int32_t phase_resistance(const identify_rest_t *rest, uint32_t phase)
 }
 
 /*
- * Whether a rotor that moves under the levels explains that a phase is off by so much. A shorted
+ * Whether a rotor that moves during the levels explains that a phase is off by so much. A shorted
  * phase moves it too, but by less.
  */
 static bool is_by_motion(const identify_rest_t *rest, int32_t middle, int32_t off)
@@ -744,7 +753,7 @@ static bool is_by_motion(const identify_rest_t *rest, int32_t middle, int32_t of
     return (rest->unsteady > (UNSTEADY_ONE / UNSTEADY_SHARE)) && (explained >= off);
 }
 
-/* Refuses a phase whose R is far from that in the middle. */
+/* Refuses a phase whose R is far from the middle one. */
 static bool are_alike(identify_t *identify)
 {
     static const char *const names[IDENTIFY_AXES] = {"a", "b", "c"};

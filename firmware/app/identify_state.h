@@ -33,10 +33,10 @@ typedef enum {
 typedef struct {
     int32_t words[IDENTIFY_WORDS]; /* of probe.h, from PROBE_CURRENT on */
     const char *kind;              /* first word of its record */
-    /* ticks from the vector's arrival to the window; with `leads` from the window to its words */
+    /* ticks from the vector's arrival to the window; with `leads` from the window to the words */
     int32_t settle;
     int32_t ticks; /* of the window */
-    bool leads;    /* the window begins, and then the words are asked for */
+    bool leads;    /* the window begins before the words are asked for */
     bool rushes;   /* the window does not wait for the vector's arrival */
 } identify_aim_t;
 
@@ -52,36 +52,36 @@ typedef enum {
 typedef struct {
     uint32_t axis;
     int32_t pulse;   /* V of the pulses */
-    int32_t quarter; /* and their ticks */
-    bool fine;       /* they are 5/4 of those before */
-    bool longer;     /* they last twice as long as those before, with 5/8 of the voltage */
-    int32_t before;  /* largest current of those before */
+    int32_t quarter; /* ticks of a quarter of a pulse pattern */
+    bool fine;       /* the pulses are 5/4 of the last ones */
+    bool longer;     /* they last twice as long as the last ones, with 5/8 of the voltage */
+    int32_t before;  /* largest current of the last ones */
     bool lag;        /* pulses of twice the time show that the current sensors follow late */
     dq_t peaks[IDENTIFY_AXES]; /* current of the last pulses, in the frame of each axis */
     /*
-     * a larger one that is imposed may not hold a salient rotor, Q15 of I_b; 0: the pulses have not
+     * a larger imposed current may not hold a salient rotor, Q15 of I_b; 0: the pulses have not
      * ended
      */
     int32_t stiff_current;
-    int32_t unlike; /* b of the pulses' answers m + b·cos(2·(angle − rotor)), */
-    int32_t mean;   /* and m, Q15 of I_b */
-    bool tries;     /* half as much again is imposed, with pulses that show where the rotor is */
-    uint32_t tried; /* times that it lay beside the current */
+    int32_t unlike;         /* b of the pulses' answers m + b·cos(2·(angle − rotor)), */
+    int32_t mean;           /* and m, Q15 of I_b */
+    bool tries;             /* 1.5 times stiff_current flows, and pulses show where the rotor is */
+    uint32_t tried;         /* times that the rotor lay off the axis of the current */
     int32_t inductance_q16; /* volt-ticks for a change of the current, Q15 of U_b and I_b, Q16 */
     int32_t along_q16;      /* the same along a current, of the last pulses */
-    /* The same across: the last two pulses of unlike current give it by their differences. */
+    /* the same across the current, from the differences of the last two pulses of unlike current */
     int32_t across_q16;
     int32_t across_volts;   /* volt-ticks of the last pulses across */
-    int32_t across_current; /* current of those */
-    uint32_t looks;         /* at a rotor that has come to another axis; 0: it is at rest */
+    int32_t across_current; /* their current */
+    uint32_t looks;         /* so many at a rotor that has come to another axis; 0: it is at rest */
     int32_t mean_across;    /* i_q of an earlier look, */
-    uint32_t steady;        /* and how many since then have about the same */
+    uint32_t steady;        /* and number of looks since then with about the same */
     int32_t high_voltage;   /* means at the largest current of this axis */
     int32_t high_current;
     int32_t first_voltage[IDENTIFY_TWICE]; /* means at the levels that come twice, the first time */
-    int32_t unsteady; /* largest change of their voltage the second time, 1/256 of R·i, 0…256 */
+    int32_t unsteady; /* largest change of voltage between the times, 1/256 of R·i, 0…256 */
     int32_t resistance_q13[IDENTIFY_AXES]; /* U_b/I_b */
-    int32_t loss;                          /* of the voltage at no current, Q15 of U_b */
+    int32_t loss; /* of voltage in the legs, as it would be at no current, Q15 of U_b */
 } identify_rest_t;
 
 /* Of SPIN, RAMP and COAST. */
@@ -91,17 +91,17 @@ typedef struct {
     /* times that the rotor was lost, and the ramps begun anew with half of their slope */
     uint32_t slower;
     int32_t ramp_ticks;
-    int32_t ramp_least;  /* a shorter one has not come down in its window; 0: each has */
-    bool waited;         /* the last ramp down has not */
+    int32_t ramp_least;  /* a shorter ramp has not come down in its window; 0: each has */
+    bool waited;         /* the last ramp has not come down in its window */
     int32_t swing_ticks; /* 1/ω_n of the rotor in the field of the current; 0: not known */
-    int32_t flux_q14;    /* φ as it showed, U_b/Ω_b */
+    int32_t flux_q14;    /* φ, with ωL·i, as half of the speed has shown it, U_b/Ω_b */
     bool loaded;         /* friction takes so much torque that the current is the continuous one */
     int32_t torque_down; /* torque of the last ramps over what the current can pull, Q14 */
     int32_t torque_up;
     bool steep;         /* the ramps are as steep as they get */
-    int32_t pairs_left; /* and so many more pairs of them follow */
+    int32_t pairs_left; /* pairs of such ramps that still follow */
     int32_t coast_ticks;
-    int32_t coast_speed; /* at first */
+    int32_t coast_speed; /* mean of the second window, 2^-20 turns a tick */
 } identify_turn_t;
 
 typedef struct {
@@ -113,7 +113,7 @@ typedef struct {
     identify_phase_t said; /* the last phase that was said */
     const char *why;       /* it was refused; NULL: it was not */
     const char *detail;    /* said behind `why`: the name of a phase or a fault */
-    int32_t needed;        /* and the current that it takes, Q15 of I_b; 0: none */
+    int32_t needed;        /* current that the refusal names, Q15 of I_b; 0: none */
     identify_aim_t aim;
     drive_command_t before; /* the user's command, in force again at the end, without its request */
     uint32_t began;         /* tick of its start */

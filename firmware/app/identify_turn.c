@@ -20,7 +20,7 @@
 #define RAMP_TICKS_LEAST (64)
 #define RAMP_MS_MOST (400)                     /* a longer one goes less far down */
 #define RAMP_TICKS_MOST (PROBE_WINDOW_MAX / 2) /* a ramp and two edges fit a window */
-#define EDGE_TICKS (1024) /* before and behind a ramp in its window, at least */
+#define EDGE_TICKS (1024)                      /* before and after a ramp in its window, at least */
 #define EDGE_MS_MOST (450)
 #define EDGE_TICKS_MOST (PROBE_WINDOW_MAX / 4)
 #define EDGE_SWINGS (8) /* 1/ω_n: a swing that the ramp has begun is damped by then */
@@ -45,7 +45,7 @@ static void aim_speed(identify_t *identify, step_t speed, step_t ramp)
     *identify_aim_word(identify, PROBE_RAMP) = fx_max(ramp, 1);
 }
 
-/* Of a first ramp no swing is known yet: a quarter of its time. */
+/* Ticks before and after a ramp. For a first ramp no swing is known yet: a quarter of its time. */
 static int32_t edge_ticks(const identify_t *identify)
 {
     const int32_t most = fx_clamp(EDGE_MS_MOST * identify->ms_ticks, EDGE_TICKS, EDGE_TICKS_MOST);
@@ -55,7 +55,7 @@ static int32_t edge_ticks(const identify_t *identify)
     return fx_clamp(unknown + swings, EDGE_TICKS, most);
 }
 
-/* The window begins before the ramp and ends behind it, at a constant speed. */
+/* The window begins before the ramp and ends after it, at a constant speed. */
 static void aim_ramp(identify_t *identify, bool down)
 {
     const step_t low = identify->turn.low;
@@ -74,7 +74,7 @@ static void aim_hold(identify_t *identify)
     identify->aim.leads = false;
 }
 
-/* Steps in one of Q15 of Ω_b. */
+/* Steps in 1 LSB of a speed in Q15 of Ω_b. */
 static int64_t one_of_q15(const identify_t *identify)
 {
     const uint32_t one = (uint32_t)1U << identify->app->drive.cfg->speed_shift;
@@ -83,8 +83,8 @@ static int64_t one_of_q15(const identify_t *identify)
 }
 
 /*
- * |e|/ω of the window that has ended as far as it lies across the current, with ωL·i in it, Q14 of
- * U_b/Ω_b, at least 1.
+ * Voltage across the current over ω, of the window that has ended, Q14 of U_b/Ω_b, at least 1: it
+ * contains the part of |e| that lies across the current, and ωL·i.
  */
 static int32_t flux_q14(const identify_t *identify)
 {
@@ -97,8 +97,9 @@ static int32_t flux_q14(const identify_t *identify)
 }
 
 /*
- * Mean torque of a window over that which the current can pull, Q14, as much larger as the window
- * is longer than the ramp. ±4 at most: more comes of no motor, and does not fit what follows of it.
+ * Mean torque of a ramp over the torque that the current can pull, Q14: the sum over the window
+ * divided by the ticks of the ramp. ±4 at most: no motor gives more, and the computations that
+ * follow have no room for more.
  */
 static int32_t mean_torque(const identify_t *identify)
 {
@@ -111,9 +112,9 @@ static int32_t mean_torque(const identify_t *identify)
 }
 
 /*
- * The EMF of a ramp drives a current across that the current control answers in proportion: the sum
- * of it is the same in every ramp. It is to stay below 1/8 of the current. And a ramp is to be over
- * in its window.
+ * The EMF of a ramp drives a current across, and the current control answers in proportion to it:
+ * the sum of this current is the same in every ramp. Its mean is to stay below 1/8 of the current.
+ * And a ramp has to end within its window.
  */
 static int32_t shortest_ramp(const identify_t *identify)
 {
@@ -148,8 +149,9 @@ static int32_t root_of(int64_t square)
 }
 
 /*
- * The next ramps are as steep as lets the rotor lag by TORQUE_ENOUGH. The frame damps the rotor's
- * swing, of ω_n² = α/sin δ, with K = ω_n: more would hold the speed of the frame back by the lag.
+ * Makes the next ramps so steep that the rotor lags by TORQUE_ENOUGH. The rotor's swing has ω_n² =
+ * α/sin δ, and the frame damps it with K = ω_n: with a larger K, the lag would hold back the speed
+ * of the frame.
  */
 static void steepen(identify_t *identify, int32_t torque)
 {
@@ -175,15 +177,15 @@ static void steepen(identify_t *identify, int32_t torque)
 #define SPIN_WHOLE (3U)
 #define SPIN_OTHER_CURRENT (4U)
 
-#define ATTEMPTS (2U)  /* more, after the rotor was lost */
+#define ATTEMPTS (2U)  /* further ones, after the rotor was lost */
 #define SPIN_MS (2000) /* from rest to the highest speed */
 #define SPIN_SETTLE_MS (150)
-#define VOLTAGE_SHARE (12) /* of 16: so much of the voltage is used at the highest speed */
-#define VOLTAGE_LEFT (32)  /* and so much of it is left where all is used */
+#define VOLTAGE_SHARE (12) /* of 16: share of the voltage that the highest speed uses */
+#define VOLTAGE_LEFT (32)  /* all of it is used when less than 1/32 is left */
 #define SPEED_SHARE_LEAST (16)
-/* 1/cos of 20 degrees, Q10: half of the current would let it lag by 43 */
+/* 1/cos of 20 degrees, Q10: with half of the current the rotor would lag by 43 */
 #define LAG_OF_LOAD (1093)
-/* the EMF at the highest speed takes 1/20 of the voltage at least, or the rotor stands */
+/* if the EMF at the highest speed is below 1/20 of the voltage, the rotor stands */
 #define FLUX_SHARE_LEAST (20)
 
 /* Ω_b·L, Q13 of U_b/I_b: L in volt-ticks times 2π/2^32 of a radian times 2^speed_shift. */
@@ -234,9 +236,9 @@ static int32_t largest_voltage(const identify_t *identify)
 }
 
 /*
- * Whether a rotor turns with the vector: a standing one has no EMF, only ωL·i. One of unlike L_d
- * and L_q has up to twice the L that the pulses have shown: it is found at half of the current
- * (has_stood()).
+ * Whether a rotor turns with the vector: a standing rotor has no EMF, only ωL·i. With unlike L_d
+ * and L_q it has up to twice the L that the pulses have shown, and may pass here: has_stood() finds
+ * it at half of the current.
  */
 static bool turns_along(const identify_t *identify)
 {
@@ -252,8 +254,8 @@ static bool turns_along(const identify_t *identify)
 }
 
 /*
- * |e| of the window that has ended over its voltage across, Q10, at least 1.0: a rotor that lags
- * has an EMF along the current too.
+ * |e| over the voltage across the current, of the window that has ended, Q10, at least 1.0: a rotor
+ * that lags has an EMF along the current too.
  */
 static int32_t lag_q10(const identify_t *identify)
 {
@@ -271,8 +273,8 @@ static int32_t lag_q10(const identify_t *identify)
 }
 
 /*
- * The EMF of a rotor is there without current; what half of the current halves is not. One that
- * lags has an EMF.
+ * Whether the rotor has stood. The EMF of a turning rotor does not depend on the current, but ωL·i
+ * is halved by half of the current. A rotor that lags has an EMF, so it turns.
  */
 static bool has_stood(const identify_t *identify)
 {
@@ -302,7 +304,7 @@ void identify_turn_refuse_voltage(identify_t *identify)
         identify, "the bus voltage is too low to turn the motor at 1/8 of its highest speed");
 }
 
-/* A heavy rotor may have been left behind by the way to this speed, and follows a slower one. */
+/* A heavy rotor may not have followed the ramp to this speed, but may follow a slower one. */
 static void retry_standing(identify_t *identify)
 {
     if (identify->turn.slower < ATTEMPTS) {
@@ -314,7 +316,10 @@ static void retry_standing(identify_t *identify)
     }
 }
 
-/* The highest speed for which the voltage is there, of what a quarter of the speed has taken. */
+/*
+ * Limits the highest speed to the speed that the voltage allows, by the voltage that a quarter of
+ * the speed has taken.
+ */
 static void bound_speed(identify_t *identify)
 {
     const probe_sums_t *const sums = identify_aim_sums(identify);
@@ -378,9 +383,9 @@ static int32_t spin_settle(const identify_t *identify)
 }
 
 /*
- * L·i takes another part of the voltage with another current: half of it, or the whole continuous
- * one where friction lets the rotor lag so much that half would lose it. The ramps have that too,
- * then.
+ * L·i takes another part of the voltage with another current. That is half of the current, or the
+ * whole continuous current if the rotor lags so much by friction that half would lose it. Then the
+ * ramps have the continuous current too.
  */
 static void aim_other_current(identify_t *identify)
 {
@@ -392,8 +397,8 @@ static void aim_other_current(identify_t *identify)
 }
 
 /*
- * The way from half of the speed to the whole is a first ramp: its torque, with that of friction,
- * says how steep the next ones may be.
+ * The way from half of the speed to the whole is a first ramp: its torque, friction included, says
+ * how steep the next ones may be.
  */
 static void aim_spin(identify_t *identify)
 {
@@ -424,7 +429,7 @@ static void aim_spin(identify_t *identify)
     }
 }
 
-/* φ with ωL·i, as half of the speed shows it. */
+/* Notes what an experiment of SPIN has shown. Half of the speed shows φ with ωL·i. */
 static void note_spin(identify_t *identify)
 {
     if (identify->step == (SPIN_QUARTER + 1U)) {
@@ -460,9 +465,9 @@ bool identify_turn_plan_spin(identify_t *identify)
 /* ---- RAMP ---- */
 
 #define RAMP_PARTS (4U) /* of a pair: down, hold, up, hold */
-#define PAIRS_MOST (9)  /* as steep as they get */
+#define PAIRS_MOST (9)  /* of the steepest ramps */
 
-/* Torque that shows, or ramps that cannot be shorter. */
+/* Whether the torque is large enough, or the ramps cannot be shorter. */
 static bool is_steep(const identify_t *identify, int32_t torque)
 {
     const bool shortest = identify->turn.ramp_ticks <= ((shortest_ramp(identify) * 5) / 4);
@@ -471,8 +476,8 @@ static bool is_steep(const identify_t *identify, int32_t torque)
 }
 
 /*
- * A ramp down waits for a bus that bears no more braking (probe.h): the next ones take twice as
- * long.
+ * A ramp down waits while the bus bears no more braking (probe.h): then the next ramps take twice
+ * as long.
  */
 static void note_wait(identify_t *identify)
 {
@@ -485,7 +490,7 @@ static void note_wait(identify_t *identify)
     }
 }
 
-/* What friction and R do is the same up and down. */
+/* The effect of friction and R is the same up and down: it cancels in the difference. */
 static void judge_pair(identify_t *identify)
 {
     identify_turn_t *const turn = &identify->turn;
@@ -558,8 +563,8 @@ static int32_t mean_speed(const identify_t *identify)
 }
 
 /*
- * The windows grow while the speed hardly falls: the third one is the first that has a speed before
- * it. The first one is an electrical turn, and 5 ms at least.
+ * The windows grow while the speed hardly falls: the third window is the first whose speed can be
+ * compared with an earlier one. The first window is one electrical turn long, and at least 5 ms.
  */
 static void size_coast(identify_t *identify)
 {
