@@ -9,12 +9,12 @@
 #include <stddef.h>
 
 #define PAUSE_US (LINK_PAUSE_MS * 1000U)
-#define ALONE_US (100000U) /* a frame that goes no further for so long was none */
+#define ALONE_US (100000U) /* a frame without a new byte for so long is given up */
 
 /*
- * The same times where the ticks stand still, as on a board that cannot start: nothing but the
- * passes themselves can be counted there. A pass without work takes some µs. Between two ticks that
- * run there never are so many.
+ * The same times in passes, for a board whose ticks stand still, such as one that cannot start. A
+ * pass without work takes some µs. While ticks run, there are never so many passes between two of
+ * them.
  */
 #define ALONE_PASSES (100000U)
 #define PAUSE_PASSES (LINK_PAUSE_MS * 1000U)
@@ -40,7 +40,7 @@ static uint32_t now(const link_t *link)
     return hal_ticks(link->live->hal);
 }
 
-/* Passes in which the ticks stand still and nobody is heard. */
+/* Counts the passes in which the ticks stand still. When the PC is heard, the count begins anew. */
 static void count_still(link_t *link)
 {
     const uint32_t tick = now(link);
@@ -53,7 +53,7 @@ static void count_still(link_t *link)
     link->tick = tick;
 }
 
-/* What a PC has begun or unlocked is not the next one's. */
+/* Ends what a PC has begun or unlocked: the next PC must not inherit it. */
 static void end_session(link_t *link)
 {
     link_stream_end(&link->stream);
@@ -70,7 +70,9 @@ static void return_line(link_t *link)
     link->is_framing = false;
 }
 
-/* A message that came in whole: of the PC's, or the hello that makes the line the PC's. */
+/*
+ * Takes a whole message: from the PC that has the line, or the hello that gives the line to a PC.
+ */
 static void take_message(link_t *link, uint32_t length)
 {
     if (link->is_linked || (link->in.bytes[0] == (uint8_t)LINK_HELLO)) {
@@ -96,16 +98,13 @@ static void take_byte(link_t *link, uint8_t byte)
     if (link->is_linked || link->is_framing || (byte == LINK_FRAME_DELIMITER)) {
         take_framed(link, byte);
     } else if (console_take(&link->console, byte, true)) {
-        link_guard_leave(&link->guard); /* the motor is that person's from now on */
+        link_guard_leave(&link->guard); /* from now on that person commands the motor */
     } else {
-        /* more of a line, or one that leaves the drive alone */
+        /* the line goes on, or it does not command the drive */
     }
 }
 
-/*
- * A 0x00 that no frame follows, as a cable makes it that is plugged in, does not keep a person
- * away.
- */
+/* A 0x00 without a frame, as when a cable is plugged in, must not lock a person out. */
 static void give_up_frame(link_t *link)
 {
     const uint32_t alone = units_ticks(&link->live->about.rotation, ALONE_US);
@@ -117,7 +116,7 @@ static void give_up_frame(link_t *link)
     }
 }
 
-/* Up to a question: its bytes stay in the buffer until it is answered. */
+/* Receives bytes up to a whole question, which stays in the buffer until it is answered. */
 static void link_receive(link_t *link)
 {
     uint8_t byte = 0U;
@@ -149,7 +148,7 @@ static void answer_waiting(link_t *link)
             link_guard_leave(&link->guard);
             return_line(link);
         } else {
-            /* the line stays whose it is */
+            /* the line keeps its owner */
         }
     }
 }
@@ -181,7 +180,7 @@ static void text_is_sent(link_t *link, uint32_t count)
     }
 }
 
-/* Text in a message of its own. */
+/* Sends text of the console in a message of its own. */
 static void frame_text(link_t *link)
 {
     const text_t *const text = &link->console.out;
@@ -196,7 +195,7 @@ static void frame_text(link_t *link)
     text_is_sent(link, count);
 }
 
-/* What the board says unasked: text before frames of the stream. */
+/* Sends unasked messages: text before frames of the stream. */
 static void speak(link_t *link)
 {
     if (!link->is_linked || !link_out_is_free(&link->out)) {
@@ -243,7 +242,7 @@ void link_step(link_t *link)
     count_still(link);
     cross_check_step(link->live->app);
     kept_heat_step(link->live->app);
-    commander_step(link->live->app); /* a fault is older than the bytes that come in now */
+    commander_step(link->live->app); /* first: a fault is older than the bytes that come in now */
     link_receive(link);
     answer_waiting(link);
     live_config_step(link->live);

@@ -3,13 +3,13 @@
  * The owner of the serial line: a person's console, or the link of a PC (link_messages.h,
  * docs/link.md).
  *
- * It begins as a console. A person never types a 0x00, so that one begins a frame. LINK_HELLO makes
- * the line the PC's: what the console says travels in frames then. LINK_BYE, or LINK_PAUSE_MS
- * without a good frame, gives it back to the person. Where no tick runs, passes are counted
- * instead, for about as long.
+ * It begins as a console. A person never types a 0x00, so a 0x00 begins a frame. LINK_HELLO gives
+ * the line to the PC: the console's text then travels in frames. LINK_BYE, or LINK_PAUSE_MS without
+ * a good frame, gives the line back to the person. If no tick runs, passes are counted instead, for
+ * about as long.
  *
- * It needs hal_receive(), hal_send() and hal_health() of the binding, and no chip. It runs in the
- * background, and never waits: a frame goes out in as many passes as the line takes.
+ * It needs only the functions of hal.h, and no chip. It runs in the background and never waits: a
+ * frame goes out in as many passes as the line needs.
  */
 #ifndef LINK_H
 #define LINK_H
@@ -20,13 +20,15 @@
 
 /*
  * Call once, when the serial line works and live_config_init() has chosen the configuration. The
- * application of `live` may be initialised later, and never if that fails: it is zero before. So
- * the console can say why. The recorder, where there is one, is that of app_record(). `live`
- * outlives the link.
+ * application of `live` may be all zero: it may be initialised later, or never if that fails. So
+ * the console can say why it failed. The recorder, if there is one, comes from app_record(). `live`
+ * must outlive the link.
  */
 void link_init(link_t *link, live_config_t *live);
 
-/* A line of the console. What does not fit behind what is still to be sent is lost. */
+/*
+ * Adds a line to the console's text that is to be sent. Characters that do not fit there are lost.
+ */
 void link_say(link_t *link, const char *line);
 
 /*

@@ -13,7 +13,7 @@
 #define TAKES_WORDS (3U) /* bytes before the words of LINK_WRITE */
 #define TAKES_LINE (4U)  /* bytes before the characters of LINK_LINE */
 
-/* A question in the buffer of what comes in. */
+/* A question in the buffer of incoming bytes. */
 typedef struct {
     uint8_t type;
     uint8_t tag;
@@ -33,8 +33,8 @@ static uint32_t smaller(uint32_t a, uint32_t b)
 }
 
 /*
- * The length that the body of this question has to have; of LINK_WRITE it says so itself, and a
- * line has any.
+ * The length that the body of this question has to have. The body of LINK_WRITE gives its own
+ * number of words; a line may have any length.
  */
 static uint32_t length_of(const question_t *question)
 {
@@ -133,8 +133,8 @@ static void put_health(link_t *link)
 }
 
 /*
- * A stop ends a measurement of the motor; while it is measured nothing else is taken: the command's
- * target is a word of the probe.
+ * A stop ends a measurement of the motor. Meanwhile no other command is taken, because the
+ * command's target is a word of the probe.
  */
 static const char *do_command(link_t *link, const uint8_t *body)
 {
@@ -176,7 +176,7 @@ static void take_line(link_t *link, const question_t *question)
     take_character(link, (uint8_t)'\n', counts);
 }
 
-/* As many words as there are from `first` on, and `count` at most. */
+/* How many words there are from `first` on, at most `count` and LINK_READ_WORDS_MAX. */
 static uint32_t words_there(uint32_t first, uint32_t count, uint32_t total)
 {
     const uint32_t left = (first < total) ? (total - first) : 0U;
@@ -211,8 +211,8 @@ static live_config_verdict_t write_block(link_t *link, const uint8_t *body)
 }
 
 /*
- * Of the state before a segment; none when it is not there. It is kept while the PC asks for its
- * words.
+ * Writes words of the state before a segment; none if the recorder does not have it. The recorder
+ * keeps this state while the PC asks for its words.
  */
 static void put_state(link_t *link, const uint8_t *body)
 {
@@ -280,9 +280,9 @@ static live_config_verdict_t do_block(link_t *link, const question_t *question)
 }
 
 /*
- * The questions about the block. A dump reads the block that is not in force: meanwhile none is
- * written there. What is measured, and whether it may be, follows from the block in force:
- * meanwhile that stays too.
+ * The questions about the block. A dump reads the block that is not in force: nothing is written
+ * there meanwhile. What is measured, and whether it may be measured, depends on the block in force:
+ * it stays the same meanwhile.
  */
 static live_config_verdict_t judge_block(link_t *link, const question_t *question)
 {
@@ -332,7 +332,7 @@ static bool is_typed_stop(const question_t *question)
     return same;
 }
 
-/* To obey it twice does no harm. */
+/* Whether the question is a stop: it does no harm to obey it twice. */
 static bool is_stop(const question_t *question)
 {
     bool stop = false;
@@ -347,7 +347,7 @@ static bool is_stop(const question_t *question)
     return stop;
 }
 
-/* One that comes again begins no other session: its first answer may be on its way. */
+/* A repeated hello does not begin another session: the first answer may be on its way. */
 static void answer_hello(link_t *link, const question_t *question)
 {
     if (link->last.crc != question->crc) {
@@ -357,8 +357,9 @@ static void answer_hello(link_t *link, const question_t *question)
 }
 
 /*
- * The same question comes again where its answer was lost: what it asks for is done once. The whole
- * message tells: a tag alone would take a stop for the run before it. A stop is obeyed each time.
+ * A PC repeats a question whose answer was lost: the question is carried out only once. The CRC of
+ * the whole message recognises it; by the tag alone, a stop could pass for the run before it. A
+ * stop is obeyed each time.
  */
 static void answer_verdict(link_t *link, const question_t *question)
 {

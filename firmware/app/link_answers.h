@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The questions of link_messages.h and their answers. What HELLO and BYE do to the line is
- * link.h's.
+ * The questions of link_messages.h and their answers. link.h handles what HELLO and BYE do to the
+ * line.
  *
  * Context: background, between two calls of recorder_service().
  */
@@ -13,9 +13,9 @@
 #include <stdint.h>
 
 /*
- * Does what a message of `length` bytes in link->in asks for, and writes the answer to link->out,
- * which is free. A message that is none, or of a wrong length, does nothing and is answered with
- * LINK_REFUSED. Returns its type, or LINK_REFUSED.
+ * Carries out the message of `length` bytes in link->in, and writes the answer to link->out, which
+ * must be free. A message of an unknown type or a wrong length does nothing and is answered with
+ * LINK_REFUSED. Returns the message's type, or LINK_REFUSED.
  */
 uint8_t link_answer(link_t *link, uint32_t length);
 

@@ -139,7 +139,9 @@ void link_out_end(link_out_t *out)
     out->ready = true;
 }
 
-/* A delimiter, the code of the message, which is one byte longer than the message, a delimiter. */
+/*
+ * A frame is a delimiter, the code, which is one byte longer than message and CRC, and a delimiter.
+ */
 bool link_out_next(const link_out_t *out, uint8_t *byte)
 {
     const uint32_t code = out->length + 1U;

@@ -22,8 +22,8 @@
 /* A frame that comes in. */
 typedef struct {
     cobs_decoder_t cobs;
-    uint32_t
-        length;   /* of the message and its CRC so far; more than LINK_FRAME_BYTES_MAX: too long */
+    /* of the message and its CRC so far; more than LINK_FRAME_BYTES_MAX: too long */
+    uint32_t length;
     bool is_open; /* a byte has come since the last delimiter */
     uint8_t bytes[LINK_FRAME_BYTES_MAX];
 } link_in_t;
@@ -32,9 +32,9 @@ typedef struct {
 void link_in_start(link_in_t *in);
 
 /*
- * Takes the next byte of the line. True when it ends a frame whose CRC is right: then message is
- * in->bytes, type and tag at least, and *length its bytes. It stays there until the next byte. What
- * is between two frames and is none is dropped.
+ * Takes the next byte of the line. Returns true when the byte ends a frame whose CRC is right: then
+ * in->bytes has the message, at least type and tag, and *length is its number of bytes. The message
+ * stays there until the next byte. Bytes between two delimiters that are not a frame are dropped.
  */
 bool link_in_take(link_in_t *in, uint8_t byte, uint32_t *length);
 
@@ -55,7 +55,7 @@ void link_out_start(link_out_t *out);
 /* Whether a message can be written. */
 bool link_out_is_free(const link_out_t *out);
 
-/* Begins a message. The frame before must be sent. */
+/* Begins a message. The frame before must have been sent. */
 void link_out_begin(link_out_t *out, uint8_t type, uint8_t tag);
 
 /* Append to the message, the lowest byte first. What does not fit is left out. */
@@ -65,8 +65,8 @@ void link_out_word(link_out_t *out, uint32_t value);
 void link_out_text(link_out_t *out, const char *text);
 
 /*
- * Where the body goes on, and how many bytes fit there; link_out_add() says that `count` of them
- * were written.
+ * Returns where to write the next bytes of the body; *room: how many fit there. link_out_add() then
+ * appends the `count` bytes that were written.
  */
 uint8_t *link_out_room(link_out_t *out, uint32_t *room);
 void link_out_add(link_out_t *out, uint32_t count);

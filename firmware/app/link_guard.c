@@ -3,7 +3,7 @@
 
 #include "commander.h"
 
-#define REST_FRACTION (256) /* of the highest speed: slower than that the motor is at rest */
+#define REST_FRACTION (256) /* of the highest speed: below this the motor is at rest */
 
 void link_guard_heard(link_guard_t *guard, uint32_t tick)
 {
@@ -46,7 +46,7 @@ static void go_on_stopping(link_guard_t *guard, app_t *app)
     }
 }
 
-/* Whether there was something to stop. */
+/* Begins a stop. Returns whether there was something to stop. */
 static bool begin_stopping(link_guard_t *guard, app_t *app, identify_t *identify)
 {
     const bool measures = identify_is_busy(identify);
@@ -56,7 +56,7 @@ static bool begin_stopping(link_guard_t *guard, app_t *app, identify_t *identify
     if (runs) {
         commander_set_speed(app, 0);
     }
-    commander_renew_ticket(app, 0U); /* a run that comes late does not end this */
+    commander_renew_ticket(app, 0U); /* a run that comes late must not end this stop */
     guard->stopping = runs;
     guard->watching = false;
     return measures || runs;
@@ -73,7 +73,7 @@ bool link_guard_step(link_guard_t *guard, app_t *app, identify_t *identify, uint
                link_guard_is_silent(guard, tick, timeout_ticks)) {
         begins = begin_stopping(guard, app, identify);
     } else {
-        /* somebody is there, or nobody has to be */
+        /* the PC is heard, or need not be heard */
     }
     return begins;
 }

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Watches that the PC is heard: for the line, which goes back to the console after a pause, and for
- * the motor, which is brought to rest when cfg->link.timeout_ticks says so.
+ * Watches whether the PC is heard. If not, the line goes back to the console after a pause, and the
+ * motor is brought to rest after cfg->link.timeout_ticks.
  *
  * The motor is watched from a command of the PC on to the end of the link, also when the line has
- * gone back to the console after a pause. A PC that only reads is not waited for. When no frame
- * came for timeout_ticks and a run is asked for, the speed becomes 0, and the request ends when the
- * motor is at rest. A measurement of the motor ends at once. Then nothing is watched until the next
- * command.
+ * gone back to the console after a pause. A PC that only reads is not watched. When no frame has
+ * come for timeout_ticks and a run is requested, the target speed becomes 0, and the request ends
+ * when the motor is at rest. A measurement of the motor ends at once. Then nothing is watched until
+ * the next command.
  *
- * Time is that of the control ticks: without ticks nothing runs out, and nothing moves either.
- * Context: background.
+ * Time is counted in control ticks: without ticks no time-out ends, and the motor does not move
+ * either. Context: background.
  */
 #ifndef LINK_GUARD_H
 #define LINK_GUARD_H
@@ -30,12 +30,12 @@ typedef struct {
 /* A good frame came in this tick. */
 void link_guard_heard(link_guard_t *guard, uint32_t tick);
 
-/* The PC takes its leave: nothing is watched. */
+/* The PC says goodbye, or a person commands: nothing is watched any more. */
 void link_guard_leave(link_guard_t *guard);
 
 /*
- * The PC commands the drive: it is watched, and a stop that is under way is given up.
- * link_guard_heard() of its frame follows.
+ * The PC commands the drive: from now on it is watched, and a stop that is under way is given up.
+ * The call of link_guard_heard() for its frame follows.
  */
 void link_guard_commanded(link_guard_t *guard);
 

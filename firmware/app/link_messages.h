@@ -4,14 +4,14 @@
  * conversation goes.
  *
  * A message is type, tag and a body. All numbers are unsigned and have their lowest byte first,
- * unless noted. It travels as
+ * unless noted. A message travels as
  *
  *     00  COBS(type, tag, body, CRC-32 of type to body)  00
  *
- * The PC asks and the board answers with the type + LINK_ANSWER and the tag of the question: one
- * question at a time. What the board says unasked has the tag 0. A body that is too short for its
- * type, or too long, makes the board answer LINK_REFUSED; a frame whose CRC is wrong is as if it
- * had not come.
+ * The PC asks one question at a time. The board answers with the type + LINK_ANSWER and the tag of
+ * the question. Messages that the board sends unasked have the tag 0. The board answers
+ * LINK_REFUSED to a body that is too short or too long for its type; it ignores a frame whose CRC
+ * is wrong.
  */
 #ifndef LINK_MESSAGES_H
 #define LINK_MESSAGES_H
@@ -38,7 +38,7 @@ typedef enum {
     /* request u8, mode u8, target s32: as drive_command_t; ticket u32. Answer: verdict */
     LINK_COMMAND,
     /*
-     * ticket u32, a line for the console, without its end. Answer: verdict; what the console says
+     * ticket u32, a line for the console, without its end. Answer: verdict; the text of the console
      * comes as LINK_TEXT
      */
     LINK_LINE,
@@ -56,31 +56,31 @@ typedef enum {
     LINK_STORE,    /* the block in force is stored in flash. Answer: verdict */
     LINK_DEFAULTS, /* the block of the image becomes the one in force. Answer: verdict */
     /*
-     * on u8: 0 ends the stream, else it starts with the newest segment. 1: a message takes what
-     * fits into it; more: at most so many entries, for a line that spoils long messages. Answer:
-     * verdict
+     * on u8: 0 ends the stream, else it starts with the newest segment. 1: a message takes as many
+     * entries as fit; above 1: at most so many entries, for a line that spoils long messages.
+     * Answer: verdict
      */
     LINK_STREAM,
     /*
-     * segment u32, first word u16, words u8: of its state. Answer: segment u32, first u16, words
-     * u8, words u32 each
+     * segment u32, first word u16, words u8: of the state before it. Answer: segment u32, first
+     * u16, words u8, words u32 each
      */
     LINK_STATE,
-    /* segment u32, first entry u16, entries u8: answer: as LINK_FRAMES, those or fewer */
+    /* segment u32, first entry u16, entries u8. Answer: as LINK_FRAMES, those entries or fewer */
     LINK_AGAIN
 } link_question_t;
 
 /*
- * A verdict is ticket u32 and a text: empty when it is done, else why not, as a person reads it.
- * The ticket is the one that the next command has to carry (commander.h).
+ * A verdict is ticket u32 and a text: empty when the question is carried out, else the reason why
+ * not, for a person to read. The next command has to carry this ticket (commander.h).
  */
 
-/* What the board says unasked. */
+/* Messages that the board sends unasked, and LINK_REFUSED. */
 typedef enum {
     LINK_TEXT = 0xC0,    /* characters of the console */
     LINK_SEGMENT = 0xC1, /* a segment of the ring begins, below */
-    LINK_FRAMES =
-        0xC2, /* segment u32, first entry u16, entries u8, then their code (frame_code.h) */
+    /* segment u32, first entry u16, entries u8, then their code (frame_code.h) */
+    LINK_FRAMES = 0xC2,
     /* answer to a message that the board does not know, or of a wrong length: its type u8 */
     LINK_REFUSED = 0xFF
 } link_notice_t;
@@ -97,15 +97,15 @@ typedef enum {
 #define LINK_IDENTITY_BYTES (56U)
 
 /*
- * Health, the answer to LINK_PING: hal_health_t and the room of the link
+ * Health, the answer to LINK_PING: hal_health_t, and the losses and the ticket of the link
  *     load u8 in %, tick lost u8, adc_ic u16, late ticks u32,
- *     frames lost by the line's reader u32, ticket u32
+ *     ticks that the stream has left out u32, ticket u32
  */
 #define LINK_HEALTH_BYTES (16U)
 
 /*
  * A segment (LINK_SEGMENT): number u32, tick of its first frame u32, hash of the state before it
- * u32 (drive_words_hash), CRC of the configuration then u32, entries of the segment before it u16,
+ * u32 (drive_words_hash), CRC of its configuration u32, entries of the segment before it u16,
  * follows u8: 1 when nothing is missing between the segment before it and this one.
  */
 #define LINK_SEGMENT_BYTES (19U)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the line is made of, for link.h and what answers its questions. */
+/* The state of the line, for link.h and link_answers.h. */
 #ifndef LINK_STATE_H
 #define LINK_STATE_H
 
@@ -12,10 +12,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/*
- * The last question, by the CRC of the whole message, and the verdict on the last one that got a
- * verdict.
- */
+/* The last question, by the CRC of its whole message, and the last verdict. */
 typedef struct {
     uint32_t crc;
     live_config_verdict_t verdict;
@@ -29,8 +26,8 @@ typedef struct {
     bool is_framing;    /* the line is a person's, and a frame has begun */
     uint32_t byte_tick; /* when the last byte of that frame came in */
     uint32_t tick;      /* of the last pass */
-    uint32_t still;     /* passes since the tick or the PC has gone on */
-    uint32_t question;  /* bytes of a message in `in` that waits for its answer; 0: none does */
+    uint32_t still;     /* passes since the tick has changed or the PC was heard */
+    uint32_t question;  /* bytes of a message in `in` that waits for its answer; 0: none */
     link_answered_t last;
     link_in_t in;
     link_out_t out;

@@ -21,7 +21,7 @@ void link_stream_init(link_stream_t *stream, const units_rotation_t *rotation)
     *stream = (link_stream_t){.wait_ticks = units_ticks(rotation, WAIT_US)};
 }
 
-/* From here on nothing is known of what was sent before. */
+/* Begins a segment: it is not announced yet, and none of its words is hashed. */
 static void start_segment(link_stream_t *stream, uint32_t number)
 {
     stream->segment = number;
@@ -61,7 +61,7 @@ static uint32_t number_behind(uint32_t number)
     return (number == UINT32_MAX) ? 1U : (number + 1U);
 }
 
-/* Frames among entries: each is a tick. */
+/* Number of frames among the entries; a frame is a tick, and the other entries are changes. */
 static uint32_t frames_of(const recorder_entry_t *entries, uint32_t count)
 {
     uint32_t frames = 0U;
@@ -72,7 +72,7 @@ static uint32_t frames_of(const recorder_entry_t *entries, uint32_t count)
     return frames;
 }
 
-/* Of a segment: their number and their code. Returns how many. */
+/* Appends entries of a segment: their number and their code. Returns how many. */
 static uint32_t put_from(const recorder_view_t *view, link_out_t *out, uint32_t first,
                          uint32_t count)
 {
@@ -107,7 +107,8 @@ uint32_t link_stream_put_entries(const recorder_t *recorder, link_out_t *out, ui
 }
 
 /*
- * The segment is not there any more, or there will be none of that number: on with the newest one.
+ * The segment is not in the ring any more, or none of that number will come: goes on with the
+ * newest one.
  */
 static void skip_to_newest(link_stream_t *stream)
 {
@@ -140,7 +141,7 @@ static void announce_segment(link_stream_t *stream, const recorder_view_t *view,
     stream->next_tick = tick;
 }
 
-/* The hash is told when it is whole. */
+/* Announces the segment when the hash is complete. */
 static void go_on_hashing(link_stream_t *stream, const recorder_view_t *view, link_out_t *out)
 {
     stream->hash =
@@ -182,8 +183,8 @@ static void go_on_sending(link_stream_t *stream, const recorder_view_t *view, li
 }
 
 /*
- * A segment that begins is not found before the ring has it. One that is behind the newest one will
- * not come: the ring was begun anew, or has overwritten it.
+ * Whether the segment will come: it has not begun yet if the segment before it is still the newest
+ * in the ring. Otherwise it will not come: the ring was begun anew, or has overwritten it.
  */
 static bool will_come(const link_stream_t *stream)
 {
