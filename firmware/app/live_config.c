@@ -27,7 +27,7 @@ void live_config_init(live_config_t *live, app_t *app, hal_t *hal, const about_t
     live_config_forget(live);
 }
 
-/* Then no change would ever be taken. */
+/* Whether no control tick runs: a change would never be taken. */
 static bool lacks_ticks(const live_config_t *live)
 {
     return (hal_ticks(live->hal) == 0U) || hal_health(live->hal).tick_lost;
@@ -85,7 +85,7 @@ static live_config_verdict_t block_verdict(const live_config_t *live)
     return (live_config_verdict_t){.path = found.setting, .why = stored_config_reason(found.fault)};
 }
 
-/* Whether the drive may change to the prepared block as it is now. */
+/* Whether the drive may change to the prepared block in its present state. */
 static live_config_verdict_t change_verdict(const live_config_t *live)
 {
     live_config_verdict_t verdict = DONE;
@@ -99,7 +99,7 @@ static live_config_verdict_t change_verdict(const live_config_t *live)
     return verdict;
 }
 
-/* Whether the prepared block protects as the one in force does. */
+/* Whether the prepared block protects as much as the block in force, by config_lock.h. */
 static live_config_verdict_t lock_verdict(const live_config_t *live)
 {
     live_config_verdict_t verdict = DONE;
@@ -137,7 +137,7 @@ static live_config_verdict_t change_to_prepared(live_config_t *live, bool unlock
     return verdict;
 }
 
-/* An unlocking is for one block, taken or not. */
+/* An unlocking is for one block, taken or refused. */
 static live_config_verdict_t apply_prepared(live_config_t *live)
 {
     const live_config_verdict_t verdict = change_to_prepared(live, live->app->unlocked);
@@ -167,8 +167,9 @@ live_config_verdict_t live_config_apply(live_config_t *live, uint32_t crc)
 }
 
 /*
- * The CRC of a configuration is behind it in the block, and so that of the block does not depend on
- * it: both have to agree.
+ * In the block, the CRC of the configuration follows the configuration. A CRC over data and their
+ * own CRC is constant, so the CRC of the block does not depend on the configuration: both CRCs have
+ * to agree.
  */
 static bool is_same(const config_block_t *one, const config_block_t *other)
 {
@@ -214,8 +215,8 @@ live_config_verdict_t live_config_store(live_config_t *live)
 }
 
 /*
- * A target is in steps of the motor that it was asked for. When the drive has begun anew, it may be
- * another motor.
+ * A target is in steps of the motor for which it was given. If the drive has begun anew, the motor
+ * may be another one.
  */
 static void adapt_command(const live_config_t *live, const drive_cfg_t *before)
 {

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The configuration while the drive lives: the block in force, and one that is prepared and takes
- * its place at a tick.
+ * The configuration while the drive runs: the block in force, and a prepared block that replaces it
+ * at a tick.
  *
  * Preparing begins with the first word that is written: the prepared block is then a copy of the
- * one in force. So a writer needs to write the words that differ, and the CRCs. An apply ends the
- * preparation, whatever comes of it. When it is asked for once more, with the same CRC, its verdict
- * is the same again.
+ * block in force. So a writer writes only the words that differ, and the CRCs. An apply ends the
+ * preparation, whatever its verdict. A second apply with the same CRC gets the same verdict again.
  *
- * Context: background, all of it; a tick may come in between anywhere.
+ * Context: background; a tick may come at any instruction.
  */
 #ifndef LIVE_CONFIG_H
 #define LIVE_CONFIG_H
@@ -23,8 +22,8 @@
 #include <stdint.h>
 
 /*
- * Why something is refused: `why` about `path`, a setting, where there is one. Both constant texts;
- * why NULL: it is done.
+ * Why something is refused. why: the reason; NULL: it is done. path: the setting that the reason is
+ * about; NULL: none. Both are constant texts.
  */
 typedef struct {
     const char *path;
@@ -42,40 +41,40 @@ typedef struct {
     config_block_t *in_force;
     config_block_t *prepared;      /* the other one of the two */
     live_config_verdict_t applied; /* of the last apply */
-    uint32_t applied_crc;          /* that it was asked for with */
-    config_lock_t lock;            /* what was unlocked last, or was there at the start */
+    uint32_t applied_crc;          /* CRC with which the last apply was asked for */
+    config_lock_t lock;            /* of the block that was unlocked last, or of the first one */
     bool preparing;                /* a word was written since the last apply */
     bool pending;                  /* the prepared block waits for the tick that takes it */
 } live_config_t;
 
 /*
- * Chooses the block that the drive is to be started with, live->in_force->cfg: the stored one or
- * that of the image (stored_config.h). Before the control interrupt is enabled. `app` may be
- * initialised later. All that is given outlives the drive.
+ * Chooses the block with which the drive is to start, live->in_force->cfg: the stored block or the
+ * image's block (stored_config.h). Call before the control interrupt is enabled. `app` may be
+ * initialised later. All arguments must outlive the drive.
  */
 void live_config_init(live_config_t *live, app_t *app, hal_t *hal, const about_t *about,
                       const drive_cfg_t *cfg);
 
 /*
- * Writes word `at` of the prepared block; beyond its end it is refused, and while a change has not
- * been taken.
+ * Writes word `at` of the prepared block. Refused beyond the end of the block, and while a change
+ * has not been taken.
  */
 live_config_verdict_t live_config_write(live_config_t *live, uint32_t at, uint32_t word);
 
-/* The last apply and what was written since then are forgotten. */
+/* Forgets the last apply and the words that were written since then. */
 void live_config_forget(live_config_t *live);
 
 /*
- * The prepared block, whose configuration has this `crc`, takes the place of the one in force at
- * the next tick, as a whole. Refused when it is another one, not for this image or not good,
- * changes what the drive cannot change in its state, or protects less and nobody has unlocked that
- * (commander_unlock()).
+ * The prepared block replaces the block in force, as a whole, at a tick within a slow period. crc:
+ * of its configuration. Refused when the prepared block has another CRC, is not good or not for
+ * this image, changes a setting that the drive cannot change in its state, or protects less and
+ * nobody has unlocked that (commander_unlock()), and when the control tick does not run.
  */
 live_config_verdict_t live_config_apply(live_config_t *live, uint32_t crc);
 
 /*
- * The configuration of the image takes the place of the one in force, under the same conditions; at
- * rest it needs no unlocking.
+ * The configuration of the image replaces the one in force, under the same conditions; at rest it
+ * needs no unlocking.
  */
 live_config_verdict_t live_config_restore(live_config_t *live);
 
@@ -86,9 +85,9 @@ bool live_config_can_store(const live_config_t *live);
 live_config_verdict_t live_config_store(live_config_t *live);
 
 /*
- * Once a tick or more often: what a tick has taken is in force, and the facts of its motor are
- * those of `about`. The speed that is asked for stays within its limit. Where the drive has begun
- * anew nothing is asked for, and the speed is 0.
+ * Call once a tick or more often. When a tick has taken the prepared block, this makes it the block
+ * in force, and copies the facts of its motor to `about`. The target speed is limited to the speed
+ * limit of that motor. If the drive has begun anew, the command becomes speed 0 without a request.
  */
 void live_config_step(live_config_t *live);
 

@@ -84,7 +84,7 @@ static void add_measure(text_t *text, const char *name, const about_t *about, fa
     }
 }
 
-/* Frequency of the last swing since the start; there has been one. */
+/* Frequency of the last swing since the start; there must have been one. */
 static void add_frequency(text_t *text, const char *name, const drive_t *drive,
                           const about_t *about)
 {
@@ -117,7 +117,7 @@ static void add_fault(text_t *text, const drive_t *drive, const about_t *about)
     text_add(text, ")");
 }
 
-/* A swing that was no fault, and whether one has lowered the bandwidth. */
+/* A swing that was not a fault, and whether a swing has lowered the bandwidth. */
 static void add_swing(text_t *text, const drive_t *drive, const about_t *about)
 {
     if ((drive->oscillation.span != 0U) && !is_swing(drive)) {
@@ -136,14 +136,14 @@ static void add_state(text_t *text, const drive_t *drive, const about_t *about)
     };
     const drive_state_t state = drive->state;
 
-    barrier_compiler(); /* the fault is that of this state */
+    barrier_compiler(); /* the fault is read after the state */
     text_add(text, names[transitions_number(state)]);
     if (state == DRIVE_STATE_FAULT) {
         add_fault(text, drive, about);
     }
 }
 
-/* A rotor that is too fast for open gates. */
+/* Says that the motor is shorted, because its rotor is too fast for open gates. */
 static void add_short(text_t *text, const drive_t *drive)
 {
     if (safe_state_is_short(&drive->safe_state)) {
@@ -183,7 +183,7 @@ static void add_torque(text_t *text, const app_t *app, const about_t *about, int
     text_add(text, " N m");
 }
 
-/* Of the rotor. drive: NULL where it does not know it, so that no number of before is shown. */
+/* Speed of the rotor. drive: NULL if the speed is unknown, so that no old number is shown. */
 static void add_speed_now(text_t *text, const drive_t *drive, const about_t *about)
 {
     if (drive != NULL) {
@@ -193,11 +193,11 @@ static void add_speed_now(text_t *text, const drive_t *drive, const about_t *abo
     }
 }
 
-/* While the motor is measured, the command's target is a word of the probe and no speed. */
+/* While the motor is measured, the command's target is a word of the probe, not a speed. */
 static void add_speed(text_t *text, const app_t *app, const about_t *about)
 {
     const drive_command_t command = command_mailbox_take(&app->mailbox);
-    const bool has_begun = app->drive.cfg != NULL; /* not where the configuration is refused */
+    const bool has_begun = app->drive.cfg != NULL; /* false if the configuration was refused */
     const bool known = has_begun && drive_knows_rotor(&app->drive);
     const char *const unit = known ? " rpm" : "";
 

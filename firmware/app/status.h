@@ -4,12 +4,13 @@
  *
  *     RUN, speed 1500 of 1500 rpm, phases 1.200 -0.600 -0.600 A, bus 24.010 V, 31 C, late 0, …
  *
- * With open gates and without a sensor nobody knows the speed: "READY, speed unknown, asked 1500
- * rpm, …". In position mode "speed 1500 rpm, turn 2.75, to turn 3.00" stands there, in torque mode
- * "speed 1500 rpm, torque 2.500000 N m", and while the motor is measured "measuring the motor",
- * instead of a speed that is asked for. A fault follows the state's name, with value, limit and
- * what to check; OSCILLATION with its frequency. Then comes the frequency of a swing since the
- * start that was no fault (oscillation.h), and whether the bandwidth of the speed loop is lowered.
+ * With open gates and without a sensor the speed is unknown: "READY, speed unknown, asked 1500 rpm,
+ * …". In position mode the line has "speed 1500 rpm, turn 2.75, to turn 3.00", and in torque mode
+ * "speed 1500 rpm, torque 2.500000 N m". While the motor is measured, "measuring the motor" takes
+ * the place of the target speed. A fault follows the state's name, with value, limit and what to
+ * check, and OSCILLATION also with its frequency. Then comes the frequency of a swing since the
+ * start that was not a fault (oscillation.h), and whether the bandwidth of the speed loop is
+ * lowered.
  */
 #ifndef STATUS_H
 #define STATUS_H
@@ -20,9 +21,9 @@
 
 /*
  * Append the status, without the end of a line. The currents are as measured, with the amplifiers'
- * offset: that is worth a look at the first power-up. `hal` is asked for its health; it is that of
- * `app` once app_init() has bound them. Context: background. The tick may come in between, so that
- * two quantities may be of two ticks.
+ * offset: that is worth a look at the first power-up. `hal` gives its health; app->hal is the same
+ * one once app_init() has been called. Context: background. The tick may come in between, so two
+ * quantities may be of two ticks.
  */
 void status_add(text_t *text, const app_t *app, const hal_t *hal, const about_t *about);
 

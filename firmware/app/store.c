@@ -27,10 +27,7 @@ typedef struct {
     uint32_t sequence;
 } slot_content_t;
 
-/*
- * The bytes of a slot, one behind the other. It is bad from the first unit on that could not be
- * read.
- */
+/* Reads the words of a slot, one after the other. bad: a unit could not be read. */
 typedef struct {
     hal_t *hal;
     uint32_t slot;
@@ -57,8 +54,8 @@ static uint32_t crc_of_word_too(uint32_t crc, uint32_t word)
 }
 
 /*
- * Whether the CRC of the block in a slot is right; `crc` is it. The length is the block's own: it
- * may be of another firmware.
+ * Whether the CRC of the block in a slot is right; *crc is this CRC. The length is read from the
+ * block, which may be of another firmware.
  */
 static bool has_block(hal_t *hal, uint32_t slot, uint32_t *crc)
 {
@@ -85,7 +82,7 @@ static uint32_t stamp_crc(uint32_t sequence, uint32_t block_crc)
     return ~crc_of_word_too(crc_of_word_too(CRC32_START, sequence), block_crc);
 }
 
-/* The last good stamp of a block counts; what does not read well is none. */
+/* The last good stamp of a block counts; a unit that cannot be read is not a stamp. */
 static void find_stamp(hal_t *hal, uint32_t slot, uint32_t block_crc, slot_content_t *found)
 {
     for (uint32_t unit = STORE_BLOCK_UNITS; unit < HAL_STORE_UNITS; unit++) {
@@ -165,7 +162,7 @@ static bool is_erased(hal_t *hal, uint32_t slot, uint32_t unit)
     return reads_back(hal, slot, unit, erased);
 }
 
-/* So many stamps into the first units that take them. False when there are too few. */
+/* Programs `count` stamps into the first units that take them. Returns false when too few do. */
 static bool put_stamps(hal_t *hal, uint32_t slot, uint32_t count, uint32_t sequence,
                        uint32_t block_crc)
 {
@@ -198,8 +195,8 @@ static uint32_t number_of_one_more(const store_t *store)
 }
 
 /*
- * Step 1. The number counts even if units are left for one stamp only: the new block's number has
- * to be higher than that stamp's.
+ * Step 1. The number counts even if only one stamp finds a unit: the new block's number has to be
+ * higher than the number of that stamp.
  */
 static void keep(store_t *store)
 {
@@ -211,7 +208,7 @@ static void keep(store_t *store)
     }
 }
 
-/* Step 3; whole units. */
+/* Step 3, in whole units. */
 static bool program_block(hal_t *hal, uint32_t slot, const config_block_t *block)
 {
     bool good = true;

@@ -6,7 +6,10 @@
 
 #include <stddef.h>
 
-/* With an example motor in the image nobody has said what the motor bears. */
+/*
+ * With an example motor in the image, the motor's limits do not count: nobody has said what the
+ * connected motor bears.
+ */
 config_block_verdict_t stored_config_check(const config_block_t *block, const about_t *about,
                                            const drive_cfg_t *cfg)
 {

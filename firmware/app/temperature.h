@@ -21,8 +21,8 @@ typedef struct {
 } temperature_line_t;
 
 /*
- * °C, rounded to nearest, halves away from 0. Linear between two points; beyond the ends that of
- * the end, as a sensor that is open or shorted reads. Context: any.
+ * °C, rounded to nearest, halves away from 0. Linear between two points; beyond the ends it is the
+ * temperature of the end, as for a sensor that is open or shorted. Context: any.
  */
 int32_t temperature_celsius(const temperature_line_t *line, uint16_t count);
 

@@ -7,9 +7,9 @@
 
 #define DIGITS_MAX (10U) /* of 2^32 − 1 */
 #define INPUT_DIGITS (9U)
-#define WHOLE_DIGITS (3U) /* with six more a number of 32 bits */
+#define WHOLE_DIGITS (3U) /* with six decimals it fits 32 bits */
 #define MILLIONTHS_DIGITS (6U)
-/* characters, for which there is always room behind what text_add() has added */
+/* characters that text_add() always leaves free */
 #define LINE_END (2U)
 
 static void add_character(text_t *text, char c)
@@ -96,7 +96,7 @@ const char *text_after(const char *string, const char *start)
     return (start[k] == '\0') ? &string[k] : NULL;
 }
 
-/* Digits from `from` on, at most so many, onto *sum. Returns where they end. */
+/* Appends digits from `from` on, at most `most`, to *sum. Returns where they end. */
 static uint32_t add_digits(const char *string, uint32_t from, uint32_t most, int32_t *sum)
 {
     uint32_t k = from;

@@ -20,8 +20,8 @@ typedef struct {
 void text_add(text_t *text, const char *string);
 
 /*
- * Append CR and LF. There is room for them behind whatever text_add() has added. A second end does
- * not fit then, and is left out.
+ * Append CR and LF. text_add() always leaves room for them. After a full line a second end does not
+ * fit, and is left out.
  */
 void text_end_line(text_t *text);
 
@@ -32,24 +32,24 @@ void text_number(text_t *text, int32_t value, uint32_t decimals);
 void text_hex(text_t *text, uint32_t value);
 
 /*
- * Returns the CRC-32 (crc32.h) of so many characters from `characters` on, behind what `before` is
- * of; CRC32_START: of nothing. As crc32_byte() it is to be complemented where it is shown. For the
- * sender and the reader of lines.
+ * Continues the CRC-32 (crc32.h) `before` over `length` characters, and returns it. before:
+ * CRC32_START for the first characters. Complement the result where it is shown, as with
+ * crc32_byte(). For the sender and the reader of lines.
  */
 uint32_t text_crc(uint32_t before, const char *characters, uint32_t length);
 
-/* What follows `start` in `string`; NULL when the string does not start so. */
+/* Returns the part of `string` after `start`; NULL when it does not begin with `start`. */
 const char *text_after(const char *string, const char *start);
 
 /*
- * A whole decimal number, with a sign or without, and nothing behind it. False, and nothing done,
- * for anything else and beyond ±999999999.
+ * Reads a whole decimal number, with a sign or without, and nothing after it. Returns false, and
+ * leaves *value, for anything else and beyond ±999999999.
  */
 bool text_to_number(const char *string, int32_t *value);
 
 /*
- * A decimal number in millionths, with a sign or without, up to three digits, and behind a point up
- * to six more. False, and nothing done, for anything else.
+ * Reads a decimal number in millionths: with a sign or without, up to three digits, and up to six
+ * more after a point. Returns false, and leaves *value, for anything else.
  */
 bool text_to_millionths(const char *string, int32_t *value);
 

@@ -49,7 +49,7 @@ int32_t units_rpm(const units_rotation_t *rotation, step_t step)
     return (int32_t)divided((int64_t)step * MINUTE, turn_of(rotation));
 }
 
-/* Clamped before the product is made. */
+/* The rpm is clamped first, so that the product fits 64 bits. */
 step_t units_step(const units_rotation_t *rotation, int32_t rpm)
 {
     const int64_t turn = turn_of(rotation);
@@ -101,7 +101,7 @@ int64_t units_torque_base(const units_rotation_t *rotation, uint32_t current_ful
     return clamped((int64_t)base, TORQUE_BASE_MAX);
 }
 
-/* The upper and the lower half of the torque, so that the products fit 64 bits. */
+/* Splits the torque into an upper and a lower half, so that the products fit 64 bits. */
 int32_t units_torque(int64_t base, int32_t torque_q28)
 {
     const int64_t upper = (int64_t)torque_q28 / TORQUE_HALF;

@@ -48,7 +48,7 @@ uint32_t units_ticks(const units_rotation_t *rotation, uint32_t us);
 
 /*
  * T_b = 1.5·P·U_b·I_b/Ω_b in µN·m, saturated at 2^46, within 0.1 % where U_b·I_b is 1 W or more.
- * Full scales: of about_t. speed_shift: that of the configuration, 1…16.
+ * Full scales: from about_t. speed_shift: from the configuration, 1…16.
  */
 int64_t units_torque_base(const units_rotation_t *rotation, uint32_t current_full_scale_ua,
                           uint32_t bus_full_scale_uv, uint32_t speed_shift);
@@ -59,7 +59,7 @@ int64_t units_torque_base(const units_rotation_t *rotation, uint32_t current_ful
  */
 int32_t units_torque(int64_t base, int32_t torque_q28);
 
-/* The other way, saturated at ±INT32_MAX; 0 where T_b is 0. torque: µN·m, any. */
+/* Torque in µN·m to Q28 of T_b, saturated at ±INT32_MAX; 0 if T_b is 0. torque: any. */
 int32_t units_torque_q28(int64_t base, int32_t torque);
 
 /*
