@@ -76,7 +76,7 @@ static bool ask(identify_t *identify)
     return complete;
 }
 
-/* Its number makes the window's word differ from those of the windows before. */
+/* The number of the window makes its word differ from the words of earlier windows. */
 static void ask_for_window(identify_t *identify)
 {
     const uint32_t number = identify->windows & WINDOW_NUMBERS;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The state of an identification (identify.h): the experiment under way, and what those before it
- * have found.
+ * The state of an identification (identify.h): the experiment under way, and the results of the
+ * experiments before it.
  */
 #ifndef IDENTIFY_STATE_H
 #define IDENTIFY_STATE_H
@@ -48,7 +48,7 @@ typedef enum {
     IDENTIFY_MEASURING
 } identify_wait_t;
 
-/* What PULSE, CATCH and STILL have found, and where they are. */
+/* Results and progress of PULSE, CATCH and STILL. */
 typedef struct {
     uint32_t axis;
     int32_t pulse;   /* V of the pulses */
@@ -73,10 +73,10 @@ typedef struct {
     int32_t across_q16;
     int32_t across_volts;   /* volt-ticks of the last pulses across */
     int32_t across_current; /* their current */
-    uint32_t looks;         /* so many at a rotor that has come to another axis; 0: it is at rest */
-    int32_t mean_across;    /* i_q of an earlier look, */
-    uint32_t steady;        /* and number of looks since then with about the same */
-    int32_t high_voltage;   /* means at the largest current of this axis */
+    uint32_t looks;       /* looks so far at a rotor on its way to another axis; 0: it is at rest */
+    int32_t mean_across;  /* i_q of an earlier look, */
+    uint32_t steady;      /* and number of looks since then with about the same */
+    int32_t high_voltage; /* means at the largest current of this axis */
     int32_t high_current;
     int32_t first_voltage[IDENTIFY_TWICE]; /* means at the levels that come twice, the first time */
     int32_t unsteady; /* largest change of voltage between the times, 1/256 of R·i, 0…256 */
@@ -84,7 +84,7 @@ typedef struct {
     int32_t loss; /* of voltage in the legs, as it would be at no current, Q15 of U_b */
 } identify_rest_t;
 
-/* Of SPIN, RAMP and COAST. */
+/* Results and progress of SPIN, RAMP and COAST. */
 typedef struct {
     step_t top; /* highest speed */
     step_t low; /* the ramps' other speed */
@@ -96,7 +96,8 @@ typedef struct {
     int32_t swing_ticks; /* 1/ω_n of the rotor in the field of the current; 0: not known */
     int32_t flux_q14;    /* φ, with ωL·i, as half of the speed has shown it, U_b/Ω_b */
     bool loaded;         /* friction takes so much torque that the current is the continuous one */
-    int32_t torque_down; /* torque of the last ramps over what the current can pull, Q14 */
+    int32_t
+        torque_down; /* of the last ramps: torque over the torque that the current can pull, Q14 */
     int32_t torque_up;
     bool steep;         /* the ramps are as steep as they get */
     int32_t pairs_left; /* pairs of such ramps that still follow */
@@ -112,7 +113,7 @@ typedef struct {
     uint32_t step;         /* experiments of the phase so far */
     identify_phase_t said; /* the last phase that was said */
     const char *why;       /* it was refused; NULL: it was not */
-    const char *detail;    /* said behind `why`: the name of a phase or a fault */
+    const char *detail;    /* said after `why`: the name of a phase or a fault */
     int32_t needed;        /* current that the refusal names, Q15 of I_b; 0: none */
     identify_aim_t aim;
     drive_command_t before; /* the user's command, in force again at the end, without its request */

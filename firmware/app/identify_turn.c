@@ -27,7 +27,8 @@
 /* K = 0.03 a tick: a quarter of the bandwidth of the current control */
 #define DAMPING_MOST (41000000)
 #define TORQUE_MOST (65536)
-#define TORQUE_ENOUGH (4915) /* 0.3 of what the current can pull: the rotor lags by 17 degrees */
+#define TORQUE_ENOUGH \
+    (4915) /* 0.3 of the torque that the current can pull: the rotor lags by 17 degrees */
 
 int32_t identify_turn_current(const identify_t *identify)
 {

@@ -58,7 +58,7 @@ bool link_out_is_free(const link_out_t *out);
 /* Begins a message. The frame before must have been sent. */
 void link_out_begin(link_out_t *out, uint8_t type, uint8_t tag);
 
-/* Append to the message, the lowest byte first. What does not fit is left out. */
+/* Append to the message, the lowest byte first. Bytes that do not fit are left out. */
 void link_out_byte(link_out_t *out, uint32_t value);
 void link_out_half(link_out_t *out, uint32_t value);
 void link_out_word(link_out_t *out, uint32_t value);

@@ -33,7 +33,7 @@ typedef enum {
      * console to the link. Answer: identity, below
      */
     LINK_HELLO = 1,
-    LINK_BYE,  /* switches back to the console. Answer: nothing behind type and tag */
+    LINK_BYE,  /* switches back to the console. Answer: nothing after type and tag */
     LINK_PING, /* keeps link and command alive. Answer: health, below */
     /* request u8, mode u8, target s32: as drive_command_t; ticket u32. Answer: verdict */
     LINK_COMMAND,

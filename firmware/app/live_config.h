@@ -5,7 +5,8 @@
  *
  * Preparing begins with the first word that is written: the prepared block is then a copy of the
  * block in force. So a writer writes only the words that differ, and the CRCs. An apply ends the
- * preparation, whatever its verdict. A second apply with the same CRC gets the same verdict again.
+ * preparation, whatever its verdict. A second apply with the same CRC, once the change is taken,
+ * gets the same verdict again.
  *
  * Context: background; a tick may come at any instruction.
  */

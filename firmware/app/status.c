@@ -151,7 +151,7 @@ static void add_short(text_t *text, const drive_t *drive)
     }
 }
 
-/* What keeps the gates open until a reset. */
+/* Says what keeps the gates open until a reset. */
 static void add_bar(text_t *text, const char *why)
 {
     if (why != NULL) {

@@ -2,8 +2,8 @@
 /*
  * The store: the newest configuration block, kept in flash through a loss of power at any time.
  *
- * There are two slots (hal.h). A block is written into the one that does not hold the newest block.
- * A slot is
+ * There are two slots (hal.h). A block is written into the slot that does not hold the newest
+ * block. A slot is
  *
  *     units 0…191     the block, the rest erased
  *     units 192…255   stamps, one after the other, the rest erased

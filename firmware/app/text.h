@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Text of the console: words and numbers into a buffer of fixed size. What does not fit is cut off,
- * and a line that is cut keeps its end.
+ * Text of the console: words and numbers into a buffer of fixed size. Text that does not fit is cut
+ * off; a line that is cut keeps its end.
  */
 #ifndef TEXT_H
 #define TEXT_H
