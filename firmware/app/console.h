@@ -37,7 +37,7 @@ typedef struct {
     drive_state_t announced;
     char line[CONSOLE_LINE_MAX + 1U];
     uint32_t length; /* of the line so far */
-    text_t out;      /* to be sent: the sender of all of it sets its length to 0 */
+    text_t out;      /* text to be sent; the sender sets its length to 0 when all is sent */
     console_dump_t dump_phase;
     recorder_dump_t dump;
     identify_t identify;

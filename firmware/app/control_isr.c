@@ -6,7 +6,7 @@
 
 #include <stddef.h>
 
-/* No failure is posted from here on. */
+/* Withdraws the failure: none is posted then. */
 static void clear_failure(app_t *app)
 {
     app->fails = false;

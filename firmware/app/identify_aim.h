@@ -52,7 +52,7 @@ static inline int32_t *identify_aim_word(identify_t *identify, probe_word_t whic
 /* The current of the next experiment, without pulses. */
 void identify_aim_current(identify_t *identify, int32_t current);
 
-/* The next experiment's first word of its record, ticks to settle, and ticks of its window. */
+/* First word of the next experiment's record, ticks to settle, and ticks of its window. */
 void identify_aim_window(identify_t *identify, const char *kind, int32_t settle, int32_t ticks);
 
 typedef enum {

@@ -112,8 +112,8 @@ static int32_t unlike_peaks(const identify_rest_t *rest)
 }
 
 /*
- * Returns half of φ/(L_q − L_d): with the whole of it or more, a current does not hold the rotor. L
- * was found on the axis with the largest answer p, so L_d = L·p/(m + b), L_q = L·p/(m − b). φ comes
+ * Returns half of φ/(L_q − L_d): a current of φ/(L_q − L_d) or more does not hold the rotor. L was
+ * found on the axis with the largest answer p, so L_d = L·p/(m + b), L_q = L·p/(m − b). φ comes
  * from the configuration; for a name plate it is the usual φ for its speed and the bus. emf_q13 is
  * Ω_b·φ/U_b and Ω_b is 2^(15 + shift) steps a tick, of 2^32 a turn: φ in volt-ticks is
  * emf·2^(4−shift)/2π.
@@ -493,8 +493,8 @@ int32_t identify_rest_largest(const identify_t *identify)
 }
 
 /*
- * The name of an open phase; NULL: each phase has some current. Along the axis of an open phase no
- * current flows; along another axis it flows in the other two phases.
+ * Which phase is open, as a text; NULL: each phase has some current. Along the axis of an open
+ * phase no current flows; along another axis it flows in the other two phases.
  */
 static const char *find_open_phase(const identify_t *identify)
 {

@@ -51,7 +51,7 @@ typedef enum {
 /* Results and progress of PULSE, CATCH and STILL. */
 typedef struct {
     uint32_t axis;
-    int32_t pulse;   /* V of the pulses */
+    int32_t pulse;   /* voltage of the pulses, Q15 of U_b */
     int32_t quarter; /* ticks of a quarter of a pulse pattern */
     bool fine;       /* the pulses are 5/4 of the last ones */
     bool longer;     /* they last twice as long as the last ones, with 5/8 of the voltage */

@@ -189,7 +189,10 @@ static void steepen(identify_t *identify, int32_t torque)
 /* if the EMF at the highest speed is below 1/20 of the voltage, the rotor stands */
 #define FLUX_SHARE_LEAST (20)
 
-/* Ω_b·L, Q13 of U_b/I_b: L in volt-ticks times 2π/2^32 of a radian times 2^speed_shift. */
+/*
+ * Ω_b·L, Q13 of U_b/I_b: L in volt-ticks times Ω_b, which is 2^(15 + speed_shift) steps a tick, of
+ * 2π/2^32 rad each.
+ */
 static int32_t reactance_q13(const identify_t *identify)
 {
     const int64_t one_step = one_of_q15(identify);

@@ -299,7 +299,7 @@ static live_config_verdict_t judge_block(link_t *link, const question_t *questio
     return verdict;
 }
 
-/* The questions that do something. */
+/* The questions that get a verdict. */
 static live_config_verdict_t judge_question(link_t *link, const question_t *question)
 {
     live_config_verdict_t verdict = {NULL, NULL};
