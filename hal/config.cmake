@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-# Motor, board and tuning of an image: files of host_sim/ by name, or paths of one's own.
+# Motor, board and tuning of an image: names of files in host_sim/, or paths of the user's own files.
 #
-# A reference with a '/' or ending in .toml is a path; any other is the name of a file in host_sim/. nfconfig reads it the
-# same way and says what is wrong with it.
+# A reference with a '/' or ending in .toml is a path; any other is the name of a file in host_sim/. nfconfig follows the
+# same rule and reports what is wrong with a reference.
 #
-# All functions may be called from another project, in which no variable of this one is seen.
+# All functions may be called from another project, which does not see the variables of this one.
 
 set(help "The host's nfconfig, which writes the configuration of an image")
 if(PROJECT_IS_TOP_LEVEL)
@@ -17,7 +17,7 @@ if(PROJECT_IS_TOP_LEVEL OR DEFINED CACHE{NF_NFCONFIG})
     # The type makes a relative path of the command line absolute, and leaves the target's name.
     set(NF_NFCONFIG "${default}" CACHE FILEPATH "${help}")
 else()
-    # That of the installed package, else that which was built in these sources, else that on the PATH.
+    # The nfconfig of the installed package, else the one built in these sources, else the one on the PATH.
     find_program(NF_NFCONFIG nfconfig NO_CACHE NO_CMAKE_FIND_ROOT_PATH
         HINTS ${PROJECT_SOURCE_DIR}/../../bin ${PROJECT_SOURCE_DIR}/build/host)
 endif()
@@ -33,7 +33,7 @@ endfunction()
 
 # nf_choice(<name> <default> <help>)
 #
-# What the user gives with -D<name>=... A path of his is relative to the folder in which he calls cmake.
+# The value that the user gives with -D<name>=... If it is a path, it is relative to the folder in which he calls cmake.
 function(nf_choice name default help)
     nf_is_path(is_path "$CACHE{${name}}")
     if(is_path)
@@ -55,8 +55,8 @@ function(nf_data_file file folder reference)
     set(${file} ${path} PARENT_SCOPE)
 endfunction()
 
-# Appends what nfconfig is told of a file, and the file, to `arguments` and `files`. nfconfig itself says that there is
-# no such file, and which names there are.
+# Appends the arguments for nfconfig to `arguments`, and the file to `files`. If there is no such file, nfconfig itself
+# says so and lists the names.
 macro(nf_refer option folder reference)
     nf_data_file(file ${folder} "${reference}")
     nf_is_path(is_path "${reference}")
@@ -70,7 +70,7 @@ macro(nf_refer option folder reference)
     endif()
 endmacro()
 
-# Lets <target> include <output>, made by the nfconfig <command>.
+# Lets <target> include <output>, which nfconfig <command> writes.
 function(nf_config_file target output command)
     cmake_parse_arguments(PARSE_ARGV 3 arg "" "MOTOR;BOARD;TUNING" "WITH")
     get_property(nfconfig GLOBAL PROPERTY NF_NFCONFIG)
@@ -101,8 +101,8 @@ endfunction()
 
 # nf_report_alike(<target> MOTOR <file> BOARD <file> TUNING <file>)
 #
-# The build of <target> ends with what may be expected of the tuning: how many motors of the zoo like this one it holds. They
-# are simulated again when one of the files has changed.
+# At its end the build of <target> says how many random motors like this one the tuning holds. They are simulated again
+# when one of the files has changed.
 function(nf_report_alike target)
     nf_config_file(${target} alike.txt alike ${ARGN})
     add_custom_command(TARGET ${target} POST_BUILD
@@ -112,14 +112,14 @@ endfunction()
 
 # nf_drive_config(<target> MOTOR <file> BOARD <file> TUNING <file> [WITH <imperfection set>...])
 #
-# Lets <target> include drive_config.h: the drive's configuration.
+# Lets <target> include drive_config.h, the drive's configuration.
 function(nf_drive_config target)
     nf_config_file(${target} drive_config.h header ${ARGN})
 endfunction()
 
 # nf_hal_config(<target> MOTOR <file> BOARD <file> TUNING <file>)
 #
-# Lets <target> include hal_config.h: what a binding has to know of its board.
+# Lets <target> include hal_config.h, the numbers of the board that a binding needs.
 function(nf_hal_config target)
     nf_config_file(${target} hal_config.h hal-header ${ARGN})
 endfunction()

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The whole contract between the application and the hardware: four functions for the control
- * interrupt, three for console and link of firmware/app, three for its store, and two for what a
- * reset shall not forget.
+ * interrupt, three for the console and the link of firmware/app, three for its store, and two for
+ * words that survive a reset.
  *
  * The build links exactly one binding. A binding owns the PWM timer, the converters, the gate
  * drivers and the serial line; no code above it uses a register. docs/porting.md says how to write
@@ -25,18 +25,18 @@ typedef struct hal hal_t;
 
 /*
  * Fill the measured part of the frame (adc_ia, adc_ib, adc_bus, adc_temperature, angle, flags) with
- * the conversions of t_k, and leave its command as it is: it stays in force from tick to tick. The
- * temperature may be an older one. The angle is 0 without a sensor. Context: control interrupt,
- * first. Does not wait: the conversions are complete when it is called.
+ * the conversions of t_k. Leave its command as it is, because it stays in force from tick to tick.
+ * The temperature may be older than t_k. The angle is 0 without a sensor. Context: control
+ * interrupt, first. Does not wait: the conversions are complete when it is called.
  */
 void hal_sample(hal_t *hal, drive_in_t *in);
 
 /*
  * Preload the three compare values, and open or enable the gates. Opening acts at once, by hardware
  * where there is a main output enable. Enabling acts at t_k+1 at the latest.
- * Context: control interrupt, last. Must finish before t_k+1. After a tick that does not, the
- * binding has equal duty on all phases from t_k+1 to t_k+2, thus no voltage, and sets
- * DRIVE_FLAG_LATE in the next frame.
+ * Context: control interrupt, last. Must finish before t_k+1. If it does not, the binding applies
+ * equal duty to all phases from t_k+1 to t_k+2, thus no voltage, and sets DRIVE_FLAG_LATE in the
+ * next frame.
  */
 void hal_apply(hal_t *hal, const drive_out_t *out);
 
@@ -52,32 +52,35 @@ uint32_t hal_ticks(const hal_t *hal);
 /*
  * The serial line. Context: background only, never the control interrupt. Neither function waits.
  *
- * hal_receive() gives the next byte that came in. False, and `byte` is as it was, when there is
- * none. The link (link.h) asks until there is none, once per pass of the background: what the
- * hardware keeps meanwhile (a FIFO, a buffer) has to hold the bytes of one pass. A byte that is
- * lost or broken is left out.
+ * hal_receive() gives the next received byte. When there is none, it returns false and leaves
+ * `byte` as it is. The link (link.h) takes the received bytes once per pass of the background, so
+ * the FIFO or buffer of the hardware has to hold the bytes of one pass. A byte that is lost or
+ * received with an error is left out.
  *
- * hal_send() takes a byte for sending. False, and nothing is done, while there is no room; it is
- * offered again in the next pass. Any room will do, also that of a single byte.
+ * hal_send() takes a byte for sending. While there is no room, it returns false and does nothing;
+ * the caller offers the byte again in the next pass. Room for a single byte is enough.
  *
  * A board without a serial line returns false from both.
  */
 bool hal_receive(hal_t *hal, uint8_t *byte);
 bool hal_send(hal_t *hal, uint8_t byte);
 
-/* What only the binding knows of its work. It decides nothing: it is shown to a person. */
+/*
+ * Values that only the binding knows. The control interrupt does not use them. The background shows
+ * them to the user; it also checks adc_ic against the other two currents, and answers a request
+ * that needs the tick with a refusal when tick_lost is set.
+ */
 typedef struct {
     /*
-     * the third phase, as adc_ia. A board that does not measure it: 3 · half scale − adc_ia −
-     * adc_ib
+     * current of the third phase, as adc_ia; on a board that does not measure it, 3 · half scale −
+     * adc_ia − adc_ib
      */
     uint16_t adc_ic;
-    uint32_t late_ticks; /* that ended too late, since the start */
-    uint32_t load_pct;   /* the longest tick that did not, of a PWM period; 0: not measured */
-    bool tick_lost;      /* the control interrupt stays away, and will not come again */
+    uint32_t late_ticks; /* ticks that ended too late, since the start */
+    uint32_t load_pct;   /* longest tick that was not late, % of a PWM period; 0: not measured */
+    bool tick_lost;      /* the control interrupt has stayed away, and will not come again */
     /*
-     * what the binding has found wrong with its chip, so that the gates stay open until a reset;
-     * NULL: nothing
+     * the fault of the chip for which the binding keeps the gates open until a reset; NULL: none
      */
     const char *why_barred;
 } hal_health_t;
@@ -86,40 +89,41 @@ typedef struct {
 hal_health_t hal_health(const hal_t *hal);
 
 /*
- * The store: two slots of flash that keep their bytes without power (store.h). A slot is a page, or
- * several, that nothing else is in. It is erased as a whole and then programmed in units, each
+ * The store: two slots of flash that keep their bytes without power (store.h). A slot is one or
+ * more pages that contain nothing else. It is erased as a whole and then programmed in units, each
  * once; erased bytes are 0xFF.
  *
  * Context: background, before the control interrupt is enabled, or while the drive rests with open
- * gates: an erase may hold up the whole chip for tens of milliseconds. The binding keeps its guards
- * from taking this for a fault. `slot` is below HAL_STORE_SLOTS, `unit` below HAL_STORE_UNITS. A
- * board without a store returns false from all three.
+ * gates: an erase may stop the whole chip for tens of milliseconds. The binding makes sure that its
+ * guards do not take this for a fault. `slot` is below HAL_STORE_SLOTS, `unit` below
+ * HAL_STORE_UNITS. A board without a store returns false from all three.
  */
 #define HAL_STORE_SLOTS (2U)
-#define HAL_STORE_UNITS (256U) /* of a slot */
+#define HAL_STORE_UNITS (256U) /* in a slot */
 #define HAL_STORE_UNIT_BYTES (8U)
 
 /*
- * Copies a unit to `bytes`. False when the flash cannot tell what it holds, as where a loss of
- * power has ended its programming; `bytes` may be anything then.
+ * Copies a unit to `bytes`. False when the flash cannot read the unit, for example because a loss
+ * of power has interrupted its programming; then `bytes` may be anything.
  */
 bool hal_store_read(hal_t *hal, uint32_t slot, uint32_t unit, uint8_t bytes[HAL_STORE_UNIT_BYTES]);
 
-/* Erases a slot. False when the flash says that it has failed. */
+/* Erases a slot. False when the flash reports a failure. */
 bool hal_store_erase(hal_t *hal, uint32_t slot);
 
 /*
- * Programs a unit, which is erased. False when the flash says that it has failed. It returns when
- * the unit is programmed.
+ * Programs an erased unit. False when the flash reports a failure. Returns after the unit has been
+ * programmed.
  */
 bool hal_store_program(hal_t *hal, uint32_t slot, uint32_t unit,
                        const uint8_t bytes[HAL_STORE_UNIT_BYTES]);
 
 /*
- * Words that a reset leaves as they are while the supply stays, as backup registers or a RAM that
- * the start-up passes over. They may be anything after the supply was away, and where a board has
- * none: who reads them tells by a check word of his own. `index` is below HAL_KEPT_WORDS. Context:
- * background, and before the control interrupt is enabled. Neither function waits.
+ * Words that survive a reset as long as the supply stays, for example backup registers or a RAM
+ * that the start-up does not clear. After a loss of the supply, and on a board without such words,
+ * they may be anything, so the caller has to keep a check word with them. `index` is below
+ * HAL_KEPT_WORDS. Context: background, and before the control interrupt is enabled. Neither
+ * function waits.
  */
 #define HAL_KEPT_WORDS (6U)
 

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 # nf_add_image(<target> SCRIPT <linker script> SOURCES <file>... [LINK <target>...])
 #
-# An image for a Cortex-M: <target>.elf at the top of the build folder, with its map beside it.
+# Adds an image for a Cortex-M: <target>.elf and <target>.map at the top of the build folder.
 # The start-up code is compiled in; the linker script may INCLUDE sections.ld.
 
-# On its own, so that tools which read C do not come across it.
+# A library of its own, so that tools which read C do not see the assembly.
 enable_language(ASM)
 add_library(nf_safe_state OBJECT ${CMAKE_CURRENT_LIST_DIR}/safe_state.S)
 set_target_properties(nf_safe_state PROPERTIES EXPORT_COMPILE_COMMANDS OFF)
@@ -15,14 +15,14 @@ function(nf_add_image target)
     set(script ${CMAKE_CURRENT_SOURCE_DIR}/${arg_SCRIPT})
     set(map ${PROJECT_BINARY_DIR}/${target}.map)
     add_executable(${target} ${arg_SOURCES} ${here}/reset.c)
-    # Optimised together with main(), it could read variables before it has filled them.
+    # If it were optimised together with main(), it could read variables before it has filled them.
     set_source_files_properties(${here}/reset.c PROPERTIES COMPILE_OPTIONS -fno-lto)
     target_include_directories(${target} PRIVATE ${here})
     target_link_libraries(${target} PRIVATE ${arg_LINK} nf_safe_state nf_warnings)
-    # Beside the image lies its call graph, <target>.elf.ltrans*.ltrans.ci: who calls whom, with how
-    # much stack. It is an option of the link, as that is when the code is made.
+    # -fcallgraph-info writes the call graph <target>.elf.ltrans*.ltrans.ci: who calls whom, with how
+    # much stack. It is an option of the link, because the link generates the code.
     #
-    # Newlib was compiled with short enums. Nothing of it that is used here has an enum.
+    # Newlib was compiled with short enums. No part of it that is used here has an enum.
     target_link_options(${target} PRIVATE
         -nostartfiles --specs=nano.specs -T ${script} -L ${here}
         -fcallgraph-info=su

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "reset.h"
 
-/* What has to be done to the RAM; made by sections.ld, which alone knows it. */
+/* Addresses and sizes for the start-up of the RAM. sections.ld fills it in. */
 typedef struct {
     const uint32_t *data_load;
     uint32_t *data;
@@ -26,7 +26,7 @@ void Reset_Handler(void)
     safe_state_handler();
 }
 
-/* Exceptions 1 to 15. ARMv6-M has fewer: its reserved ones stay unused. */
+/* Exceptions 1 to 15. ARMv6-M has fewer: the others are reserved there and never come. */
 const vector_t core_vectors[CORE_VECTORS] __attribute__((section(".vectors.core"), used)) = {
     reset_entry,        NMI_Handler,        HardFault_Handler,  MemManage_Handler,
     BusFault_Handler,   UsageFault_Handler, safe_state_handler, safe_state_handler,

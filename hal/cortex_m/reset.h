@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * From reset to main() on any Cortex-M, and one place where everything unexpected ends.
+ * From reset to main() on any Cortex-M, and one handler for every unexpected exception.
  *
- * The vector table has two parts, which sections.ld puts one behind the other: the core's own
+ * The vector table has two parts, which sections.ld puts one after the other: the core's own
  * entries are in reset.c; a target adds its interrupts as
  *
  *     const vector_t device_vectors[N] __attribute__((section(".vectors.device"), used)) = {...};
  *
- * with safe_state_handler for each that it does not use.
+ * with safe_state_handler for each interrupt that it does not use.
  */
 #ifndef RESET_H
 #define RESET_H
@@ -17,8 +17,8 @@
 typedef void (*vector_t)(void);
 
 /*
- * The image's GNU build-id as the linker writes it: four words of a note's header, then 20 bytes.
- * `readelf -n` shows them.
+ * The image's GNU build-id as the linker writes it: four words of the note's header, then 20 bytes
+ * of the id. `readelf -n` shows it.
  */
 #define BUILD_ID_NOTE_WORDS (9U)
 #define BUILD_ID_FIRST_WORD (4U)
@@ -29,24 +29,24 @@ extern const uint32_t build_id_note[BUILD_ID_NOTE_WORDS];
 extern const vector_t core_vectors[CORE_VECTORS];
 
 /*
- * Where the chip starts: Reset_Handler, by sections.ld, if a target has nothing to do before. A
- * target that has ends by a jump to it.
+ * Where the chip starts. By default sections.ld makes it the same as Reset_Handler. A target that
+ * has something to do before defines it, and jumps to Reset_Handler at its end.
  */
 void reset_entry(void);
 
 /*
- * Brings up the memory (.data copied, .bss zero) and calls main(). Runs on the stack alone. A
- * return of main() ends in safe_state_handler().
+ * Brings up the memory (.data copied, .bss zero) and calls main(). Uses no variables but those on
+ * the stack. If main() returns, it calls safe_state_handler().
  */
 void Reset_Handler(void);
 
 /*
- * Handler of everything that must not happen: opens the gates and stays. What ends the stay is the
- * target's business, for example its watchdog. Context: any exception.
+ * Handler of every unexpected exception: opens the gates and never returns. The target decides what
+ * happens next, for example a reset by its watchdog. Context: any exception.
  */
 void safe_state_handler(void);
 
-/* Exceptions of the core: safe_state_handler, by sections.ld, if a target does not define them. */
+/* Exceptions of the core. By default sections.ld makes each the same as safe_state_handler. */
 void NMI_Handler(void);
 void HardFault_Handler(void);
 void MemManage_Handler(void);
@@ -57,12 +57,12 @@ void DebugMon_Handler(void);
 void PendSV_Handler(void);
 void SysTick_Handler(void);
 
-/* Defined by each target; called once the memory is as C wants it. */
+/* Defined by each target; called when the memory is initialised. */
 int main(void);
 
 /*
- * Defined by each target: gates open, by the shortest way, and without a stack if the board has
- * gates. No memory but registers may be relied on.
+ * Defined by each target: opens the gates in the shortest way. On a board with gates it must not
+ * use the stack. It may rely on registers only, on no memory.
  */
 void board_safe_state(void);
 

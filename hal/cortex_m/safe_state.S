@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The handler of everything that must not happen. In assembly, as a compiled one begins by saving
- * registers, and an exhausted stack is among the things that bring the core here.
+ * The handler of every unexpected exception. It is in assembly because a compiled handler begins by
+ * saving registers on the stack, and an exhausted stack is one of the causes that lead here.
  */
     .syntax unified
     .thumb

@@ -29,7 +29,7 @@ static uint16_t read_channel(const hal_host_channel_t *channel, uint16_t count)
     return channel->forced ? channel->count : count;
 }
 
-/* What the power stage measures. */
+/* Takes the measurements of the power stage. */
 static void measure(hal_t *hal, drive_in_t *in)
 {
     plant_adc_t adc;

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The binding of hal.h to the simulated hardware: the plant is the timer, the converters and the
- * gates.
+ * The binding of hal.h to the simulated hardware: the plant simulates the timer, the converters and
+ * the gates.
  *
  * Time stands still between two calls of hal_host_step(), so the control interrupt of tick k sees
  * the plant exactly at t_k, however long it takes. The plant keeps the preload registers: compare
  * values act from t_k+1; opening and enabling the gates act at once.
  *
- * What can go wrong between the plant and the control interrupt is put into hal_t.faults, before
- * the tick that shall see it; a field stays in force until it is changed.
+ * Faults between the plant and the control interrupt are set in hal_t.faults, before the tick that
+ * is to see them; a field stays in force until it is changed.
  *
- * A serial line and the flash of the store are there once they are attached to hal_t. A line has
- * its time from hal_host_step().
+ * A serial line and the flash of the store exist when they are attached to hal_t. The line works in
+ * hal_host_step().
  */
 #ifndef HAL_HOST_H
 #define HAL_HOST_H
@@ -24,7 +24,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* A converter's channel that does not read what it should. */
+/* A channel whose count is replaced: `forced` puts `count` in place of the right one. */
 typedef struct {
     bool forced;
     uint16_t count;
@@ -37,10 +37,10 @@ typedef struct {
     hal_host_channel_t temperature;
     hal_host_channel_t angle;
     hal_host_channel_t
-        duty[PLANT_LEGS];  /* compare values of the legs, not what the drive demands */
-    uint16_t angle_offset; /* on what the sensor reads, 2^16 to a turn of the shaft */
-    bool broken;           /* the power stage opens the gates by itself, and says so */
-    /* ticks end too late: a rest duty acts in place of their demand, and the next knows */
+        duty[PLANT_LEGS];  /* compare values of the legs in place of the demanded ones */
+    uint16_t angle_offset; /* added to the sensor's angle, 2^16 to a turn of the shaft */
+    bool broken;           /* the power stage opens the gates by itself and reports a break */
+    /* ticks end too late: a rest duty acts in place of their demand; the next frame reports it */
     bool late;
 } hal_host_faults_t;
 
@@ -48,9 +48,9 @@ struct hal {
     plant_t *plant; /* NULL: frames are fed */
     drive_in_t fed;
     hal_host_faults_t faults; /* all 0: none */
-    bool late;                /* the last tick was */
+    bool late;                /* the last tick ended too late */
     uint32_t late_ticks;
-    uint16_t seen_ia; /* by the last tick */
+    uint16_t seen_ia; /* counts that the last tick was given */
     uint16_t seen_ib;
     uint16_t seen_ic;
     hal_host_line_t *line;   /* NULL: none */
@@ -60,12 +60,12 @@ struct hal {
 };
 
 /*
- * Bind to a plant that plant_init() has accepted and that outlives the binding; or to none, NULL.
- * Without line and store.
+ * Bind to a plant that plant_init() has accepted and that outlives the binding, or to none (NULL).
+ * Line and store are not attached.
  */
 void hal_host_init(hal_t *hal, plant_t *plant);
 
-/* Without a plant: what the next hal_sample() gives. */
+/* Without a plant: sets the frame that the next hal_sample() gives. */
 void hal_host_feed(hal_t *hal, const drive_in_t *in);
 
 /* Let one PWM period pass. Call after each control_isr(), never from within. */

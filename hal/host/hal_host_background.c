@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The functions of hal.h for the background. On their own, so that a program which has them of its
- * own links the rest of the binding.
+ * The functions of hal.h for the background. They have a file of their own, so that a program that
+ * defines them itself can link the rest of the binding.
  */
 #include "hal_host.h"
 
@@ -18,8 +18,8 @@ bool hal_send(hal_t *hal, uint8_t byte)
 }
 
 /*
- * The currents add up to zero; in counts, each has the middle as its zero. The third one ends where
- * a converter does.
+ * The three currents add up to zero, and each has its zero at half scale. The third count is
+ * limited to the range of a converter.
  */
 static uint32_t third_count(const hal_t *hal, uint32_t most)
 {
@@ -31,8 +31,8 @@ static uint32_t third_count(const hal_t *hal, uint32_t most)
 }
 
 /*
- * What a board with two sensors tells of the third phase follows from what the drive was told of
- * the others.
+ * A board with two sensors computes the third phase from the counts that it gave the drive for the
+ * other two.
  */
 static uint16_t third_phase(const hal_t *hal)
 {

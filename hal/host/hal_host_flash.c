@@ -64,7 +64,7 @@ bool hal_host_flash_read(hal_host_flash_t *flash, uint32_t slot, uint32_t unit,
     } else if (it->half_done && (half == HAL_HOST_FLASH_MIXED)) {
         value = (it->before & 0xF0F0F0F00F0F0F0FU) | (it->after & 0x0F0F0F0FF0F0F0F0U);
     } else {
-        /* the bytes may be right where the code says that they are not */
+        /* the bytes of an unreadable unit may be right, too */
     }
     for (uint32_t k = 0U; k < HAL_STORE_UNIT_BYTES; k++) {
         bytes[k] = (uint8_t)(value >> (8U * k));
@@ -81,7 +81,7 @@ static void erase_unit(hal_host_flash_t *flash, uint32_t slot, uint32_t unit, bo
     } else if (!is_dead(flash, unit)) {
         *it = (hal_host_flash_unit_t){.after = HAL_HOST_FLASH_ERASED};
     } else {
-        /* it keeps what it is */
+        /* it keeps its value */
     }
 }
 
@@ -101,8 +101,8 @@ bool hal_host_flash_erase(hal_host_flash_t *flash, uint32_t slot)
 }
 
 /*
- * What is not erased is not programmed, and the flash says so; of what is half done it does not
- * know.
+ * A unit that is not erased is not programmed, and the flash reports it. The flash does not notice
+ * that a unit is half done, so it programs it, and the unit stays half done.
  */
 bool hal_host_flash_program(hal_host_flash_t *flash, uint32_t slot, uint32_t unit,
                             const uint8_t bytes[HAL_STORE_UNIT_BYTES])

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Flash for the store's two slots (hal.h), in units of 64 bits with a code that corrects errors.
- * Power can fail in it.
+ * Simulated flash for the store's two slots (hal.h), in units of 64 bits with an error-correcting
+ * code. A loss of power can be simulated.
  *
- * Each erase and each programming of a unit is a step. Before the step that `left` counts down to,
- * power fails: what the step was about to change is left half done, and power_fails() is called,
+ * Each erase and each programming of a unit is a step. Power fails in the step that begins when
+ * `left` is 0: the units that this step changes are left half done, and power_fails() is called,
  * which need not return.
  *
- * Half done is, by chance for each unit, what it was, what it should become, a mixture of both, or
- * what the code cannot correct. A unit is one of these from then on; with `unstable` another one at
- * each read.
+ * A half-done unit holds, by chance, its old value, its new value, a mixture of both, or bits that
+ * the code cannot correct. It keeps this choice from then on; with `unstable` each read chooses
+ * anew.
  *
  * Context: the one thread of the simulation. Slots are below HAL_STORE_SLOTS, units below
  * HAL_STORE_UNITS.
@@ -32,28 +32,28 @@ typedef enum {
 } hal_host_flash_half_t;
 
 typedef struct {
-    uint64_t before; /* of the step that was cut */
-    uint64_t after;  /* or of the last one that was not */
+    uint64_t before; /* old value of a half-done unit */
+    uint64_t after;  /* its new value; of any other unit the value */
     bool half_done;
-    hal_host_flash_half_t half; /* of a stable one */
+    hal_host_flash_half_t half; /* what a half-done unit holds, unless unstable */
 } hal_host_flash_unit_t;
 
 typedef struct {
     hal_host_flash_unit_t units[HAL_STORE_SLOTS][HAL_STORE_UNITS];
-    uint32_t left; /* steps until power fails; HAL_HOST_FLASH_NEVER: it does not */
+    uint32_t left; /* whole steps until power fails; HAL_HOST_FLASH_NEVER: it does not fail */
     uint32_t steps;
-    uint32_t erases; /* that have begun */
+    uint32_t erases; /* begun */
     bool unstable;
     bool refuses_erase;
     bool refuses_program;
-    uint32_t dead; /* of both slots, this unit and those up to dead_last keep what they are */
+    uint32_t dead; /* the units from this one to dead_last never change, in both slots */
     uint32_t dead_last;
-    uint64_t flips; /* bits of each unit that come out wrong */
+    uint64_t flips; /* bits that are programmed wrong in each unit */
     plant_random_t chance;
-    void (*power_fails)(void); /* NULL: nobody is told */
+    void (*power_fails)(void); /* NULL: nothing is called */
 } hal_host_flash_t;
 
-/* Erased, without a fault, and a sequence of chances of its own for each seed. */
+/* Erased, without a fault. Each seed gives a random sequence of its own. */
 void hal_host_flash_init(hal_host_flash_t *flash, uint32_t seed);
 
 /* As the three functions of hal.h. */

@@ -9,7 +9,7 @@ void hal_host_line_init(hal_host_line_t *line, uint32_t baud, uint64_t tick_ps)
     *line = (hal_host_line_t){.byte_ps = (BYTE_BITS * PS_PER_S) / baud, .tick_ps = tick_ps};
 }
 
-/* The queues, on the PC's side and on the board's, are rings of `size` bytes. */
+/* The queues on the PC's side and on the board's side are rings of `size` bytes. */
 static bool put(uint8_t *bytes, uint32_t size, uint32_t first, uint32_t *count, uint8_t byte)
 {
     const bool room = *count < size;
@@ -63,8 +63,8 @@ bool hal_host_line_send(hal_host_line_t *line, uint8_t byte)
 }
 
 /*
- * How many of so many bytes have passed; a line that is through with them has no time left over for
- * later ones.
+ * Returns how many of the waiting bytes have passed in the time *had_ps, and takes their time off
+ * it. When all of them have passed, the rest of the time is lost: later bytes start at 0.
  */
 static uint32_t passed(uint64_t *had_ps, uint64_t byte_ps, uint32_t waiting)
 {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * A serial line with its baud rate, for hal_receive() and hal_send() of the simulated hardware: 10
- * bits a byte, and a receiver and a transmitter with FIFOs of 8 bytes.
+ * bits per byte, and a receiver and a transmitter with FIFOs of 8 bytes.
  *
- * It works in steps of a PWM period. What the PC writes waits on its side until the line has time
- * for it. A byte that finds the receiver's FIFO full is lost, as on the board. What the PC does not
- * read is lost once its side is full.
+ * It works in steps of a PWM period. Bytes that the PC writes wait on its side until the line has
+ * time for them. A byte that finds the receiver's FIFO full is lost, as on the board. While the
+ * buffer on the PC's side is full, the bytes that the board sends are lost.
  *
  * Plain values without pointers. No function waits. Context: the one thread of the simulation.
  */
@@ -31,9 +31,9 @@ typedef struct {
 } hal_host_fifo_t;
 
 typedef struct {
-    uint64_t byte_ps; /* that a byte takes */
+    uint64_t byte_ps; /* time of a byte */
     uint64_t tick_ps;
-    uint64_t in_ps; /* that the line has had for the next byte to the board */
+    uint64_t in_ps; /* time already spent on the next byte to the board */
     uint64_t out_ps;
     hal_host_bytes_t from_pc;
     hal_host_fifo_t received;
@@ -42,10 +42,10 @@ typedef struct {
     uint32_t lost; /* bytes, both ways */
 } hal_host_line_t;
 
-/* A silent line. baud: 1…4000000 bits a second; tick_ps: a PWM period, 1 or more. */
+/* An empty line. baud: 1…4000000 bits per second; tick_ps: a PWM period, 1 or more. */
 void hal_host_line_init(hal_host_line_t *line, uint32_t baud, uint64_t tick_ps);
 
-/* The PC's side. False, and nothing is done, while there is no room, or no byte. */
+/* The PC's side. Each returns false and does nothing while there is no room, or no byte. */
 bool hal_host_line_write(hal_host_line_t *line, uint8_t byte);
 bool hal_host_line_read(hal_host_line_t *line, uint8_t *byte);
 
@@ -53,7 +53,7 @@ bool hal_host_line_read(hal_host_line_t *line, uint8_t *byte);
 bool hal_host_line_receive(hal_host_line_t *line, uint8_t *byte);
 bool hal_host_line_send(hal_host_line_t *line, uint8_t byte);
 
-/* One PWM period goes by. */
+/* Lets one PWM period pass. */
 void hal_host_line_step(hal_host_line_t *line);
 
 #endif

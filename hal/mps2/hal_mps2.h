@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The binding of hal.h to a recording: what the converters measured comes from a recorded frame,
- * and what would go to timer and gates is kept for the recording of results. Runs on any Cortex-M
- * that has 256 KiB of flash at 0 and 16 KiB of RAM at 0x20000000.
+ * The binding of hal.h to a recording: the measurements come from a recorded frame, and the output
+ * for timer and gates is kept for the recording of results. Runs on any Cortex-M that has 256 KiB
+ * of flash at 0 and 16 KiB of RAM at 0x20000000.
  */
 #ifndef HAL_MPS2_H
 #define HAL_MPS2_H
@@ -12,12 +12,12 @@
 #include <stdint.h>
 
 struct hal {
-    drive_in_t measured; /* of this tick; the interrupt puts its own command in place of this one */
+    drive_in_t measured; /* of this tick; its command is not used */
     drive_out_t applied; /* of this tick */
     uint32_t ticks;
 };
 
-/* The frame that the next hal_sample() gives. Call before each control_isr(). */
+/* Sets the frame that the next hal_sample() gives. Call before each control_isr(). */
 void hal_mps2_feed(hal_t *hal, const drive_in_t *in);
 
 #endif

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Replays frames.nfr through the control interrupt and writes results.nfr, both in the working
- * folder of the emulator (recording.h). Exit code 0, or one of those below with the reason as text.
+ * folder of the emulator (recording.h). The exit code is 0, or one of the codes below; then the
+ * reason is printed.
  */
 #include "app.h"
 #include "drive_config.h"
@@ -18,7 +19,7 @@
 /* Ticks that are read, run and written together: the RAM of the smallest board is small. */
 #define BLOCK_TICKS (16U)
 
-/* The flight recorder's. */
+/* Ticks that the flight recorder goes on for after a fault. */
 #define POST_TICKS (8U)
 
 static hal_t hardware;
@@ -27,7 +28,7 @@ static recorder_t recorder;
 static uint8_t frames[BLOCK_TICKS * RECORDING_FRAME_BYTES];
 static uint8_t results[BLOCK_TICKS * RECORDING_RESULT_BYTES];
 
-// NOLINTNEXTLINE(misc-use-internal-linkage): tools look for its name
+// NOLINTNEXTLINE(misc-use-internal-linkage): tools look for this name
 void control_interrupt(void);
 
 void board_safe_state(void)
@@ -50,7 +51,8 @@ static void need(bool holds, const char *otherwise)
 }
 
 /*
- * What the interrupt controller would call. A function of its own, so that its cost can be counted.
+ * The interrupt controller would call this. It is a function of its own, so that its cost can be
+ * counted.
  */
 __attribute__((noinline, used)) void control_interrupt(void)
 {
@@ -86,7 +88,10 @@ static void replay(int32_t from, int32_t to, uint32_t ticks)
     }
 }
 
-/* The number of ticks to replay; what follows in the file are their frames. */
+/*
+ * Checks the header and writes the header of the results. Returns the number of ticks to replay;
+ * their frames follow in the file.
+ */
 static uint32_t begin(int32_t from, int32_t to, uint32_t config_hash)
 {
     recording_header_t header;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A recorded run: the input frames of every tick, and what the drive made of them.
+ * A recorded run: the input frames of every tick, and the results of the drive.
  *
  * Two files of one layout: a header, then one record a tick. All numbers are little-endian and
  * packed; each field is written by itself, so the bytes depend neither on the compiler nor on the
@@ -11,7 +11,7 @@
  *                         target 4, mode 1, request 1
  *     result, 12 bytes    compare 3 × 2, gate_enable 1, state 1, drive_words_hash() 4
  *
- * Pure functions; none can fail but the check of a header.
+ * Pure functions; only the check of a header can fail.
  */
 #ifndef RECORDING_H
 #define RECORDING_H
@@ -43,7 +43,8 @@ void recording_put_header(uint8_t *to, const recording_header_t *header);
 recording_header_t recording_get_header(const uint8_t *from);
 
 /*
- * NULL when frames of this header can be replayed with a drive of this configuration, else why not.
+ * Returns NULL when the frames after this header can be replayed with a drive of this
+ * configuration, otherwise the reason why not.
  */
 const char *recording_refuse(const recording_header_t *header, uint32_t config_hash);
 

@@ -10,7 +10,10 @@
 #define SYS_EXIT_EXTENDED (0x20U)
 #define STOPPED_APPLICATION_EXIT (0x20026U)
 
-/* One instruction, in semihost_call.S. Arguments behind the first are the operation's block. */
+/*
+ * Implemented in semihost_call.S. The arguments after the first are the block of the operation;
+ * SYS_WRITE0 takes the text itself.
+ */
 int32_t semihost_call_open(uint32_t operation, const char *name, uint32_t mode, uint32_t length);
 int32_t semihost_call_read(uint32_t operation, int32_t handle, uint8_t *to, uint32_t bytes);
 int32_t semihost_call_write(uint32_t operation, int32_t handle, const uint8_t *from,
@@ -26,7 +29,7 @@ int32_t semihost_open(const char *name, uint32_t length, semihost_mode_t mode)
 
 bool semihost_read(int32_t handle, uint8_t *to, uint32_t bytes)
 {
-    /* The answer is what is still missing. */
+    /* The answer is the number of bytes that are still missing. */
     return semihost_call_read(SYS_READ, handle, to, bytes) == 0;
 }
 

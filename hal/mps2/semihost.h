@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Files and exit code of the machine that runs the emulator (or the debugger), as Arm's semihosting
- * specification defines them. Each call stops the core until the host has done it.
+ * specification defines them. Each call stops the core until the host has carried it out.
  */
 #ifndef SEMIHOST_H
 #define SEMIHOST_H
@@ -14,7 +14,10 @@ typedef enum {
     SEMIHOST_WRITE = 5, /* "wb": the file is made anew */
 } semihost_mode_t;
 
-/* Handle of a file of the host's working folder, or −1. name: its length without the zero. */
+/*
+ * Opens a file in the host's working folder. Returns its handle, or −1. length: of the name without
+ * the zero at its end.
+ */
 int32_t semihost_open(const char *name, uint32_t length, semihost_mode_t mode);
 
 /* True when all bytes were read/written. */
@@ -24,7 +27,7 @@ bool semihost_write(int32_t handle, const uint8_t *from, uint32_t bytes);
 /* True when everything written has reached the file. */
 bool semihost_close(int32_t handle);
 
-/* One line for the host's user; ends in \n. */
+/* Shows one line to the host's user. text: ends in \n. */
 void semihost_print(const char *text);
 
 /* Ends the emulation with this exit code, 0…255. Does not return. Context: any. */

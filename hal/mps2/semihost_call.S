@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The operations of semihosting. Each gets its operation in r0 and its block of up to three words as
- * further arguments; the block is laid down on the stack, and the host's answer comes back in r0.
+ * The operations of semihosting. Each function gets its operation in r0 and up to three words of
+ * the operation's block as further arguments. It puts the block on the stack. The host's answer
+ * comes back in r0.
  */
     .syntax unified
     .thumb

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The boards' interrupts: none is used, and none may come. */
+/* The boards' interrupts: none is used, and each is unexpected. */
 #include "reset.h"
 
 #define INTERRUPTS (32U)
