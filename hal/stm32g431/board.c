@@ -4,8 +4,8 @@
 #include "hal_config.h"
 
 /*
- * What this chip cannot do: the second line of defence behind nfconfig, which names the line of the
- * board file.
+ * The limits of this chip. nfconfig has checked them already, and names the line of the board file;
+ * this is the second line of defence.
  */
 _Static_assert(HAL_TIMER_CLOCK_HZ == BOARD_CLOCK_HZ,
                "board.timer_clock_hz: this chip's timer runs at 170000000 Hz");

@@ -9,7 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The longest: "register ", a name, " is not as it was set". */
+/* Room for the longest text: "register ", a name, " is not as it was set". */
 #define REASON_ROOM (48U)
 
 static char reason[REASON_ROOM];
@@ -58,7 +58,7 @@ const char *check_all(void)
 
 static const char *check_next_row(void)
 {
-    static uint32_t row; /* of the settings, then of the pins */
+    static uint32_t row; /* number of the setting, after them of the pin */
     const uint32_t rows = settings_count() + clock_pin_count();
 
     row = ((row + 1U) < rows) ? (row + 1U) : 0U;
@@ -70,7 +70,7 @@ const char *check_step(uint32_t tick)
     const char *why = pace_step(tick);
 
     if (why != NULL) {
-        /* that is it */
+        /* one fault is enough */
     } else if (!image_step()) {
         why = CHECK_IMAGE;
     } else {

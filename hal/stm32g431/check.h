@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The chip checks itself: once in whole before the first tick, then in the background for as long
- * as it runs, a few registers a pass. docs/safety.md has the faults that it finds.
+ * The chip checks itself: completely once before the first tick, then step by step in the
+ * background, as long as it runs. docs/safety.md lists the faults that this finds.
  */
 #ifndef CHECK_H
 #define CHECK_H
@@ -10,12 +10,16 @@
 
 #define CHECK_IMAGE "the flash does not hold the image that was built"
 
-/* All registers and pins that protect. NULL, or the first that is not as it was written. */
+/*
+ * Checks the registers and pins of settings.h and clock.h. Returns NULL, or a text that names the
+ * first one that is not as it was written.
+ */
 const char *check_all(void);
 
 /*
- * The next of them, the next words of the image, and the clock. tick: hal_ticks(). NULL, or what is
- * wrong with it: the text stays as it is until the next that is wrong. Context: background.
+ * Checks the next register or pin, the next words of the image, and the speed of the clock. tick:
+ * hal_ticks(). Returns NULL, or the fault as text, which stays valid until the next fault is found.
+ * Context: background.
  */
 const char *check_step(uint32_t tick);
 

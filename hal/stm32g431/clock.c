@@ -25,8 +25,8 @@ typedef struct {
 #define GATES (6U)
 
 /*
- * The gates' are pulled down: open while the timer does not drive yet. Then the serial line,
- * shunts, amplifier outputs, bus voltage and temperature, and the LED.
+ * The gate pins are pulled down, so the gates are open while the timer does not drive them yet. The
+ * other pins are the serial line, shunts, amplifier outputs, bus voltage, temperature, and the LED.
  */
 static const pin_t PINS[] = {
     {0U, 8U, GPIO_MODE_ALTERNATE, AF_TIM1, GPIO_PULL_DOWN, "PA8"},
@@ -54,8 +54,8 @@ static const pin_t PINS[] = {
 #define PIN_COUNT (sizeof(PINS) / sizeof(PINS[0]))
 
 /*
- * A block takes no access in the two cycles after its clock was enabled, RM0440 7.2: the reading
- * lasts longer.
+ * A peripheral must not be accessed in the two cycles after its clock was enabled, RM0440 7.2. The
+ * read takes longer than that.
  */
 static void enable_clocks(uint32_t address, uint32_t bits)
 {
@@ -73,7 +73,7 @@ static bool raise_power(void)
            reg_wait(FLASH_ACR, FLASH_ACR_LATENCY, FLASH_ACR_LATENCY_4);
 }
 
-/* The oscillator of 16 MHz, from which the PLL is fed. */
+/* The oscillator of 16 MHz that feeds the PLL. */
 static bool start_oscillator(void)
 {
     reg_set(RCC_CR, RCC_CR_HSION);
@@ -87,7 +87,7 @@ static bool start_pll(void)
     return reg_wait(RCC_CR, RCC_CR_PLLRDY, RCC_CR_PLLRDY);
 }
 
-/* The step from 16 to 170 MHz goes by way of half the speed, so that the regulator can follow. */
+/* From 16 MHz first to half the speed, then to 170 MHz, so that the regulator can follow. */
 static bool switch_to_pll(void)
 {
     reg_change(RCC_CFGR, RCC_CFGR_HPRE, RCC_CFGR_HPRE_2);
@@ -134,7 +134,7 @@ static bool pair_is(const pin_t *pin, uint32_t offset, uint32_t value)
     return ((reg_read(port_of(pin) + offset) >> (2U * (uint32_t)pin->number)) & 3U) == value;
 }
 
-/* The half of the register pair that has the pin's function. */
+/* The register of the pair GPIO_AFRL, GPIO_AFRH that holds the pin's function. */
 static uint32_t function_address(const pin_t *pin)
 {
     return port_of(pin) + GPIO_AFRL + (4U * ((uint32_t)pin->number / 8U));
@@ -145,7 +145,7 @@ static uint32_t function_place(const pin_t *pin)
     return 4U * ((uint32_t)pin->number % 8U);
 }
 
-/* Function and resistor first: the pin must not show another function for a moment. */
+/* Function and resistor come before the mode, so that the pin never has another function. */
 static void set_pin(const pin_t *pin)
 {
     const uint32_t place = function_place(pin);
@@ -190,7 +190,7 @@ const char *clock_pin_name(uint32_t pin)
     return PINS[pin].name;
 }
 
-/* The second way, beside that through the timer. */
+/* The second way to open the gates; the first one is the timer's main output enable. */
 void clock_release_gates(void)
 {
     for (uint32_t k = 0U; k < GATES; k++) {

@@ -21,7 +21,7 @@ uint32_t codes_dead_time(uint32_t ticks)
 
 uint32_t codes_sampling(uint32_t ns)
 {
-    /* In half cycles of the converter's clock, in the order of their codes. */
+    /* The sampling times in half cycles of the converters' clock, in the order of their codes. */
     static const uint32_t half_cycles[CODES_SAMPLING_MAX] = {5U, 13U, 25U, 49U};
     const uint32_t wanted = ((ns * HALF_CYCLES_PER_US) + 999U) / 1000U;
     uint32_t code = 0U;

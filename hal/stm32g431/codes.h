@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Times as the fields of this chip's registers tell them. What is asked for is a least time: no
- * code is shorter.
+ * Codes for times in the registers of this chip. The time asked for is a minimum: the time of the
+ * code is never shorter.
  */
 #ifndef CODES_H
 #define CODES_H
 
 #include <stdint.h>
 
-/* The longest sampling used: 47.5 cycles, 1.1 µs, for dividers of some kΩ with a capacitor. */
+/* The longest sampling time used: 47.5 cycles, 1.1 µs, for dividers of some kΩ with a capacitor. */
 #define CODES_SAMPLING_MAX (4UL)
 
 /*
- * Dead time, RM0440 28.6.20 (DTG): the shortest of at least `ticks` of the timer, 0 to 1008. Steps
- * grow with it: 1 up to 127, 2 up to 254, 8 up to 504, then 16.
+ * Dead time, RM0440 28.6.20 (DTG): the shortest one of at least `ticks` timer ticks, 0 to 1008. The
+ * codes have steps of 1 tick up to 127, of 2 up to 254, of 8 up to 504, then of 16.
  */
 uint32_t codes_dead_time(uint32_t ticks);
 

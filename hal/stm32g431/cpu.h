@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What C has no word for.
+ * An instruction for which C has no statement.
  */
 #ifndef CPU_H
 #define CPU_H
 
 /*
- * Sleep until the next exception has been served. In assembly, thus a barrier for the compiler too.
+ * Sleeps until the next exception has been served. It is in assembly, so it is also a barrier for
+ * the compiler.
  */
 void cpu_wait(void);
 

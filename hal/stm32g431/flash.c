@@ -11,8 +11,8 @@
 
 _Static_assert((HAL_STORE_UNITS * HAL_STORE_UNIT_BYTES) == PAGE_BYTES, "a slot is a page");
 
-static volatile bool is_reading;    /* a unit of the store */
-static volatile bool is_unreadable; /* that unit */
+static volatile bool is_reading;    /* hal_store_read() is reading a unit */
+static volatile bool is_unreadable; /* that unit has raised the NMI */
 
 static uint32_t address_of(uint32_t slot, uint32_t unit)
 {
@@ -30,7 +30,7 @@ bool flash_forgive(void)
     return mine;
 }
 
-/* The last reading lasts until the NMI of those before has come. */
+/* The last read, of FLASH_ECCR, gives an NMI of the reads before it the time to come. */
 bool hal_store_read(hal_t *hal, uint32_t slot, uint32_t unit, uint8_t bytes[HAL_STORE_UNIT_BYTES])
 {
     const uint32_t address = address_of(slot, unit);
@@ -45,15 +45,15 @@ bool hal_store_read(hal_t *hal, uint32_t slot, uint32_t unit, uint8_t bytes[HAL_
     return !is_unreadable;
 }
 
-/* A flash that is busy for longer than the watchdog waits ends in a reset. */
+/* If the flash is busy for longer than the watchdog waits, the watchdog resets the chip. */
 static bool wait_until_done(void)
 {
     return reg_wait(FLASH_SR, FLASH_SR_BSY, 0U);
 }
 
 /*
- * A key that comes when it is not asked for blocks the flash until reset. The caches would go on
- * showing what was there.
+ * A key that is written while the flash is not locked would block it until reset. The caches are
+ * switched off, because they would keep the old contents.
  */
 static bool unlock(void)
 {

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The store's two slots (hal.h): pages 62 and 63, the last 4 KiB of the flash, which the linker
- * script leaves free. RM0440 3.3; the data sheet DS12589 gives 10000 erases a page, 22 to 24.5 ms
- * an erase and 82 µs a double word.
+ * script leaves free. RM0440 3.3; the data sheet DS12589 gives 10000 erases per page, 22 to 24.5 ms
+ * per erase and 82 µs per double word.
  *
- * The flash has one bank: the core stands still while a page is erased or a double word is
- * programmed. Meanwhile no tick can come: the gates are opened first, the control interrupt is held
- * back and the tick guard rests; around an erase the watchdog waits 47 ms and more.
+ * The flash has one bank, so the core stands still while a page is erased or a double word is
+ * programmed. No tick can run meanwhile. So the gates are opened first, the control interrupt is
+ * disabled and the tick guard is stopped; around an erase the watchdog waits for 47 ms or more.
  *
- * A double word has 8 bits more, which correct one wrong bit and find two. Where a loss of power
- * has left more wrong, a read raises the NMI. Of a slot that only means that it is not whole; of
- * any other place it is an unexpected exception.
+ * A double word has 8 check bits, which correct one wrong bit and find two. If a loss of power has
+ * left more than one bit wrong, a read raises the NMI. In a slot of the store this only means that
+ * the slot is incomplete; at any other address it is an unexpected exception.
  */
 #ifndef FLASH_H
 #define FLASH_H
@@ -20,8 +20,8 @@
 #include <stdbool.h>
 
 /*
- * Whether the NMI came of a unit that hal_store_read() is reading; then it is acknowledged, and
- * that call returns false. Context: the NMI, first.
+ * Whether the NMI was caused by a unit that hal_store_read() is reading. If so, acknowledges the
+ * NMI, and hal_store_read() returns false. Context: handler of the NMI.
  */
 bool flash_forgive(void);
 

@@ -3,10 +3,10 @@
 
 #include "settings.h"
 
-/* Counts less one, of 125 µs each: 32 kHz / 4. */
+/* Number of counts less one. A count is 125 µs: 32 kHz / 4. */
 #define IWDG_RLR_PATIENT (399U)
 
-/* Above the control interrupt, so that it can end a tick that hangs. */
+/* Its priority is above the control interrupt, so that it also comes during a tick that hangs. */
 static void start_tick_guard(void)
 {
     settings_write(SETTINGS_GUARD);
@@ -54,7 +54,7 @@ void guard_hold_ticks(void)
     reg_write(NVIC_ICER0, 1UL << NVIC_ADC1_2);
 }
 
-/* Of the conversions since, none starts a tick: they are old. */
+/* Conversions that have ended meanwhile are old, so they must not start a tick. */
 void guard_release_ticks(void)
 {
     reg_write(ADC1 + ADC_ISR, ADC_ISR_JEOS | ADC_ISR_JEOC);

@@ -2,14 +2,14 @@
 /*
  * Two guards of the control tick.
  *
- * The tick guard, SysTick, is restarted by each control interrupt when it is entered, and has the
- * higher priority. When one and a half PWM periods have passed without an entry, a tick was
- * skipped, or hangs: the gates open, and the watchdog is never fed again.
+ * The tick guard is SysTick. Each control interrupt restarts it at its entry. The guard has the
+ * higher priority. When one and a half PWM periods pass without a restart, a tick was skipped or
+ * hangs: the gates open, and the watchdog is never fed again.
  *
- * The independent watchdog runs from its own oscillator, whatever happens to the rest, and resets
- * the chip after 1 ms (0.9 to 1.2 ms, by the oscillator's 29.5 to 34 kHz) without food. The
- * background feeds it, and only when a control tick has been completed since: so it bites when
- * ticks stop, and when the background does.
+ * The independent watchdog has its own oscillator, so it runs whatever happens to the rest of the
+ * chip. It resets the chip when it has not been fed for 1 ms (0.9 to 1.2 ms with the oscillator's
+ * 29.5 to 34 kHz). The background feeds it only when a control tick has been completed since the
+ * last time. So the chip is reset when the ticks stop, and also when the background stops.
  */
 #ifndef GUARD_H
 #define GUARD_H
@@ -20,35 +20,36 @@
 
 #include <stdbool.h>
 
-/* Start both. Call right before the first tick can come. False when the watchdog does not start. */
+/* Starts both. Call right before the first tick can come. False if the watchdog does not start. */
 bool guard_start(void);
 
-/* Whether the watchdog made the last reset; forgets it. Call once. */
+/* Whether the watchdog made the last reset. Clears this flag, so call it only once. */
 bool guard_has_bitten(void);
 
 /*
- * Hold the control interrupt back, and let the tick guard rest; then go on from the next
- * conversion. The gates have to be open, and the watchdog has to be fed within its time. Context:
- * background.
+ * guard_hold_ticks() disables the control interrupt and stops the tick guard.
+ * guard_release_ticks() starts both again, and the next conversion gives the next tick. Both feed
+ * the watchdog. The gates have to be open in between, and the time in between has to be shorter
+ * than the time of the watchdog. Context: background.
  */
 void guard_hold_ticks(void);
 void guard_release_ticks(void);
 
 /*
- * Let the watchdog wait for 47 ms and more, for an erase of the flash, and then for its own time
- * again. Both feed it. False when it does not take the time over. Context: background, while ticks
- * are held.
+ * guard_be_patient() lets the watchdog wait for 47 ms or more, for an erase of the flash.
+ * guard_be_strict() sets its usual time again. Both feed it. False when it does not take over the
+ * time. Context: background, while the control interrupt is disabled.
  */
 bool guard_be_patient(void);
 bool guard_be_strict(void);
 
-/* Restart the tick guard. Context: control interrupt, first. */
+/* Restarts the tick guard. Context: control interrupt, first. */
 static inline void guard_restart(void)
 {
     reg_write(SYST_CVR, 0U);
 }
 
-/* Context: background, behind a completed tick. */
+/* Feeds the watchdog. Context: background, after a completed tick, or when no tick can come. */
 static inline void guard_feed(void)
 {
     reg_write(IWDG_KR, IWDG_KR_FEED);

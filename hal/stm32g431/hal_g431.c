@@ -13,10 +13,10 @@
 
 #include <stddef.h>
 
-/* Timer ticks that three compare registers take to be written, with room: 0.4 µs. */
+/* Timer ticks for writing the three compare registers, with a margin: 0.4 µs. */
 #define WRITE_TICKS (64U)
 
-/* Ticks from one conversion of the temperature to the next; a power of two. */
+/* Control ticks from one conversion of the temperature to the next; a power of two. */
 #define TEMPERATURE_TICKS (1024U)
 
 /* The comparators come first: the timer's break input must not see them start. */
@@ -51,7 +51,7 @@ const char *hal_g431_start(void)
         why = check_all();
     }
     if (why == NULL) {
-        barrier_compiler(); /* all that the first tick finds is in memory */
+        barrier_compiler(); /* all that the first tick reads is in memory */
         guard_restart();
         sensing_start();
     }
@@ -60,7 +60,7 @@ const char *hal_g431_start(void)
 
 /*
  * Acknowledges the update, and the break if there was one; an active break input sets its flag
- * again. Only what was seen is cleared, so that a break in between is not lost.
+ * again. Only the flags that were seen are cleared, so that a break in between is not lost.
  */
 static uint16_t take_flags(hal_t *hal)
 {
@@ -76,10 +76,10 @@ static uint16_t take_flags(hal_t *hal)
 }
 
 /*
- * A regular conversion is started only here: right behind the injected sequence it has ended long
- * before the next one. Where the two meet, channel 0 can be converted in place of a shunt
- * (sensing.c). Behind a late tick the next sequence may be near, and the temperature waits. The
- * interrupt counts each tick, so that it meets each phase.
+ * A regular conversion is started only here, right after the injected sequence, so it ends long
+ * before the next one. If the two met, channel 0 could be converted in place of a shunt
+ * (sensing.c). After a late tick the next sequence may be near, so the temperature is left out.
+ * hal->ticks counts each control interrupt, so no phase is skipped.
  */
 static void follow_temperature(hal_t *hal)
 {
@@ -110,8 +110,8 @@ void hal_sample(hal_t *hal, drive_in_t *in)
 }
 
 /*
- * The output is enabled once, when it is asked for: if a break has opened the gates meanwhile, they
- * stay open until the drive has seen it and asks again.
+ * The output is enabled only once for a request of the drive. If a break opens the gates later,
+ * they stay open until the drive has seen the break and asks again.
  */
 static void set_gates(hal_t *hal, bool enable)
 {
@@ -130,7 +130,8 @@ static void set_gates(hal_t *hal, bool enable)
 }
 
 /*
- * Too late once the next update has come, or is so close that the three values could be torn apart.
+ * Too late: the next update has come, or it is so close that it might load only some of the three
+ * values.
  */
 static bool is_late(uint32_t elapsed)
 {
@@ -203,7 +204,7 @@ void hal_g431_tick_lost(hal_t *hal)
     hal_open_gates(hal);
 }
 
-/* Backup registers: the start-up tests, and so overwrites, all of the RAM. */
+/* Backup registers, because the RAM test of the start-up overwrites the whole RAM. */
 void hal_keep(hal_t *hal, uint32_t index, uint32_t word)
 {
     (void)hal;

@@ -9,17 +9,17 @@
 #define WORDS_A_STEP (2U)
 #define WORD_BYTES (4U)
 
-/* stm32g431.ld puts it behind the image. */
+/* stm32g431.ld puts it after the image. */
 typedef struct {
-    uint32_t words; /* of the image, this one among them */
-    uint32_t crc;   /* of these */
+    uint32_t words; /* number of words of the image, including this one */
+    uint32_t crc;   /* of these words */
 } image_seal_t;
 
 extern const image_seal_t image_seal;
 
 static uint32_t next_word;
 
-/* As zlib's crc32: the lowest bit first, from all ones, complemented at the end. */
+/* The CRC of zlib's crc32: lowest bit first, begun with all ones, complemented at the end. */
 static void begin_round(void)
 {
     reg_write(CRC_CR, CRC_CR_RESET | CRC_CR_REV_IN_WORD | CRC_CR_REV_OUT);
@@ -27,7 +27,7 @@ static void begin_round(void)
 }
 
 /*
- * The seal is read as a register is: what the build wrote there is not known when this is compiled.
+ * The seal is read as volatile, because the build writes it after this file has been compiled.
  */
 static uint32_t words(void)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The status LED, PC6: on while the drive runs, slow blinking when it is ready, fast after a fault.
+ * The status LED, PC6: on in RUN, fast blinking in FAULT, slow blinking in any other state.
  */
 #ifndef LED_H
 #define LED_H

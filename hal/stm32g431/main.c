@@ -55,7 +55,7 @@ void SysTick_Handler(void)
     hal_g431_tick_lost(&hardware);
 }
 
-/* One finding is enough: what follows from it, as other modes of the pins, is none. */
+/* One fault is enough. Its consequences, such as the other modes of the pins, are not faults. */
 static void check(uint32_t tick)
 {
     const char *const why = (hardware.why_barred == NULL) ? check_step(tick) : NULL;
@@ -65,7 +65,7 @@ static void check(uint32_t tick)
     }
 }
 
-/* Never returns. A lost tick ends the feeding, and the watchdog ends this. */
+/* Never returns. After a lost tick the watchdog is not fed any more, and resets the chip. */
 static void background(void)
 {
     uint32_t fed = 0U;
@@ -105,8 +105,8 @@ static const char *bring_up(void)
 }
 
 /*
- * The gates are open, no control interrupt runs. The console tells why, so the watchdog is fed if
- * it runs.
+ * The start has failed: the gates are open, and no control interrupt runs. The watchdog is fed, if
+ * it runs, so that the console can say why.
  */
 static void stay(const char *why)
 {
@@ -119,7 +119,7 @@ static void stay(const char *why)
     }
 }
 
-/* What protects and only a programmer can set: docs/board_bring_up.md. */
+/* Says which protection is off that only a programming tool can set: docs/board_bring_up.md. */
 static void tell_options(void)
 {
     const uint32_t options = reg_read(FLASH_OPTR);
@@ -132,7 +132,7 @@ static void tell_options(void)
     }
 }
 
-/* Whose numbers they are, and where they come from. */
+/* Says which configuration is in force, where it comes from, and what is not as it should be. */
 static void greet(void)
 {
     link_say(&serial, live.about.name);

@@ -19,14 +19,17 @@
 #define SPAN_MAX \
     ((EDGES * (BOARD_CLOCK_HZ / OSCILLATOR_MIN_HZ) * (HUNDRED + CLOCK_OFF_PCT)) / HUNDRED)
 #define COUNTER_MASK (0xFFFFU)
-/* in a row. One can be wrong: a capture between the look at the flag and at the count */
+/*
+ * Wrong spans in a row. A single one can come from a capture between the reads of the flags and of
+ * the count.
+ */
 #define WRONG_MAX (4U)
 #define SILENCE_SHARE (10U) /* of a second */
 
 typedef struct {
     uint32_t before;    /* the last capture */
-    uint32_t seen_tick; /* of it */
-    uint8_t wrong;      /* spans in a row */
+    uint32_t seen_tick; /* when it was seen */
+    uint8_t wrong;      /* wrong spans in a row */
     bool has_before;
 } pace_t;
 
@@ -37,7 +40,7 @@ void pace_init(void)
     settings_write(SETTINGS_PACE);
 }
 
-/* Two captures that followed each other are so far apart. */
+/* span: from one capture to the next, timer ticks. */
 static const char *judge_span(uint32_t span)
 {
     const bool is_wrong = (span < SPAN_MIN) || (span > SPAN_MAX);
@@ -50,7 +53,7 @@ static const char *judge_span(uint32_t span)
 
 static const char *take_capture(uint32_t tick, bool missed_one)
 {
-    const uint32_t capture = reg_read(TIM16_CCR1); /* takes the flag back */
+    const uint32_t capture = reg_read(TIM16_CCR1); /* clears CC1IF */
     const uint32_t span = (capture - pace.before) & COUNTER_MASK;
     const char *const why = (pace.has_before && !missed_one) ? judge_span(span) : NULL;
 

@@ -3,7 +3,7 @@
 
 #include "settings.h"
 
-/* Looks at the update flag in pwm_start(): more than enough for one of 2 to 100 kHz. */
+/* pwm_start() waits at most so many updates for one at the bottom; so many must be at the peak. */
 #define UPDATES_TO_TURN (4U)
 
 void pwm_init(void)
@@ -20,7 +20,7 @@ void pwm_connect(void)
     settings_write(SETTINGS_OUTPUTS);
 }
 
-/* The next update event. */
+/* Waits for the next update event. */
 static bool next_update(void)
 {
     reg_write(TIM1_SR, ~TIM_SR_UIF);
@@ -33,9 +33,9 @@ static bool counting_down(void)
 }
 
 /*
- * With a repetition count of 0 there is an update at both ends. Written behind the one at the
- * bottom, a count of 1 is taken over at the one at the peak, and from then on every second end,
- * each peak, counts.
+ * With a repetition count of 0 the timer updates at both ends of its ramp. A count of 1 that is
+ * written after the update at the bottom is taken over by the update at the peak. From then on the
+ * timer updates at every second end, that is, at each peak.
  */
 bool pwm_start(void)
 {

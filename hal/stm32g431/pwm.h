@@ -2,14 +2,14 @@
 /*
  * TIM1: centre-aligned complementary PWM on three half bridges. RM0440 28.3.
  *
- * PWM mode 1: the high side is on while the counter is below the compare value, thus the low side
- * around the counter's peak. The update event comes once a period, at the peak: it loads the
- * compare values, and as TRGO2 it starts the converters. So the instant of sampling is the instant
- * of loading, the middle of the low sides' on-time.
+ * PWM mode 1: the high side is on while the counter is below the compare value, so the low side is
+ * on around the counter's peak. The update event comes once a period, at the peak: it loads the
+ * compare values, and as TRGO2 it starts the converters. So the currents are sampled and the
+ * compare values are loaded at the same instant, the middle of the low sides' on-time.
  *
  * Break. The comparators of trip.h clear the main output enable (MOE) without the core; then all
- * six outputs are low. The same do a lockup of the core, a wrong parity of the RAM and a supply
- * that sinks. Dead time, break and idle levels are locked until reset.
+ * six outputs are low. A lockup of the core, a parity error of the RAM and a supply below 2.8 V do
+ * the same. Dead time, break and idle levels are locked until reset.
  */
 #ifndef PWM_H
 #define PWM_H
@@ -21,26 +21,27 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Flags of a break: of the comparators, and of the system. */
+/* Flags of a break by the comparators, and by the system. */
 #define PWM_BREAK_FLAGS (TIM_SR_BIF | TIM_SR_SBIF)
 
-/* All but the outputs and the counter's start; gates open. */
+/* Sets up the timer. Its outputs are not connected, and its counter does not run; gates open. */
 void pwm_init(void);
 
 /*
- * The outputs to the gates, which stay open. Call when the trip has been tried: until then nothing
+ * Connects the outputs to the gates, which stay open. Call after trip_try(): until then nothing
  * that the timer does reaches a gate.
  */
 void pwm_connect(void);
 
 /*
- * Start the counter and bring its update event to the peak. Which end of its ramp a timer updates
- * at depends on when the repetition counter was written, and manuals differ in it; so this looks at
- * the direction of counting and leaves nothing to trust. False when the timer does not obey.
+ * Starts the counter and places its update event at the peak. At which end of its ramp a timer
+ * updates depends on when the repetition counter was written, and the manuals disagree about it. So
+ * this function checks the direction of counting at each update. False when the updates are not at
+ * the peak.
  */
 bool pwm_start(void);
 
-/* The three preload registers. Context: control interrupt. */
+/* Writes the three preload registers. Context: control interrupt. */
 static inline void pwm_write(uint32_t a, uint32_t b, uint32_t c)
 {
     reg_write(TIM1_CCR1, a);
@@ -48,7 +49,7 @@ static inline void pwm_write(uint32_t a, uint32_t b, uint32_t c)
     reg_write(TIM1_CCR3, c);
 }
 
-/* All phases alike: no voltage between them. Context: control interrupt. */
+/* Gives all phases equal duty: no voltage between them. Context: control interrupt. */
 static inline void pwm_write_rest(void)
 {
     const uint32_t half = BOARD.timer_counts / 2U;

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* ram.h. The whole RAM is tested, the stack with it: nothing but registers is used from here to Reset_Handler. */
+/*
+ * ram.h. The test overwrites the whole RAM, including the stack. So after clock_init() the code up
+ * to Reset_Handler uses registers only.
+ */
     .syntax unified
     .thumb
 
@@ -8,7 +11,7 @@
     .type reset_entry, %function
     .thumb_func
 reset_entry:
-    bl clock_init               /* ten times as fast; its stack is not needed any more */
+    bl clock_init               /* makes the test ten times as fast */
     ldr r0, =_ram_start
     ldr r1, =_ram_end
     ldr r2, =0x55555555

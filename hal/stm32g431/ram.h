@@ -2,11 +2,12 @@
 /*
  * The test of the RAM, between reset and the first use of a variable.
  *
- * reset_entry, where the chip starts, sets the clock and then marches through the whole RAM: writes
- * a pattern, and reads it and writes its opposite upwards, upwards, downwards and downwards, and
- * reads (March C-, with 0x55555555 and 0xAAAAAAAA). It finds bits that are stuck or do not change,
- * neighbours that change each other, and addresses that are not their own. 4 ms at most. With the
- * parity of the RAM in force it gives each word its first parity, too.
+ * The chip starts at reset_entry, which sets the clock and then tests the whole RAM by March C-,
+ * with 0x55555555 and 0xAAAAAAAA. It writes a pattern. Twice upwards, and then twice downwards, it
+ * reads each word and writes its opposite. At last it reads all words. This finds bits that are
+ * stuck or do not change, neighbours that change each other, and addresses that select a wrong
+ * word. It takes 4 ms at most. If the parity of the RAM is enabled, the test also gives each word
+ * its first parity.
  */
 #ifndef RAM_H
 #define RAM_H
@@ -14,8 +15,8 @@
 #include <stdint.h>
 
 /*
- * The first address that does not hold what was written; 0: there is none. Kept from before the
- * variables are set.
+ * The first address that does not hold what was written; 0: none. reset_entry writes it, and the
+ * initialisation of the variables does not change it.
  */
 extern uint32_t ram_fault;
 

@@ -4,7 +4,7 @@
  * pointer.
  *
  * All are 32-bit accesses, done in the order in which they are written. Waits are bounded: hardware
- * that does not answer ends in a message and not in a dead loop.
+ * that does not answer leads to a message, not to an endless loop.
  */
 #ifndef REG_H
 #define REG_H
@@ -13,9 +13,9 @@
 #include <stdint.h>
 
 /*
- * Reads that reg_wait() makes before it gives up. A read and its loop take 8 cycles at least: 28 ms
- * and more at up to 170 MHz, longer than an erase of the flash (24.5 ms) and all that a start waits
- * for.
+ * Reads that reg_wait() makes before it gives up. A read and its loop take at least 8 cycles, so
+ * all reads take at least 28 ms at up to 170 MHz. That is longer than an erase of the flash
+ * (24.5 ms) and than any wait of the start.
  */
 #define REG_PATIENCE (600000U)
 
@@ -35,7 +35,7 @@ static inline void reg_write(uint32_t address, uint32_t value)
     *reg_at(address) = value;
 }
 
-/* Replaces the bits of `mask` by those of `value`, which lies within it. */
+/* Replaces the bits of `mask` by the bits of `value`, which has no bits outside of `mask`. */
 static inline void reg_change(uint32_t address, uint32_t mask, uint32_t value)
 {
     reg_write(address, (reg_read(address) & ~mask) | value);

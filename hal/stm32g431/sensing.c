@@ -10,7 +10,7 @@
  */
 #define WAKE_US (30U)
 
-/* RM0440 21.4.6, 21.4.8: out of deep power down, and calibrated. */
+/* RM0440 21.4.6, 21.4.8: leaves deep power down and calibrates. */
 static bool calibrate_converter(uint32_t adc)
 {
     reg_write(adc + ADC_CR, 0U);
@@ -29,7 +29,7 @@ static bool enable_converter(uint32_t adc)
     return reg_wait(adc + ADC_ISR, ADC_ISR_ADRDY, ADC_ISR_ADRDY);
 }
 
-/* A regular conversion, before the injected ones are awaited. False when it does not end. */
+/* One regular conversion, before arm() starts the injected ones. False when it does not end. */
 static bool convert_once(uint32_t adc)
 {
     reg_write(adc + ADC_ISR, ADC_ISR_EOC);
@@ -39,9 +39,9 @@ static bool convert_once(uint32_t adc)
 
 /*
  * ES0431, "ADC channel 0 converted instead of the required ADC channel" (2.5.8, in later revisions
- * 2.5.10): so can the first conversion behind the enabling, and one of a group that starts while
- * the other group converts. Each converter makes one whose result nobody takes; a later one that
- * follows within 1 ms is right (2.5.9).
+ * 2.5.10). This can happen to the first conversion after the enabling, and to a conversion of one
+ * group, regular or injected, that starts while the other group converts. So each converter makes
+ * one conversion whose result is not used. A conversion that follows within 1 ms is right (2.5.9).
  */
 static bool forget_first(void)
 {
@@ -53,7 +53,7 @@ static bool wake_converter(uint32_t adc)
     return calibrate_converter(adc) && enable_converter(adc);
 }
 
-/* Both converters wait for the timer's triggers. */
+/* From now on both converters wait for the timer's triggers. */
 static void arm(void)
 {
     reg_write(ADC2 + ADC_CR, ADC_CR_ADVREGEN | ADC_CR_ADEN | ADC_CR_JADSTART);

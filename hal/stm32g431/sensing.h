@@ -2,11 +2,11 @@
 /*
  * Shunt amplifiers and converters. RM0440 21.4, 25.3.
  *
- * Both converters start at TIM1's peak: ADC1 takes phase a, then the bus; ADC2 phase b, then phase
- * c. The two first conversions are simultaneous, and phase currents come before anything else.
- * ADC1's sequence is the longer one, so that all four results are there when it ends and its
- * interrupt comes. The temperature is a regular conversion of ADC1, started by the control
- * interrupt behind the injected sequence.
+ * Both converters start at TIM1's peak: ADC1 takes phase a, then the bus; ADC2 takes phase b, then
+ * phase c. So phases a and b are sampled at the same time, before the other two. ADC1's sequence is
+ * the longer one, so all four results are ready when it ends and its interrupt comes. The
+ * temperature is a regular conversion of ADC1. The control interrupt starts it after the injected
+ * sequence.
  */
 #ifndef SENSING_H
 #define SENSING_H
@@ -28,20 +28,19 @@
 #define SENSING_MIDDLE (2048U)
 
 /*
- * All but the interrupt, and a first temperature in raw counts. False when a converter does not
- * become ready.
+ * Sets up amplifiers and converters, but not the interrupt. Measures a first temperature in raw
+ * counts. False when a converter does not become ready.
  */
 bool sensing_init(uint16_t *temperature);
 
 /*
- * From now on the end of each sequence is a control interrupt; what was converted before is
- * forgotten.
+ * From now on the end of each sequence causes a control interrupt. Earlier conversions cause none.
  */
 void sensing_start(void);
 
 /*
- * Start a conversion of the temperature sensor, of 1.5 µs. Bits of the control register that are
- * not meant are written as 0, which changes nothing. Context: control interrupt, right behind its
+ * Starts a conversion of the temperature sensor, which takes 1.5 µs. The other bits of the control
+ * register are written as 0, which changes nothing. Context: control interrupt, right after its
  * sequence.
  */
 static inline void sensing_start_temperature(void)
@@ -59,7 +58,7 @@ static inline uint16_t sensing_temperature(void)
 }
 
 /*
- * Raw counts of a shunt amplifier to the form that the drive takes: zero current at mid-scale,
+ * Converts raw counts of a shunt amplifier to the counts of drive_in_t: zero current at mid-scale,
  * current into the motor counts up. Clamped to 0…4095.
  */
 static inline uint16_t sensing_current(uint32_t raw)

@@ -11,7 +11,7 @@
 #define ALL (0xFFFFFFFFUL)
 #define NAME_ROOM (14U)
 
-/* A part of a value that a function makes of the board's numbers. */
+/* The part of a value that made() computes from the board's numbers. */
 typedef enum {
     MADE_OF_NOTHING,
     MADE_OF_DEAD_TIME,
@@ -22,7 +22,7 @@ typedef enum {
 
 typedef struct {
     uint32_t address;
-    uint32_t mask; /* the bits that count */
+    uint32_t mask; /* the bits that are compared */
     uint32_t value;
     uint8_t group;   /* settings_group_t */
     uint8_t made_of; /* made_of_t */
@@ -34,9 +34,10 @@ typedef struct {
 #define BREAK_SOURCES (TIM_AF1_BKCMP1E | TIM_AF1_BKCMP2E | TIM_AF1_BKCMP4E)
 #define BREAK_INVERTED (TIM_AF1_BKCMP1P | TIM_AF1_BKCMP2P | TIM_AF1_BKCMP4P)
 /*
- * The filter. At turn-on the gate's charge and the diode's reverse recovery go through the shunt
- * and make a spike of some tens of ns on its inductance; 47 ns would let it through, 141 ns does
- * not. A real short rises on for as long: with 1 µH at 24 V by 3.4 A.
+ * The filter of the break input. At turn-on the gate's charge and the diode's reverse recovery flow
+ * through the shunt, and cause a spike of some tens of ns at its inductance. A filter of 47 ns
+ * would let the spike through, 141 ns do not. In a real short the current rises further during
+ * these 141 ns: with 1 µH at 24 V by 3.4 A.
  */
 #define BREAK_AND_LOCK \
     (TIM_BDTR_OSSI | TIM_BDTR_OSSR | TIM_BDTR_BKE | TIM_BDTR_BKP | TIM_BDTR_BKF_6_OF_4 | \
@@ -142,10 +143,11 @@ static uint32_t log2_of(uint32_t power)
 }
 
 /*
- * What the amplifiers make of their pins. Behind an external amplifier they follow the plus pin:
- * the comparators, which look there, and the converters then see the same voltage, by the same ways
- * inside the chip as with any other gain. Else the gain is from the difference between plus and
- * minus pin, so that the ground at the shunt counts.
+ * The mode bits of the amplifiers. A gain of 1 means that the board has external amplifiers. Then
+ * the amplifiers of the chip follow the plus pin. The comparators are at that pin too, so they see
+ * the same voltage as the converters, on the same paths inside the chip as with any other gain.
+ * With a larger gain the amplifiers take the difference between plus and minus pin, so that the
+ * ground at the shunt is the reference.
  */
 static uint32_t amplifier_mode(uint32_t gain)
 {
@@ -176,7 +178,7 @@ static uint32_t made(uint8_t made_of)
     case MADE_OF_SAMPLING_HIGH:
         bits = shunt_code << (3U * (SENSING_CHANNEL_AMPLIFIER_3 - 10U));
         break;
-    default: /* the row has all of it */
+    default: /* the row has the whole value */
         break;
     }
     return bits;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The registers of the STM32G431 that this binding touches, and no others.
+ * The registers of the STM32G431 that this binding uses, and no others.
  *
- * Facts from the reference manual RM0440 (STM32G4), whose chapter is given with each block, from
- * the STM32G431 data sheet (pins), and from the ARMv7-M architecture manual (core). Names are those
- * of the manual; a bit is written as a mask.
+ * Sources: the reference manual RM0440 (STM32G4), whose chapter is given with each block, the
+ * STM32G431 data sheet (pins), and the ARMv7-M architecture manual (core). The names are taken from
+ * the manual; a bit is written as a mask.
  */
 #ifndef STM32G431_H
 #define STM32G431_H
@@ -15,8 +15,8 @@
 #define FLASH_ACR_PRFTEN (1UL << 8) /* prefetch */
 #define FLASH_ACR_ICEN (1UL << 9)   /* instruction cache */
 #define FLASH_ACR_DCEN (1UL << 10)  /* data cache */
-#define FLASH_ACR_ICRST (1UL << 11) /* empties the one, while it is off */
-#define FLASH_ACR_DCRST (1UL << 12)
+#define FLASH_ACR_ICRST (1UL << 11) /* empties the instruction cache, while it is off */
+#define FLASH_ACR_DCRST (1UL << 12) /* empties the data cache, while it is off */
 #define FLASH_ACR_LATENCY_4 (4U)
 #define FLASH_ACR_AT_170MHZ \
     (FLASH_ACR_LATENCY_4 | FLASH_ACR_PRFTEN | FLASH_ACR_ICEN | FLASH_ACR_DCEN)
@@ -26,7 +26,7 @@
 #define FLASH_KEY_2 (0xCDEF89ABU)
 #define FLASH_SR (0x40022010U)
 #define FLASH_SR_EOP (1UL << 0)
-/* of operation, programming, protection, alignment, size, sequence, fast programming, options */
+/* errors of operation, programming, protection, alignment, size, sequence, fast mode, options */
 #define FLASH_SR_ERRORS (0xC3FAU)
 #define FLASH_SR_BSY (1UL << 16)
 #define FLASH_CR (0x40022014U)
@@ -39,24 +39,21 @@
 /* more wrong bits than can be corrected were read; written as 1 to clear */
 #define FLASH_ECCR_ECCD (1UL << 31)
 #define FLASH_OPTR (0x40022020U)
-#define FLASH_OPTR_BOR_LEV (7UL << 8) /* a reset below: 0: 1.7 V, 4: 2.8 V */
+#define FLASH_OPTR_BOR_LEV (7UL << 8) /* supply below which the chip resets: 0: 1.7 V, 4: 2.8 V */
 #define FLASH_OPTR_BOR_LEV_4 (4UL << 8)
 #define FLASH_OPTR_SRAM_PE (1UL << 24) /* 0: the parity of the RAM is checked */
 #define FLASH_IMAGE (0x08000000U)
 #define FLASH_STORE (0x0801F000U) /* the last two pages, see stm32g431.ld */
 
-/*
- * --- Backup registers, 36.6: they go with the supply, and with no other reset
- * ---------------------
- */
-#define TAMP_BKP0R (0x40002500U)
+/* --- Backup registers, 36.6 ------------------------------------------------------------------- */
+#define TAMP_BKP0R (0x40002500U) /* lost with the supply; no other reset changes it */
 
 /* --- Power, 6.4 ------------------------------------------------------------------------------- */
 #define PWR_CR1 (0x40007000U)
 #define PWR_CR1_DBP (1UL << 8) /* the backup registers can be written */
 #define PWR_CR2 (0x40007004U)
-#define PWR_CR2_PVDE (1UL << 0)     /* the supply is watched */
-#define PWR_CR2_PLS_2_8V (5UL << 1) /* against 2.8 V */
+#define PWR_CR2_PVDE (1UL << 0)     /* the supply is compared with a level */
+#define PWR_CR2_PLS_2_8V (5UL << 1) /* the level is 2.8 V */
 #define PWR_CR2_COUNTED (0xFU)
 #define PWR_CR3 (0x40007008U)
 #define PWR_CR3_UCPD1_DBDIS (1UL << 14) /* no dead-battery pull-downs; one sits on PB4 */
@@ -132,10 +129,10 @@
 
 /* --- System configuration, 10.2 --------------------------------------------------------------- */
 #define SYSCFG_CFGR2 (0x4001001CU)
-/* a lockup of the core is a break of the timers, until reset */
+/* a lockup of the core is a break of the timers; the bit stays set until reset */
 #define SYSCFG_CFGR2_CLL (1UL << 0)
-#define SYSCFG_CFGR2_SPL (1UL << 1) /* the same of a wrong parity of the RAM */
-/* the same of a supply that sinks below the level of PWR_CR2 */
+#define SYSCFG_CFGR2_SPL (1UL << 1) /* the same for a wrong parity of the RAM */
+/* the same for a supply below the level of PWR_CR2 */
 #define SYSCFG_CFGR2_PVDL (1UL << 2)
 #define SYSCFG_CFGR2_BREAKS (SYSCFG_CFGR2_CLL | SYSCFG_CFGR2_SPL | SYSCFG_CFGR2_PVDL)
 #define SYSCFG_CFGR2_SPF (1UL << 8) /* a wrong parity was read; written as 1 to clear */
@@ -164,7 +161,7 @@
 #define ADC_CR_ADVREGEN (1UL << 28)
 #define ADC_CR_ADCAL (1UL << 31)
 #define ADC_CFGR (0x0CU)
-#define ADC_CFGR_OVRMOD (1UL << 12) /* a regular result that nobody read is replaced */
+#define ADC_CFGR_OVRMOD (1UL << 12) /* a new regular result replaces one that was not read */
 #define ADC_CFGR_JQDIS (1UL << 31)  /* no queue of contexts: JSQR stays as written */
 #define ADC_SMPR1 (0x14U)           /* three bits a channel, 0 to 9 */
 #define ADC_SMPR2 (0x18U)           /* 10 to 18 */
@@ -216,7 +213,7 @@
 #define OPAMP_CSR_HIGHSPEED (1UL << 7)
 #define OPAMP_CSR_INTEN (1UL << 8)          /* output to the converter only */
 #define OPAMP_CSR_PGA_GAIN_SHIFT (14U)      /* 0…5: 2, 4, 8, 16, 32, 64 */
-#define OPAMP_CSR_PGA_MINUS_PIN (8UL << 14) /* the foot of the divider is the minus pin */
+#define OPAMP_CSR_PGA_MINUS_PIN (8UL << 14) /* the divider ends at the minus pin, not at ground */
 #define OPAMP_CSR_COUNTED (0x8007FFFFU) /* without the trimming and the output of a calibration */
 
 /* --- Timer 1, 28.6 ---------------------------------------------------------------------------- */
@@ -230,7 +227,7 @@
 #define TIM1_SR (0x40012C10U)
 #define TIM_SR_UIF (1UL << 0)
 #define TIM_SR_BIF (1UL << 7)
-#define TIM_SR_SBIF (1UL << 13) /* break by the system: the core's lockup */
+#define TIM_SR_SBIF (1UL << 13) /* break by the system: SYSCFG_CFGR2_BREAKS */
 #define TIM1_EGR (0x40012C14U)
 #define TIM_EGR_UG (1UL << 0)
 #define TIM1_CCMR1 (0x40012C18U)
@@ -244,7 +241,7 @@
 #define TIM1_PSC (0x40012C28U)
 #define TIM1_ARR (0x40012C2CU)
 #define TIM1_RCR (0x40012C30U)
-#define TIM_RCR_EACH_PEAK (1U) /* an update at each second end of the ramp */
+#define TIM_RCR_EACH_PEAK (1U) /* an update at every second end of the ramp */
 #define TIM1_CCR1 (0x40012C34U)
 #define TIM1_CCR2 (0x40012C38U)
 #define TIM1_CCR3 (0x40012C3CU)
@@ -268,8 +265,8 @@
 /* --- Timer 16, 30.6 --------------------------------------------------------------------------- */
 #define TIM16_CR1 (0x40014400U)
 #define TIM16_SR (0x40014410U)
-#define TIM_SR_CC1IF (1UL << 1) /* a capture, until it is read */
-#define TIM_SR_CC1OF (1UL << 9) /* another one came before that */
+#define TIM_SR_CC1IF (1UL << 1) /* there is a capture that was not read yet */
+#define TIM_SR_CC1OF (1UL << 9) /* another capture came before the last one was read */
 #define TIM16_CCMR1 (0x40014418U)
 #define TIM_CCMR_CAPTURE_EIGHTH (0xDUL) /* input 1, each eighth edge */
 #define TIM16_CCER (0x40014420U)
@@ -302,7 +299,7 @@
 #define IWDG_PR (0x40003004U) /* 0: the 32 kHz oscillator divided by 4 */
 #define IWDG_RLR (0x40003008U)
 #define IWDG_RLR_STRICT (7U)  /* 8 counts of 125 µs */
-#define IWDG_SR (0x4000300CU) /* zero when all values are taken over */
+#define IWDG_SR (0x4000300CU) /* zero when the watchdog has taken over all values */
 
 /* --- Debug, 47.6: what stops while a debugger holds the core ---------------------------------- */
 #define DBGMCU_APB1FZR1 (0xE0042008U)

@@ -18,7 +18,7 @@
 
 #define READY (DAC_SR_DAC1RDY | DAC_SR_DAC2RDY)
 
-/* A phase, its comparator, and the DAC channel that the comparator looks at. */
+/* The path of a phase: its comparator, and the register of the DAC channel that sets its level. */
 typedef struct {
     uint32_t comparator;
     uint32_t level;
@@ -56,8 +56,8 @@ bool trip_init(void)
 }
 
 /*
- * Only the output of this one reaches the timer. Where a low output is the trip, one that is off
- * would trip: there all stay on.
+ * Switches the other comparators off, so that only the output of this one reaches the timer. If a
+ * low output means a trip, a comparator that is off would trip, so then all stay on.
  */
 static void isolate(const path_t *path)
 {
@@ -70,7 +70,7 @@ static void isolate(const path_t *path)
     clock_wait_us(SETTLING_US);
 }
 
-/* Asks for the main output. It reaches no gate: the outputs are not connected yet. */
+/* Enables the main output. This reaches no gate, because the outputs are not connected yet. */
 static bool output_stays_on(void)
 {
     reg_write(TIM1_SR, ~PWM_BREAK_FLAGS);
@@ -86,8 +86,9 @@ static void set_level(const path_t *path, uint32_t level)
 }
 
 /*
- * At rest the shunt's signal lies between the level and the end of the DAC's range that the level
- * is moved to: so the comparator must trip there, and must not where the level belongs.
+ * At rest the shunt's signal lies between the level and the end of the DAC's range to which the
+ * level is moved. So the comparator must trip with the moved level, and must not trip with the
+ * right one.
  */
 static bool opens_output(const path_t *path)
 {
@@ -116,7 +117,7 @@ static const char *try_path(const path_t *path)
     return why;
 }
 
-/* Locked, they stay as they are until the next reset. */
+/* The locked comparators stay as they are until the next reset. */
 static void lock_comparators(void)
 {
     for (uint32_t k = 0U; k < PATHS; k++) {

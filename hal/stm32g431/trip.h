@@ -8,15 +8,15 @@
 
 #include <stdbool.h>
 
-/* Level and comparators. Call before pwm_init(). False when the DAC is not ready. */
+/* Sets up level and comparators. Call before pwm_init(). False if the DAC does not become ready. */
 bool trip_init(void);
 
 /*
- * Try each way from level to gates without current: the level moves past the signal at rest, and
- * the comparator must take the timer's main output away and keep it; it must give it back when the
- * level is where it belongs. Then the comparators are locked until reset. NULL, or which phase
- * fails; a current beyond the level does, too. Call behind pwm_init() and before pwm_connect():
- * some 0.3 ms.
+ * Tests the path of each phase from the level to the gates, without current. The level moves past
+ * the signal at rest: the comparator must switch the timer's main output off and keep it off. The
+ * level moves back: the main output must stay on again. Then the comparators are locked until
+ * reset. Returns NULL, or which phase fails; a phase also fails with a current beyond the level.
+ * Call after pwm_init() and before pwm_connect(). Takes some 0.3 ms.
  */
 const char *trip_try(void);
 

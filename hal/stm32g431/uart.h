@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * USART2 with its FIFOs, polled by the background: board.baud bits a second, 8 data bits, no
+ * USART2 with its FIFOs, polled by the background: board.baud bits per second, 8 data bits, no
  * parity, 1 stop bit. It goes through the ST-LINK of the board. Nothing here waits, and nothing
- * runs in an interrupt. hal_receive() and hal_send() are these two.
+ * runs in an interrupt. hal_receive() and hal_send() call uart_get() and uart_put().
  */
 #ifndef UART_H
 #define UART_H
@@ -13,12 +13,12 @@
 void uart_init(void);
 
 /*
- * The next received byte. False when there is none. Bytes with a line error are dropped by hardware
- * flags.
+ * Takes the next received byte. False when there is none. Bytes that come while the FIFO is full
+ * are lost. A byte with a framing error or noise is not recognised: it is taken as received.
  */
 bool uart_get(uint8_t *byte);
 
-/* Take a byte for sending. False, and nothing done, while the FIFO is full. */
+/* Takes a byte for sending. Returns false and does nothing while the FIFO is full. */
 bool uart_put(uint8_t byte);
 
 #endif

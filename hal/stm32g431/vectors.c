@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The chip's interrupts, RM0440 table 97: one is used, the others must not come. */
+/* The chip's interrupts, RM0440 table 97: one is used, the others are unexpected. */
 #include "vectors.h"
 
 #define EIGHT \

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The interrupt that this target handles, beside SysTick of reset.h; all others are
- * safe_state_handler().
+ * The one interrupt that this target handles; all others are safe_state_handler(). It also handles
+ * the exceptions NMI and SysTick of reset.h.
  */
 #ifndef VECTORS_H
 #define VECTORS_H
