@@ -14,8 +14,9 @@
  *
  * States
  *     INIT → OFFSET_CAL → READY → FLYING_START → ALIGN → HOLD ⇄ IF_RAMP → HANDOVER → RUN → HOLD
- *     FLYING_START → RUN when the rotor turns already
- *     HANDOVER → FLYING_START when the hand-over fails
+ *     FLYING_START → RUN when the rotor turns already, → IF_RAMP when it turns slowly
+ *     HOLD → ALIGN when R and L have not been measured yet
+ *     ALIGN, HOLD, IF_RAMP, HANDOVER → FLYING_START when the start fails or the rotor is lost
  *     READY → PROBE on DRIVE_REQUEST_PROBE without DRIVE_REQUEST_RUN
  *     PROBE → READY without DRIVE_REQUEST_PROBE
  *     any but INIT, OFFSET_CAL, PROBE, FAULT → READY without DRIVE_REQUEST_RUN

@@ -20,7 +20,10 @@ void run_reset(drive_t *drive);
  */
 void run_reset_sensed(drive_t *drive);
 
-/* Makes the present position the zero of positions. Call only when drive_knows_rotor() is true. */
+/*
+ * Makes the present position the zero of positions; in position control the position of the
+ * profile. Call only when drive_knows_rotor() is true.
+ */
 void run_set_zero(drive_t *drive);
 
 /*
