@@ -2,6 +2,7 @@
 #include "cross_check.h"
 
 #include "barrier.h"
+#include "instant.h"
 #include "monitor.h"
 
 #define MIDDLE_Q15 (16384) /* half of a converter's scale */
@@ -21,12 +22,13 @@ static measured_t measure_tick(const app_t *app)
     const uint16_t third = hal_health(app->hal).adc_ic;
     const uint32_t counts = (uint32_t)app->in.adc_ia + app->in.adc_ib + third;
     const uint32_t sum = counts << shift;
+    const sample_t sample = instant_sample(drive, &app->in);
 
     return (measured_t){
         .tick = drive->tick,
         .state = drive->state,
-        .current = {.a = drive->signals.phase_a,
-                    .b = drive->signals.phase_b,
+        .current = {.a = sample.phase_a,
+                    .b = sample.phase_b,
                     .sum = (int32_t)sum - (3 * MIDDLE_Q15)},
         .saturated = monitor_is_saturated(drive, &app->in) || protection_saturated(third, shift),
     };

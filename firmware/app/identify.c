@@ -513,7 +513,7 @@ static int32_t runaway_current(const identify_t *identify)
 
 static bool runs_away(const identify_t *identify)
 {
-    const dq_t current = identify->app->drive.signals.current_frame;
+    const dq_t current = probing_current(&identify->app->drive);
 
     return (identify->said != IDENTIFY_IDLE) &&
            (fx_max(fx_abs(current.d), fx_abs(current.q)) > runaway_current(identify));

@@ -2,6 +2,7 @@
 #include "identify_rest.h"
 
 #include "identify_aim.h"
+#include "instant.h"
 #include "trig.h"
 
 #include <stddef.h>
@@ -168,7 +169,7 @@ static void enlarge_pulse(identify_t *identify)
 {
     identify_rest_t *const rest = &identify->rest;
     const int32_t peak = largest_peak(rest);
-    const int32_t most = fx_asr(identify->app->drive.signals.bus, 2U);
+    const int32_t most = fx_asr(identify->app->drive.bus, 2U);
     const int32_t more = rest->pulse + (rest->pulse / 4);
 
     rest->before = peak;
@@ -256,7 +257,7 @@ bool identify_rest_plan_pulse(identify_t *identify)
     bool aims = true;
 
     if (identify->step == 0U) {
-        rest->pulse = fx_max(fx_asr(identify->app->drive.signals.bus, 8U), 1);
+        rest->pulse = fx_max(fx_asr(identify->app->drive.bus, 8U), 1);
         rest->quarter = 1;
     } else {
         note_peak(identify);
@@ -377,7 +378,7 @@ static void aim_try(identify_t *identify)
     const int32_t current = fx_min(rest->stiff_current + (rest->stiff_current / 2), most);
     const int32_t eighth = current / 8;
     const int64_t volts = ((int64_t)rest->inductance_q16 * (int64_t)eighth) / ONE_Q16;
-    const int32_t limit = fx_max(fx_asr(identify->app->drive.signals.bus, 2U), 1);
+    const int32_t limit = fx_max(fx_asr(identify->app->drive.bus, 2U), 1);
     const int32_t quarter = identify_aim_bounded(1 + (volts / limit), 1, PULSE_TICKS_MOST);
 
     identify_aim_current(identify, current);
@@ -498,8 +499,10 @@ int32_t identify_rest_largest(const identify_t *identify)
  */
 static const char *find_open_phase(const identify_t *identify)
 {
-    const drive_signals_t *const s = &identify->app->drive.signals;
-    const int32_t current[IDENTIFY_AXES] = {s->phase_a, s->phase_b, -s->phase_a - s->phase_b};
+    const app_t *const app = identify->app;
+    const sample_t sample = instant_sample(&app->drive, &app->in);
+    const int32_t current[IDENTIFY_AXES] = {sample.phase_a, sample.phase_b,
+                                            -sample.phase_a - sample.phase_b};
     const int32_t largest =
         fx_max(fx_max(fx_abs(current[0]), fx_abs(current[1])), fx_abs(current[2]));
     const char *open = NULL;
@@ -607,7 +610,7 @@ static void aim_fast_burst(identify_t *identify)
                              ((int64_t)burst->along + (int64_t)burst->across)) /
                             16;
     const int64_t volts = volts_for(rest, along, current);
-    const int32_t most = fx_max(fx_asr(identify->app->drive.signals.bus * 3, 3U), 1);
+    const int32_t most = fx_max(fx_asr(identify->app->drive.bus * 3, 3U), 1);
     const int64_t needed = 1 + (volts / most);
     const int32_t quarter = identify_aim_bounded(needed, 1, PULSE_TICKS_MOST);
     const int64_t each = volts / quarter;

@@ -236,7 +236,7 @@ static int32_t largest_voltage(const identify_t *identify)
 {
     const drive_t *const drive = &identify->app->drive;
 
-    return modulator_limit(&drive->cfg->modulator, drive->signals.bus);
+    return modulator_limit(&drive->cfg->modulator, drive->bus);
 }
 
 /*
@@ -296,8 +296,7 @@ bool identify_turn_seeks_speed(const identify_t *identify)
 bool identify_turn_lacks_voltage(const identify_t *identify)
 {
     const int32_t limit = largest_voltage(identify);
-    const int32_t used =
-        (int32_t)trig_sqrt(transforms_square(identify->app->drive.signals.voltage));
+    const int32_t used = (int32_t)trig_sqrt(transforms_square(identify->app->drive.voltage));
 
     return identify_turn_seeks_speed(identify) && (used > (limit - (limit / VOLTAGE_LEFT)));
 }

@@ -227,7 +227,7 @@ void status_add(text_t *text, const app_t *app, const hal_t *hal, const about_t 
     add_current(text, ", phases ", about, app->in.adc_ia);
     add_current(text, " ", about, app->in.adc_ib);
     add_current(text, " ", about, hal_health(hal).adc_ic);
-    add_bus(text, " A, bus ", about, app->drive.signals.bus);
+    add_bus(text, " A, bus ", about, app->drive.bus);
     add_quantity(text, " V, ", celsius(app, hal, about), 0U);
     add_quantity(text, " C, late ", (int32_t)hal_health(hal).late_ticks, 0U);
     add_quantity(text, ", load ", (int32_t)hal_health(hal).load_pct, 0U);

@@ -54,7 +54,7 @@ static void adopt_parts(drive_t *drive, const drive_cfg_t *cfg)
     }
     speed_loop_change(&drive->speed_loop, &cfg->speed_loop);
     if (is_other_filter(&before->torque_filter, &cfg->torque_filter)) {
-        torque_filter_start(&drive->torque_filter, drive->signals.current_ref.q);
+        torque_filter_start(&drive->torque_filter, drive->current_ref.q);
     }
     if (run_torque_is_free(drive)) {
         torque_loop_bridge(&drive->torque_loop); /* the window may end elsewhere */

@@ -13,42 +13,32 @@
 #include "transitions.h"
 
 /* After a late tick no voltage acts in place of its demand. */
-static void count_late(drive_t *drive)
+static void count_late(drive_t *drive, sample_t sample)
 {
     fault_t fault = {.id = FAULT_NONE};
     const fault_id_t id =
         supervision_count_late(&drive->supervision, &drive->cfg->supervision, &fault);
 
-    drive->signals.ratio_ab = (ab_t){0, 0};
+    drive->ratio_next = (ab_t){0, 0};
     if ((id != FAULT_NONE) && drive_is_driving(drive->state)) {
-        life_fail(drive, &fault);
+        life_fail(drive, &fault, &sample);
     }
-}
-
-static protection_in_t measured_of(const drive_t *drive)
-{
-    return (protection_in_t){
-        .phase_a = drive->signals.phase_a,
-        .phase_b = drive->signals.phase_b,
-        .bus = drive->signals.bus,
-    };
 }
 
 /*
  * The samples of this tick against the limits of this state. When the sample of an over-current is
  * at an end of the converter range, the fault is ADC_SATURATED.
  */
-static void watch(drive_t *drive, const drive_in_t *in)
+static void watch(drive_t *drive, const drive_in_t *in, sample_t sample)
 {
-    const protection_in_t measured = measured_of(drive);
     fault_t fault;
-    const fault_id_t id = protection_check(&drive->limits, &measured, &fault);
+    const fault_id_t id = protection_check(&drive->limits, &sample, &fault);
 
     if (id != FAULT_NONE) {
         if ((id == FAULT_OVERCURRENT) && monitor_is_saturated(drive, in)) {
             fault.id = FAULT_ADC_SATURATED;
         }
-        life_fail(drive, &fault);
+        life_fail(drive, &fault, &sample);
     }
 }
 
@@ -115,7 +105,7 @@ static drive_event_t obey_at_rest(drive_t *drive, const drive_in_t *in, bool run
 }
 
 /* While the motor is shorted its current flows, and nothing begins. */
-static void obey(drive_t *drive, const drive_in_t *in)
+static void obey(drive_t *drive, const drive_in_t *in, sample_t sample)
 {
     const bool shorted = safe_state_is_short(&drive->safe_state);
     const bool driving = drive_is_driving(drive->state);
@@ -128,7 +118,7 @@ static void obey(drive_t *drive, const drive_in_t *in)
         fault_t fault;
 
         fault_clear(&fault);
-        life_follow_or_fail(drive, obey_at_rest(drive, in, run, &fault), &fault);
+        life_follow_or_fail(drive, obey_at_rest(drive, in, run, &fault), &fault, &sample);
     } else if (driving && !goes_on) {
         life_follow(drive, DRIVE_EVENT_STOP);
     } else {
@@ -136,17 +126,16 @@ static void obey(drive_t *drive, const drive_in_t *in)
     }
 }
 
-bool attend_is_ordinary(const drive_t *drive, const drive_in_t *in)
+bool attend_is_ordinary(const drive_t *drive, const drive_in_t *in, sample_t sample)
 {
     const uint32_t word = ((uint32_t)in->flags << 8U) | in->command.request;
-    const protection_in_t measured = measured_of(drive);
 
     return (drive->state == DRIVE_STATE_RUN) && !drive_has_sensor(drive) &&
-           (word == DRIVE_REQUEST_RUN) && protection_holds(&drive->limits, &measured);
+           (word == DRIVE_REQUEST_RUN) && protection_holds(&drive->limits, sample);
 }
 
 /* A fault that only the background can find. A mode that is no fault id is ignored. */
-static void fail_as_told(drive_t *drive, const drive_command_t *command)
+static void fail_as_told(drive_t *drive, const drive_command_t *command, sample_t sample)
 {
     const uint32_t numbers = fx_unsigned(command->target);
     const uint32_t value = numbers & 0xFFFFU;
@@ -156,34 +145,34 @@ static void fail_as_told(drive_t *drive, const drive_command_t *command)
         const fault_t fault = {
             .id = (fault_id_t)command->mode, .value = (int32_t)value, .limit = (int32_t)limit};
 
-        life_fail(drive, &fault);
+        life_fail(drive, &fault, &sample);
     }
 }
 
 /* A bit of the state has flipped by itself. Nothing but FAULT follows. */
-RARE static void reject_state(drive_t *drive)
+RARE static void reject_state(drive_t *drive, sample_t sample)
 {
     const uint32_t code = (uint32_t)STATE_GUARD_STATE + (uint32_t)drive->state;
     const fault_t fault = {.id = FAULT_MEMORY, .value = fx_signed(code), .limit = 0};
 
-    life_fail(drive, &fault);
+    life_fail(drive, &fault, &sample);
 }
 
-bool attend_step(drive_t *drive, const drive_in_t *in)
+bool attend_step(drive_t *drive, const drive_in_t *in, sample_t sample)
 {
     const bool controlled = drive_is_controlled(drive->state);
 
     if (!transitions_is_state(drive->state)) {
-        reject_state(drive);
+        reject_state(drive, sample);
     }
     if (drive_has_sensor(drive)) {
         estimate_sense(drive, in->angle);
     }
     if (in->command.request == DRIVE_REQUEST_FAIL) {
-        fail_as_told(drive, &in->command);
+        fail_as_told(drive, &in->command, sample);
     }
     /* FAIL replaces the request to run: without a valid fault the run ends as by a stop. */
-    obey(drive, in);
+    obey(drive, in, sample);
     if (((in->command.request & DRIVE_REQUEST_ZERO) != 0U) && drive_knows_rotor(drive)) {
         run_set_zero(drive);
     }
@@ -192,15 +181,14 @@ bool attend_step(drive_t *drive, const drive_in_t *in)
      * reported as LATE.
      */
     if ((in->flags & DRIVE_FLAG_LATE) != 0U) {
-        count_late(drive);
+        count_late(drive, sample);
     }
     if ((in->flags & DRIVE_FLAG_BREAK) != 0U) {
-        const protection_in_t measured = measured_of(drive);
-        const fault_t fault = protection_break(&measured);
+        const fault_t fault = protection_break(&sample);
 
-        life_fail(drive, &fault);
+        life_fail(drive, &fault, &sample);
         safe_state_break(&drive->safe_state);
     }
-    watch(drive, in);
+    watch(drive, in, sample);
     return controlled && drive_is_controlled(drive->state);
 }

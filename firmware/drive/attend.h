@@ -17,11 +17,11 @@
  * Whether attend_step() would change nothing: the drive is in RUN, without a sensor or a flag, the
  * command is to run, and the samples are within their limits. Pure.
  */
-bool attend_is_ordinary(const drive_t *drive, const drive_in_t *in);
+bool attend_is_ordinary(const drive_t *drive, const drive_in_t *in, sample_t sample);
 
 /*
  * Attends to the frame. Returns whether the current was controlled before this call and still is.
  */
-bool attend_step(drive_t *drive, const drive_in_t *in);
+bool attend_step(drive_t *drive, const drive_in_t *in, sample_t sample);
 
 #endif

@@ -73,24 +73,24 @@ ab_t estimate_applied_voltage(ab_t ratio, int32_t bus_before, int32_t bus_now)
     };
 }
 
-void estimate_step(drive_t *drive, bool trained)
+dq_t estimate_step(drive_t *drive, sample_t sample, bool trained)
 {
     const angle_t rotor = rotor_position_angle(&drive->position);
     /*@ assert BLOCKS(rotor); */
-    drive_signals_t *const s = &drive->signals;
     nn_observer_t *const observer = &drive->observer;
     const nn_observer_cfg_t *const cfg = &drive->model.observer;
     const sincos_t angle = trig_sincos(rotor);
-    const ab_t current_ab = transforms_clarke(s->phase_a, s->phase_b);
-    const ab_t voltage = estimate_applied_voltage(drive->ratio_acting, drive->bus_before, s->bus);
+    const ab_t current_ab = transforms_clarke(sample.phase_a, sample.phase_b);
+    const ab_t voltage = estimate_applied_voltage(drive->ratio_acting, drive->bus, sample.bus);
+    const dq_t current = transforms_park(current_ab, angle);
 
-    s->current = transforms_park(current_ab, angle);
-    nn_observer_predict(observer, cfg, s->current, voltage, angle);
+    nn_observer_predict(observer, cfg, current, voltage, angle);
     if (trained) {
         nn_observer_train(observer, cfg);
     } else {
         nn_observer_follow(observer, drive->vector.step);
     }
+    return current;
 }
 
 static step_t closing_step(const drive_t *drive)

@@ -42,8 +42,11 @@ bool estimate_is_trained(const drive_t *drive);
  */
 ab_t estimate_applied_voltage(ab_t ratio, int32_t bus_before, int32_t bus_now);
 
-/* In a tick that controls a current: turns the currents into the frame of θ̂, runs the network. */
-void estimate_step(drive_t *drive, bool trained);
+/*
+ * In a tick that controls a current: runs the network. Returns the measured current in the frame of
+ * θ̂, Q15 of I_b, ±34400.
+ */
+dq_t estimate_step(drive_t *drive, sample_t sample, bool trained);
 
 /*
  * Last in such a tick: θ̂ of the next instant (23). If the network is not trained, θ̂ also approaches

@@ -10,22 +10,22 @@
  * The dead-time compensation must not use the measured current of a leg that the dead time itself
  * holds at zero. So the sign comes from the filtered current vector.
  */
-void frame_measure(drive_t *drive)
+dq_t frame_measure(drive_t *drive, sample_t sample)
 {
     const angle_t frame = rotor_position_angle(&drive->vector.position);
     /*@ assert SECTORS(frame); */
     dq_t *const mean = &drive->vector.current_mean;
-    const ab_t current_ab = transforms_clarke(drive->signals.phase_a, drive->signals.phase_b);
+    const ab_t current_ab = transforms_clarke(sample.phase_a, sample.phase_b);
     const dq_t current = transforms_park(current_ab, trig_sincos(frame));
 
-    drive->signals.current_frame = current;
     mean->d = fx_approach(mean->d, fx_sat15(current.d), MEAN_SHIFT);
     mean->q = fx_approach(mean->q, fx_sat15(current.q), MEAN_SHIFT);
+    return current;
 }
 
 static void plan_current(drive_t *drive, const current_loop_cfg_t *loop, step_t speed)
 {
-    current_loop_plan(&drive->current_loop, loop, drive->signals.current_ref,
+    current_loop_plan(&drive->current_loop, loop, drive->current_ref,
                       drive_speed_q15(drive, speed));
 }
 
@@ -41,7 +41,7 @@ dq_t frame_model_voltage(drive_t *drive)
     } else {
         plan_current(drive, &drive->model.hold_loop, drive->vector.step);
     }
-    return current_loop_model(&drive->current_loop, drive->signals.current_ref);
+    return current_loop_model(&drive->current_loop, drive->current_ref);
 }
 
 /*
@@ -87,18 +87,18 @@ static void give_rounding_back(drive_t *drive)
     q->integral_q26 = fx_sat27(q->integral_q26 + due);
 }
 
-void frame_control_current(drive_t *drive, const frame_t *frame)
+dq_t frame_control_current(drive_t *drive, const frame_t *frame, int32_t bus)
 {
-    drive_signals_t *const s = &drive->signals;
-    const int32_t limit = modulator_limit(&drive->cfg->modulator, s->bus);
+    return current_loop_step(&drive->current_loop, frame->loop, drive->current_ref, frame->current,
+                             modulator_limit(&drive->cfg->modulator, bus));
+}
 
-    if (frame->imposed) {
-        plan_current(drive, frame->loop, frame->step);
-        limit_imposed_current(drive, frame->current);
-        give_rounding_back(drive);
-    }
-    s->voltage =
-        current_loop_step(&drive->current_loop, frame->loop, s->current_ref, frame->current, limit);
+dq_t frame_impose_current(drive_t *drive, const frame_t *frame, int32_t bus)
+{
+    plan_current(drive, frame->loop, frame->step);
+    limit_imposed_current(drive, frame->current);
+    give_rounding_back(drive);
+    return frame_control_current(drive, frame, bus);
 }
 
 /*
@@ -120,14 +120,14 @@ static dq_t expected_current(const drive_t *drive, const frame_t *frame)
     dq_t expected;
 
     if (frame->imposed) {
-        const dq_t wanted = drive->signals.current_ref;
+        const dq_t wanted = drive->current_ref;
 
         expected.d = fx_asr(wanted.d + drive->vector.current_mean.d, 1U);
         expected.q = fx_asr(wanted.q + drive->vector.current_mean.q, 1U);
     } else if (drive->voltage_drive.active) {
         expected = (dq_t){fx_sat15(frame->current.d), fx_sat15(frame->current.q)};
     } else {
-        const dq_t wanted = drive->signals.current_ref;
+        const dq_t wanted = drive->current_ref;
 
         expected.d = fx_approach(wanted.d, frame->current.d, LACKING_SHIFT);
         expected.q = fx_approach(wanted.q, frame->current.q, LACKING_SHIFT);
@@ -141,19 +141,19 @@ static inline angle_t acting_angle(angle_t angle, step_t step)
     return angle + fx_unsigned(step) + fx_unsigned(fx_asr(step, 1U));
 }
 
-void frame_modulate(drive_t *drive, const frame_t *frame, compare_t *out)
+void frame_modulate(drive_t *drive, const frame_t *frame, dq_t voltage, compare_t *out)
 {
     const angle_t acting = acting_angle(frame->angle, frame->step);
     /*@ assert SECTORS(acting); */
     const modulator_t *const mod = &drive->modulator;
     const modulator_cfg_t *const cfg = &drive->cfg->modulator;
     const sincos_t angle = trig_sincos(acting);
-    const dq_t ratio = modulator_ratio(mod, drive->signals.voltage);
+    const dq_t ratio = modulator_ratio(mod, voltage);
     const ab_t ratio_ab = transforms_park_inverse(ratio, angle);
 
-    drive->ratio_acting.alpha = drive->signals.ratio_ab.alpha;
-    drive->ratio_acting.beta = drive->signals.ratio_ab.beta;
-    drive->signals.ratio_ab = ratio_ab;
+    drive->ratio_acting.alpha = drive->ratio_next.alpha;
+    drive->ratio_acting.beta = drive->ratio_next.beta;
+    drive->ratio_next = ratio_ab;
     if (modulator_compensates(cfg)) {
         const ab_t current = transforms_park_inverse(expected_current(drive, frame), angle);
 
@@ -163,24 +163,24 @@ void frame_modulate(drive_t *drive, const frame_t *frame, compare_t *out)
     }
 }
 
-void frame_modulate_plain(drive_t *drive, compare_t *out)
+void frame_modulate_plain(drive_t *drive, dq_t voltage, compare_t *out)
 {
     const angle_t acting =
         acting_angle(rotor_position_angle(&drive->vector.position), drive->vector.step);
     /*@ assert SECTORS(acting); */
-    const dq_t ratio = modulator_ratio(&drive->modulator, drive->signals.voltage);
+    const dq_t ratio = modulator_ratio(&drive->modulator, voltage);
 
-    drive->ratio_acting = drive->signals.ratio_ab;
-    drive->signals.ratio_ab = transforms_park_inverse(ratio, trig_sincos(acting));
-    modulator_compare(&drive->cfg->modulator, drive->signals.ratio_ab, out);
+    drive->ratio_acting = drive->ratio_next;
+    drive->ratio_next = transforms_park_inverse(ratio, trig_sincos(acting));
+    modulator_compare(&drive->cfg->modulator, drive->ratio_next, out);
 }
 
 void frame_turn(drive_t *drive, angle_t angle)
 {
     const sincos_t turn = trig_sincos(angle);
-    const dq_t reference = drive->signals.current_ref;
+    const dq_t reference = drive->current_ref;
     const dq_t turned = transforms_park((ab_t){reference.d, reference.q}, turn);
 
-    drive->signals.current_ref = (dq_t){fx_sat15(turned.d), fx_sat15(turned.q)};
+    drive->current_ref = (dq_t){fx_sat15(turned.d), fx_sat15(turned.q)};
     current_loop_turn(&drive->current_loop, turn);
 }

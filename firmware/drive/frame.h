@@ -19,32 +19,35 @@ typedef struct {
     bool imposed;                   /* the frame of the vector */
 } frame_t;
 
-/* The frame of the rotor. Call after estimate_step(). */
-static inline frame_t frame_of_rotor(const drive_t *drive)
+/* The frame of the rotor. current: of estimate_step(). */
+static inline frame_t frame_of_rotor(const drive_t *drive, dq_t current)
 {
     return (frame_t){
         .angle = rotor_position_angle(&drive->position),
         .step = drive->observer.speed_out,
-        .current = drive->signals.current,
+        .current = current,
         .loop = &drive->model.run_loop,
         .imposed = false,
     };
 }
 
-/* The frame of the imposed vector. Call after frame_measure(). */
-static inline frame_t frame_of_vector(const drive_t *drive)
+/* The frame of the imposed vector. current: of frame_measure(). */
+static inline frame_t frame_of_vector(const drive_t *drive, dq_t current)
 {
     return (frame_t){
         .angle = rotor_position_angle(&drive->vector.position),
         .step = drive->vector.step,
-        .current = drive->signals.current_frame,
+        .current = current,
         .loop = &drive->model.hold_loop,
         .imposed = true,
     };
 }
 
-/* Below RUN, each tick: turns the measured current into the frame of the vector, and filters it. */
-void frame_measure(drive_t *drive);
+/*
+ * Below RUN, each tick: returns the measured current in the frame of the vector, Q15 of I_b,
+ * ±34400, and filters it into vector.current_mean.
+ */
+dq_t frame_measure(drive_t *drive, sample_t sample);
 
 /*
  * Runs current_loop_plan() in the frame of the rotor. Call it in RUN when current_ref, the model or
@@ -58,17 +61,23 @@ void frame_plan_rotor(drive_t *drive);
  */
 dq_t frame_model_voltage(drive_t *drive);
 
-/* Sets the voltage for current_ref (current_loop.h). An imposed frame plans each tick. */
-void frame_control_current(drive_t *drive, const frame_t *frame);
+/*
+ * One tick of the current control (current_loop.h). Returns the voltage for current_ref, Q15 of
+ * U_b. bus: at this instant, Q15 of U_b.
+ */
+dq_t frame_control_current(drive_t *drive, const frame_t *frame, int32_t bus);
+
+/* The same for an imposed current: softly, planned in each tick, firmly beyond along_max. */
+dq_t frame_impose_current(drive_t *drive, const frame_t *frame, int32_t bus);
 
 /*
- * Turns the voltage into compare values. It uses the angle that the frame will have in the middle
- * of the period in which the voltage acts.
+ * Turns a voltage (Q15 of U_b) into compare values. It uses the angle that the frame will have in
+ * the middle of the period in which the voltage acts.
  */
-void frame_modulate(drive_t *drive, const frame_t *frame, compare_t *out);
+void frame_modulate(drive_t *drive, const frame_t *frame, dq_t voltage, compare_t *out);
 
 /* The same in the frame of the vector, without compensation of the dead time and voltage drop. */
-void frame_modulate_plain(drive_t *drive, compare_t *out);
+void frame_modulate_plain(drive_t *drive, dq_t voltage, compare_t *out);
 
 /*
  * Change to a frame that is ahead by `angle`. current_ref and the integrals of the current control

@@ -52,9 +52,9 @@ static void begin_run(drive_t *drive)
 {
     drive->torque_loop.bridging = false;
     if (drive->mode == (uint8_t)DRIVE_MODE_TORQUE) {
-        torque_loop_start(&drive->torque_loop, drive_flux(drive), drive->signals.current_ref.q);
+        torque_loop_start(&drive->torque_loop, drive_flux(drive), drive->current_ref.q);
     }
-    torque_filter_start(&drive->torque_filter, drive->signals.current_ref.q);
+    torque_filter_start(&drive->torque_filter, drive->current_ref.q);
     frame_plan_rotor(drive);
 }
 
@@ -79,7 +79,7 @@ void life_follow(drive_t *drive, drive_event_t event)
     enter(drive, transitions_next(drive->state, event));
 }
 
-void life_fail(drive_t *drive, const fault_t *fault)
+void life_fail(drive_t *drive, const fault_t *fault, const sample_t *sample)
 {
     if (drive->state != DRIVE_STATE_FAULT) {
         drive->fault.id = fault->id;
@@ -91,18 +91,19 @@ void life_fail(drive_t *drive, const fault_t *fault)
             .limits = drive->derating.flags,
             .speed = drive_speed(drive),
             .torque = drive_current_in_force(drive).q,
-            .phase_a = drive->signals.phase_a,
-            .phase_b = drive->signals.phase_b,
+            .phase_a = sample->phase_a,
+            .phase_b = sample->phase_b,
             .motoring = drive->derating.motoring,
         };
         life_follow(drive, DRIVE_EVENT_FAULT);
     }
 }
 
-RARE void life_react(drive_t *drive, drive_event_t event, const fault_t *fault)
+RARE void life_react(drive_t *drive, drive_event_t event, const fault_t *fault,
+                     const sample_t *sample)
 {
     if (event == DRIVE_EVENT_FAULT) {
-        life_fail(drive, fault);
+        life_fail(drive, fault, sample);
     } else {
         life_follow(drive, event);
     }

@@ -15,19 +15,20 @@
 void life_follow(drive_t *drive, drive_event_t event);
 
 /*
- * Go to FAULT, and keep the fault and its scene (fault_scene_t). A fault is latched: in FAULT
- * another one changes nothing.
+ * Go to FAULT, and keep the fault and its scene (fault_scene_t), of which `sample` is a part. A
+ * fault is latched: in FAULT another one changes nothing.
  */
-void life_fail(drive_t *drive, const fault_t *fault);
+void life_fail(drive_t *drive, const fault_t *fault, const sample_t *sample);
 
 /* life_fail() with DRIVE_EVENT_FAULT, else life_follow(). */
-void life_react(drive_t *drive, drive_event_t event, const fault_t *fault);
+void life_react(drive_t *drive, drive_event_t event, const fault_t *fault, const sample_t *sample);
 
 /* Act on the event of a part that can also find a fault. Most ticks have no event. */
-static inline void life_follow_or_fail(drive_t *drive, drive_event_t event, const fault_t *fault)
+static inline void life_follow_or_fail(drive_t *drive, drive_event_t event, const fault_t *fault,
+                                       const sample_t *sample)
 {
     if (event != DRIVE_EVENT_NONE) {
-        life_react(drive, event, fault);
+        life_react(drive, event, fault, sample);
     }
 }
 

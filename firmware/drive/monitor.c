@@ -10,14 +10,14 @@
 #define HALVES_OF_SWING (2U)
 #define NEAR_SHIFT (4U) /* the voltage is at its limit from 15/16 of it on */
 
-static fault_id_t check_phases(drive_t *drive, fault_t *fault)
+static fault_id_t check_phases(drive_t *drive, const sample_t *sample, fault_t *fault)
 {
     const bool running = drive->state == DRIVE_STATE_RUN;
     const rotor_position_t *const frame = running ? &drive->position : &drive->vector.position;
     const uint64_t turns_q16 = fx_unsigned64(frame->turns_q32) >> 16U;
     const supervision_phases_t measured = {
-        .a = drive->signals.phase_a,
-        .b = drive->signals.phase_b,
+        .a = sample->phase_a,
+        .b = sample->phase_b,
         .turns_q16 = fx_signed((uint32_t)(turns_q16 & 0xFFFFFFFFU)),
         .speed = drive_speed(drive),
     };
@@ -35,14 +35,13 @@ static int32_t emf_at(const drive_t *drive, step_t speed)
 }
 
 /* The integrals of the current control are the voltage that the model does not explain. */
-static fault_id_t check_imposed(drive_t *drive, fault_t *fault)
+static fault_id_t check_imposed(drive_t *drive, const sample_t *sample, fault_t *fault)
 {
-    const drive_signals_t *const s = &drive->signals;
     const sincos_t angle = trig_sincos(rotor_position_angle(&drive->vector.position));
     const supervision_imposed_t measured = {
-        .a = s->phase_a,
-        .b = s->phase_b,
-        .expected = transforms_park_inverse(s->current_ref, angle),
+        .a = sample->phase_a,
+        .b = sample->phase_b,
+        .expected = transforms_park_inverse(drive->current_ref, angle),
         .voltage = {.d = pi_output(&drive->current_loop.pi_d),
                     .q = pi_output(&drive->current_loop.pi_q)},
         .emf = emf_at(drive, drive->vector.step),
@@ -67,16 +66,15 @@ static bool is_at_rest(const drive_t *drive)
  * not. While the rotor is pulled in or turned no error counts; there the check of the phases and
  * the start-up find the fault.
  */
-static dq_t controlled_current(const drive_t *drive)
+static dq_t controlled_current(const drive_t *drive, const instant_t *now)
 {
-    const drive_signals_t *const s = &drive->signals;
-    dq_t current = s->current_ref;
+    dq_t current = drive->current_ref;
 
     if (drive->state == DRIVE_STATE_RUN) {
-        current = s->current;
+        current = now->current;
     } else if (is_at_rest(drive)) {
-        current.d = fx_asr(current.d + fx_min(current.d, s->current_frame.d), 1U);
-        current.q = fx_asr(current.q + s->current_frame.q, 1U);
+        current.d = fx_asr(current.d + fx_min(current.d, now->current.d), 1U);
+        current.q = fx_asr(current.q + now->current.q, 1U);
     } else {
         /* as asked for */
     }
@@ -84,10 +82,10 @@ static dq_t controlled_current(const drive_t *drive)
 }
 
 /* At its limit the voltage does not follow its demand, so the integrals stand at theirs. */
-static bool is_voltage_at_limit(const drive_t *drive)
+static bool is_voltage_at_limit(const drive_t *drive, int32_t bus)
 {
-    const dq_t voltage = drive->signals.voltage;
-    const int32_t limit = modulator_limit(&drive->cfg->modulator, drive->signals.bus);
+    const dq_t voltage = drive->voltage;
+    const int32_t limit = modulator_limit(&drive->cfg->modulator, bus);
     const int32_t near = limit - fx_asr(limit, NEAR_SHIFT);
 
     return transforms_square(voltage) >= fx_unsigned(near * near);
@@ -101,16 +99,16 @@ static bool is_swinging(const drive_t *drive)
 }
 
 /* What may excuse a large voltage, or explain it. */
-RARE static void look_closer(const drive_t *drive, supervision_voltage_t *measured)
+RARE static void look_closer(const drive_t *drive, int32_t bus, supervision_voltage_t *measured)
 {
     measured->emf =
         fx_max(emf_at(drive, drive->observer.speed), emf_at(drive, drive->speed_loop.reference));
     measured->off_reference = fx_abs(drive->observer.speed - drive->speed_loop.reference);
     measured->excused = drive->voltage_drive.active || drive->weakening.acts ||
-                        is_swinging(drive) || is_voltage_at_limit(drive);
+                        is_swinging(drive) || is_voltage_at_limit(drive, bus);
 }
 
-static fault_id_t check_voltage(drive_t *drive, fault_t *fault)
+static fault_id_t check_voltage(drive_t *drive, int32_t bus, fault_t *fault)
 {
     const supervision_cfg_t *const cfg = &drive->cfg->supervision;
     supervision_voltage_t measured = {
@@ -122,7 +120,7 @@ static fault_id_t check_voltage(drive_t *drive, fault_t *fault)
     };
 
     if (supervision_is_large(cfg, measured.voltage)) {
-        look_closer(drive, &measured);
+        look_closer(drive, bus, &measured);
     }
     return supervision_check_voltage(&drive->supervision, cfg, &measured, fault);
 }
@@ -144,12 +142,12 @@ static fault_id_t check_flux(drive_t *drive, fault_t *fault)
     return id;
 }
 
-static fault_id_t check_current(drive_t *drive, fault_t *fault)
+static fault_id_t check_current(drive_t *drive, const instant_t *now, fault_t *fault)
 {
     const supervision_cfg_t *const cfg = &drive->cfg->supervision;
     const bool running = drive->state == DRIVE_STATE_RUN;
     const supervision_current_t measured = {
-        .current = controlled_current(drive),
+        .current = controlled_current(drive, now),
         .reference = drive_current_in_force(drive),
         .excused = running && (fx_abs(drive->observer.speed) >= cfg->stall_speed),
     };
@@ -164,7 +162,7 @@ static fault_id_t check_current(drive_t *drive, fault_t *fault)
         id = supervision_check_observer(&drive->supervision, cfg, residual, fault);
     }
     if ((id == FAULT_NONE) && running) {
-        id = check_voltage(drive, fault);
+        id = check_voltage(drive, now->sample.bus, fault);
     }
     return id;
 }
@@ -258,9 +256,10 @@ bool monitor_is_saturated(const drive_t *drive, const drive_in_t *in)
  * fast rotor drives through the diodes. In a short circuit one that the converter cannot measure
  * counts as the largest; with open gates it is the sensor that is wrong.
  */
-RARE static dq_t uncontrolled_current(const drive_t *drive, const drive_in_t *in)
+RARE static dq_t uncontrolled_current(const drive_t *drive, const drive_in_t *in,
+                                      const sample_t *sample)
 {
-    const ab_t measured = transforms_clarke(drive->signals.phase_a, drive->signals.phase_b);
+    const ab_t measured = transforms_clarke(sample->phase_a, sample->phase_b);
     dq_t current = {0, 0};
 
     if (!monitor_is_saturated(drive, in)) {
@@ -303,11 +302,12 @@ static fault_id_t check_memory(drive_t *drive, fault_t *fault)
     return id;
 }
 
-fault_id_t monitor_next_check(drive_t *drive, const drive_in_t *in, fault_t *fault)
+fault_id_t monitor_next_check(drive_t *drive, const drive_in_t *in, const instant_t *now,
+                              fault_t *fault)
 {
     const uint32_t step = drive->supervision.step;
     const bool controlled = drive_is_controlled(drive->state);
-    const dq_t current = controlled ? drive->signals.current : uncontrolled_current(drive, in);
+    const dq_t current = controlled ? now->current : uncontrolled_current(drive, in, &now->sample);
     fault_id_t id = FAULT_NONE;
 
     drive->supervision.step = (step + 1U) % SUPERVISION_STEPS;
@@ -316,7 +316,7 @@ fault_id_t monitor_next_check(drive_t *drive, const drive_in_t *in, fault_t *fau
     } else if (step == 1U) {
         id = check_memory(drive, fault);
     } else if ((step == 2U) && controlled) {
-        id = check_current(drive, fault);
+        id = check_current(drive, now, fault);
     } else if ((step > 2U) && (drive->state == DRIVE_STATE_RUN)) {
         id = check_speed(drive, fault);
         if (id == FAULT_NONE) {
@@ -328,15 +328,15 @@ fault_id_t monitor_next_check(drive_t *drive, const drive_in_t *in, fault_t *fau
     return id;
 }
 
-fault_id_t monitor_phases(drive_t *drive, fault_t *fault)
+fault_id_t monitor_phases(drive_t *drive, const sample_t *sample, fault_t *fault)
 {
     fault_id_t id = FAULT_NONE;
 
     if (drive_is_controlled(drive->state)) {
-        id = check_phases(drive, fault);
+        id = check_phases(drive, sample, fault);
     }
     if ((id == FAULT_NONE) && drive_is_imposed(drive->state)) {
-        id = check_imposed(drive, fault);
+        id = check_imposed(drive, sample, fault);
     }
     if ((id == FAULT_NONE) && (drive->state == DRIVE_STATE_RUN) &&
         (drive->cfg->oscillation.act != (uint32_t)OSCILLATION_ACT_NONE)) {
@@ -345,13 +345,13 @@ fault_id_t monitor_phases(drive_t *drive, fault_t *fault)
     return id;
 }
 
-void monitor_limits(drive_t *drive)
+void monitor_limits(drive_t *drive, int32_t bus)
 {
     const derating_motion_t motion = {
-        .bus = drive->signals.bus,
+        .bus = bus,
         .speed = drive_speed(drive),
-        .voltage = drive_is_controlled(drive->state) ? drive->signals.voltage : (dq_t){0, 0},
-        .current_d = drive->signals.current_ref.d,
+        .voltage = drive_is_controlled(drive->state) ? drive->voltage : (dq_t){0, 0},
+        .current_d = drive->current_ref.d,
     };
 
     drive->torque_range = derating_range(&drive->derating, &drive->cfg->derating, &motion);

@@ -96,9 +96,9 @@ NEVER_INLINED static drive_event_t start_turning(drive_t *drive, ab_t current_ab
 }
 
 /* The speed from which the EMF between two phases is above the bus. */
-static step_t rectifying_speed(const drive_t *drive)
+static step_t rectifying_speed(const drive_t *drive, int32_t bus)
 {
-    const int32_t phase = fx_asr(drive->signals.bus * INVERSE_ROOT_3_Q15, 15U);
+    const int32_t phase = fx_asr(bus * INVERSE_ROOT_3_Q15, 15U);
     const int32_t speed_q15 = (phase * Q13_ONE) / fx_max(drive->model.run_loop.emf_q13, 1);
     const uint32_t lift = (uint32_t)1U << drive->cfg->speed_shift;
 
@@ -110,29 +110,28 @@ static step_t rectifying_speed(const drive_t *drive)
  * turns as fast as it does, or that of a channel that is stuck, which stands still. Half of the
  * speed lies between both.
  */
-static fault_t live_fault(const drive_t *drive)
+static fault_t live_fault(const drive_t *drive, sample_t sample)
 {
     const step_t speed = fx_abs(drive->flying_start.speed);
-    const step_t limit = fx_min(drive->cfg->speed_loop.speed_max, rectifying_speed(drive));
-    const drive_signals_t *const s = &drive->signals;
+    const step_t limit =
+        fx_min(drive->cfg->speed_loop.speed_max, rectifying_speed(drive, sample.bus));
     fault_t fault = {.id = FAULT_OVERSPEED, .value = speed, .limit = limit};
 
     if (speed <= (limit / 2)) {
         fault = (fault_t){
             .id = FAULT_ADC_STUCK,
-            .value = fx_max(fx_abs(s->phase_a), fx_abs(s->phase_b)),
+            .value = fx_max(fx_abs(sample.phase_a), fx_abs(sample.phase_b)),
             .limit = fx_asr(drive->cfg->startup.flying_start.current, FLYING_START_QUIET_LOG2),
         };
     }
     return fault;
 }
 
-drive_event_t open_loop_flying_start(drive_t *drive, const drive_in_t *in, drive_out_t *out,
-                                     fault_t *fault)
+drive_event_t open_loop_flying_start(drive_t *drive, const drive_in_t *in, sample_t sample,
+                                     drive_out_t *out, fault_t *fault)
 {
     const flying_start_cfg_t *const cfg = &drive->cfg->startup.flying_start;
-    const drive_signals_t *const s = &drive->signals;
-    const ab_t current_ab = transforms_clarke(s->phase_a, s->phase_b);
+    const ab_t current_ab = transforms_clarke(sample.phase_a, sample.phase_b);
     drive_event_t event = DRIVE_EVENT_NONE;
     flying_start_result_t result;
 
@@ -143,7 +142,7 @@ drive_event_t open_loop_flying_start(drive_t *drive, const drive_in_t *in, drive
         event = start_turning(drive, current_ab);
     } else if (result == FLYING_START_LIVE) {
         event = DRIVE_EVENT_FAULT;
-        *fault = live_fault(drive);
+        *fault = live_fault(drive, sample);
     } else if (result != FLYING_START_BUSY) {
         out->gate_enable = false;
         event = start_alignment(drive, &in->command);
@@ -180,13 +179,13 @@ static bool lies_along_phase_a(const drive_t *drive)
  * the rotor, and the voltage would be there twice. compensated: what the compensation adds from now
  * on, Q15 of the bus.
  */
-static void leave_rest_to_integral(drive_t *drive, int32_t compensated)
+static void leave_rest_to_integral(drive_t *drive, int32_t bus, int32_t compensated)
 {
     const int32_t resistance = drive->model.hold_loop.resistance_q13;
     const int32_t model = fx_asr(resistance * fx_sat15(drive->vector.current_mean.d), 13U);
-    const int32_t added = fx_asr(compensated * drive->signals.bus, 15U);
+    const int32_t added = fx_asr(compensated * bus, 15U);
 
-    pi_reset(&drive->current_loop.pi_d, fx_sat16(drive->signals.voltage.d - model - added));
+    pi_reset(&drive->current_loop.pi_d, fx_sat16(drive->voltage.d - model - added));
 }
 
 /*
@@ -203,7 +202,7 @@ static int32_t correct_dead_time(drive_t *drive, int32_t lost_voltage)
     return (4 * change) / 3;
 }
 
-static drive_event_t finish_alignment(drive_t *drive)
+static drive_event_t finish_alignment(drive_t *drive, int32_t bus, dq_t along_rotor)
 {
     const align_found_t *const found = &drive->align.found;
     const model_nominal_t nominal = drive_nominal(drive);
@@ -216,8 +215,8 @@ static drive_event_t finish_alignment(drive_t *drive)
         };
 
         model_set(&drive->model, &drive->cfg->model, &nominal, &measured);
-        leave_rest_to_integral(drive, correct_dead_time(drive, found->lost_voltage));
-        estimate_start(drive, 0, drive->signals.current);
+        leave_rest_to_integral(drive, bus, correct_dead_time(drive, found->lost_voltage));
+        estimate_start(drive, 0, along_rotor);
     }
     speed_loop_restore(&drive->speed_loop);
     drive->identified = true; /* a measurement that fails is not repeated */
@@ -244,17 +243,16 @@ static drive_event_t judge_rest(drive_t *drive, fault_t *fault)
 }
 
 /* What is found is evaluated in one tick and acted on in the next one. */
-static drive_event_t align(drive_t *drive, fault_t *fault)
+static drive_event_t align(drive_t *drive, const instant_t *now, dq_t along_rotor, fault_t *fault)
 {
-    drive_signals_t *const s = &drive->signals;
     const bool done = drive->align.phase == ALIGN_DONE;
     drive_event_t event = DRIVE_EVENT_NONE;
 
-    align_step(&drive->align, &drive->cfg->startup.align, s->current_frame, s->voltage.d);
-    s->current_ref = (dq_t){.d = drive->align.current_ref, .q = 0};
+    align_step(&drive->align, &drive->cfg->startup.align, now->current, drive->voltage.d);
+    drive->current_ref = (dq_t){.d = drive->align.current_ref, .q = 0};
     drive->vector.step = drive->align.frame_speed;
     if (done) {
-        event = finish_alignment(drive);
+        event = finish_alignment(drive, now->sample.bus, along_rotor);
     } else if (align_has_measured(&drive->align)) {
         event = judge_rest(drive, fault);
     } else {
@@ -270,7 +268,7 @@ static drive_event_t align(drive_t *drive, fault_t *fault)
 static int32_t next_imposed_current(const drive_t *drive)
 {
     const startup_cfg_t *const cfg = &drive->cfg->startup;
-    const int32_t present = drive->signals.current_ref.d;
+    const int32_t present = drive->current_ref.d;
     const int32_t whole = (drive->speed_reference == 0) ? cfg->current_hold : cfg->current_move;
     const int32_t wanted = fx_min(whole, drive->derating.thermal);
 
@@ -301,11 +299,11 @@ static bool has_found_rotor(const drive_t *drive)
  */
 static drive_event_t hand_over(drive_t *drive)
 {
-    const int32_t of_ramp = drive->signals.current_ref.q;
+    const int32_t of_ramp = drive->current_ref.q;
 
     frame_turn(drive, 0U - load_angle(drive));
     speed_loop_start(&drive->speed_loop, drive->speed_loop.reference,
-                     drive->signals.current_ref.q - of_ramp);
+                     drive->current_ref.q - of_ramp);
     return DRIVE_EVENT_TRACKED;
 }
 
@@ -358,7 +356,7 @@ static drive_event_t hold(drive_t *drive)
     drive_event_t event = DRIVE_EVENT_HELD;
 
     if (at_rest && !drive->identified) {
-        align_reset_held(&drive->align, &drive->cfg->startup.align, drive->signals.current_ref.d);
+        align_reset_held(&drive->align, &drive->cfg->startup.align, drive->current_ref.d);
         event = DRIVE_EVENT_STANDS;
     }
     return event;
@@ -403,22 +401,22 @@ void open_loop_plan(drive_t *drive, const drive_command_t *command)
     }
 }
 
-drive_event_t open_loop_step(drive_t *drive, fault_t *fault)
+drive_event_t open_loop_step(drive_t *drive, const instant_t *now, dq_t along_rotor, fault_t *fault)
 {
     drive_event_t event = DRIVE_EVENT_NONE;
 
     if (drive->state == DRIVE_STATE_ALIGN) {
-        event = align(drive, fault);
+        event = align(drive, now, along_rotor, fault);
     } else {
-        drive->signals.current_ref.d = next_imposed_current(drive);
+        drive->current_ref.d = next_imposed_current(drive);
     }
     return event;
 }
 
 static drive_event_t drag(drive_t *drive, fault_t *fault)
 {
-    drive->signals.current_ref.q = speed_loop_accelerate(
-        &drive->speed_loop, &drive->cfg->speed_loop, drive->speed_reference, drive->torque_range);
+    drive->current_ref.q = speed_loop_accelerate(&drive->speed_loop, &drive->cfg->speed_loop,
+                                                 drive->speed_reference, drive->torque_range);
     drive->vector.step = drive->speed_loop.reference;
     return judge_speed(drive, fault);
 }

@@ -15,6 +15,7 @@
 #ifndef OPEN_LOOP_H
 #define OPEN_LOOP_H
 
+#include "instant.h"
 #include "io.h"
 #include "state.h"
 
@@ -26,14 +27,16 @@ drive_event_t open_loop_start(drive_t *drive);
  * DRAGGED: the rotor is slow; the vector has its angle and its speed. TRACKED: the rotor is fast.
  * These three act from the next tick on. FAULT: a current does not decay.
  */
-drive_event_t open_loop_flying_start(drive_t *drive, const drive_in_t *in, drive_out_t *out,
-                                     fault_t *fault);
+drive_event_t open_loop_flying_start(drive_t *drive, const drive_in_t *in, sample_t sample,
+                                     drive_out_t *out, fault_t *fault);
 
 /*
- * Each tick of ALIGN, HOLD, IF_RAMP, HANDOVER: sets the imposed current. HELD at the end of ALIGN.
+ * Each tick of ALIGN, HOLD, IF_RAMP, HANDOVER: sets the imposed current. along_rotor: the measured
+ * current in the frame of θ̂, Q15 of I_b, ±34400. HELD at the end of ALIGN.
  * SEARCH when the rotor moves while R and L are measured; FAULT when that was the last attempt.
  */
-drive_event_t open_loop_step(drive_t *drive, fault_t *fault);
+drive_event_t open_loop_step(drive_t *drive, const instant_t *now, dq_t along_rotor,
+                             fault_t *fault);
 
 /* Sets the speed reference of the next slow period; not in ALIGN. */
 void open_loop_plan(drive_t *drive, const drive_command_t *command);

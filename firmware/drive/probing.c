@@ -12,9 +12,9 @@ drive_event_t probing_start(drive_t *drive)
     drive->vector.step = 0;
     drive->vector.current_mean = (dq_t){0, 0};
     drive->voltage_drive.active = false;
-    drive->signals.current_ref = (dq_t){0, 0};
-    drive->signals.voltage = (dq_t){0, 0};
-    drive->signals.ratio_ab = (ab_t){0, 0};
+    drive->current_ref = (dq_t){0, 0};
+    drive->voltage = (dq_t){0, 0};
+    drive->ratio_next = (ab_t){0, 0};
     return DRIVE_EVENT_PROBE;
 }
 
@@ -25,15 +25,14 @@ static int32_t turns_q16(const drive_t *drive)
     return fx_signed((uint32_t)(turns & 0xFFFFFFFFU));
 }
 
-static void note_sample(drive_t *drive, dq_t e)
+static void note_sample(drive_t *drive, sample_t measured, dq_t current, dq_t e)
 {
-    const drive_signals_t *const s = &drive->signals;
     const probe_sample_t sample = {
-        .phase_a = s->phase_a,
-        .phase_b = s->phase_b,
-        .current = s->current_frame,
-        .voltage = s->voltage,
-        .bus = s->bus,
+        .phase_a = measured.phase_a,
+        .phase_b = measured.phase_b,
+        .current = current,
+        .voltage = drive->voltage,
+        .bus = measured.bus,
         .turns_q16 = turns_q16(drive),
         .emf = e,
         .speed_q15 = drive_speed_q15(drive, drive->vector.step),
@@ -43,58 +42,63 @@ static void note_sample(drive_t *drive, dq_t e)
 }
 
 /* What the current control has demanded, less what R and L need of it. */
-static dq_t emf_of(const drive_t *drive)
+static dq_t emf_of(const drive_t *drive, dq_t current)
 {
-    const drive_signals_t *const s = &drive->signals;
-    const dq_t model = current_loop_model(&drive->current_loop, s->current_frame);
+    const dq_t model = current_loop_model(&drive->current_loop, current);
 
-    return (dq_t){s->voltage.d - model.d, s->voltage.q - model.q};
+    return (dq_t){drive->voltage.d - model.d, drive->voltage.q - model.q};
 }
 
-static void demand(drive_t *drive)
+static dq_t voltage_for(drive_t *drive, dq_t current, int32_t bus)
 {
-    drive_signals_t *const s = &drive->signals;
     const probe_t *const probe = &drive->probe;
     const bool pulses = probe_pulses(probe);
     const frame_t frame = {
         .angle = rotor_position_angle(&drive->vector.position),
         .step = drive->vector.step,
-        .current =
-            pulses ? probe_controlled(probe, s->current_ref, s->current_frame) : s->current_frame,
+        .current = pulses ? probe_controlled(probe, drive->current_ref, current) : current,
         .loop = &probe->loop,
-        .imposed = false, /* planned here: no gains of an imposed current */
+        .imposed = true,
     };
+    dq_t voltage;
 
-    current_loop_plan(&drive->current_loop, &probe->loop, s->current_ref,
+    current_loop_plan(&drive->current_loop, &probe->loop, drive->current_ref,
                       drive_speed_q15(drive, drive->vector.step));
-    frame_control_current(drive, &frame);
-    if (pulses) {
-        s->voltage = probe_voltage(probe, s->voltage);
-    }
+    voltage = frame_control_current(drive, &frame, bus);
+    return pulses ? probe_voltage(probe, voltage) : voltage;
+}
+
+static bool may_brake(const drive_cfg_t *cfg, int32_t bus)
+{
+    return derating_share(&cfg->derating.bus_high, bus) == FX_Q15_MAX;
 }
 
 bool probing_may_brake(const drive_t *drive)
 {
-    return derating_share(&drive->cfg->derating.bus_high, drive->signals.bus) == FX_Q15_MAX;
+    return may_brake(drive->cfg, drive->bus);
 }
 
-void probing_step(drive_t *drive, const drive_command_t *command, compare_t *out)
+dq_t probing_current(const drive_t *drive)
 {
-    drive_signals_t *const s = &drive->signals;
+    return drive->probe.current_before;
+}
+
+dq_t probing_step(drive_t *drive, const drive_command_t *command, sample_t sample, compare_t *out)
+{
     probe_t *const probe = &drive->probe;
+    const dq_t current = frame_measure(drive, sample);
+    const dq_t e = emf_of(drive, current);
+    dq_t voltage;
 
-    dq_t e;
-
-    frame_measure(drive);
-    s->current = s->current_frame;
-    e = emf_of(drive);
     probe_set(probe, command->mode, command->target);
-    note_sample(drive, e);
+    note_sample(drive, sample, current, e);
     drive->vector.step = probe_turn(probe, rotor_position_angle(&drive->vector.position), e,
-                                    probing_may_brake(drive));
-    s->current_ref = (dq_t){.d = probe->current, .q = 0};
-    demand(drive);
-    frame_modulate_plain(drive, out);
+                                    may_brake(drive->cfg, sample.bus));
+    drive->current_ref = (dq_t){.d = probe->current, .q = 0};
+    voltage = voltage_for(drive, current, sample.bus);
+    drive->voltage = voltage;
+    frame_modulate_plain(drive, voltage, out);
     rotor_position_step(&drive->vector.position, drive->vector.step);
     drive->position = drive->vector.position;
+    return current;
 }

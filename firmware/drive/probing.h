@@ -21,14 +21,17 @@ drive_event_t probing_start(drive_t *drive);
 
 /*
  * One tick of PROBE: measures, takes the command's word, turns the vector, and writes the compare
- * values.
+ * values. Returns the measured current in the frame of the vector, Q15 of I_b, ±34400.
  */
-void probing_step(drive_t *drive, const drive_command_t *command, compare_t *out);
+dq_t probing_step(drive_t *drive, const drive_command_t *command, sample_t sample, compare_t *out);
 
 /*
  * Whether the rotor may give power back: the bus is not above the voltage at which RUN begins to
  * derate the braking current.
  */
 bool probing_may_brake(const drive_t *drive);
+
+/* The current of the last tick of PROBE in the frame of the vector, Q15 of I_b, ±34400. */
+dq_t probing_current(const drive_t *drive);
 
 #endif

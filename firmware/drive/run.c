@@ -45,11 +45,11 @@ void run_reset(drive_t *drive)
     speed_loop_reset(&drive->speed_loop, 0);
     reset_position(drive);
     drive->speed_reference = 0;
-    drive->signals.ratio_ab = (ab_t){0, 0};
+    drive->ratio_next = (ab_t){0, 0};
     drive->ratio_acting = (ab_t){0, 0};
     drive->residual = 0;
     drive->lost_periods = 0U;
-    drive->signals.current_ref = (dq_t){0, 0};
+    drive->current_ref = (dq_t){0, 0};
     drive->torque_range = (torque_range_t){-drive->derating.motoring, drive->derating.motoring};
     drive->derating.voltage = (dq_t){0, 0};
     weakening_reset(&drive->weakening);
@@ -222,7 +222,7 @@ static current_reference_in_t operating_point(const drive_t *drive)
     const startup_cfg_t *const cfg = &drive->cfg->startup;
 
     return (current_reference_in_t){
-        .present = drive->signals.current_ref,
+        .present = drive->current_ref,
         .speed = drive->speed_reference,
         .floor_speed = cfg->hold_speed,
         .imposed = is_slow(drive) ? cfg->current_hold : 0,
@@ -231,14 +231,13 @@ static current_reference_in_t operating_point(const drive_t *drive)
 }
 
 /* The motor wants more voltage than the bus has, or nearly so. */
-NEVER_INLINED static void weaken(drive_t *drive, current_reference_t *next)
+NEVER_INLINED static void weaken(drive_t *drive, dq_t current, current_reference_t *next)
 {
-    const drive_signals_t *const s = &drive->signals;
     const weakening_in_t point = {
         .model = &drive->model.run_loop,
         .speed_q15 = drive_speed_q15(drive, fx_abs(drive->observer.speed)),
-        .reference = s->current_ref,
-        .current = {.d = fx_sat15(s->current.d), .q = fx_sat15(s->current.q)},
+        .reference = drive->current_ref,
+        .current = {.d = fx_sat15(current.d), .q = fx_sat15(current.q)},
         .voltage = drive->derating.voltage,
         .current_max = drive->cfg->derating.current_max,
         .deepest = drive->cfg->current_reference.deepest,
@@ -252,26 +251,26 @@ NEVER_INLINED static void weaken(drive_t *drive, current_reference_t *next)
  * the winding still bears counts: a motor that is too hot keeps the i_d that its speed needs, and
  * loses torque.
  */
-INLINES_ALL static void limit_current(drive_t *drive)
+INLINES_ALL static void limit_current(drive_t *drive, const instant_t *now)
 {
     const current_reference_cfg_t *const cfg = &drive->cfg->current_reference;
     const current_reference_in_t point = operating_point(drive);
-    const int32_t circle = modulator_limit(&drive->cfg->modulator, drive->signals.bus);
+    const int32_t circle = modulator_limit(&drive->cfg->modulator, now->sample.bus);
     current_reference_t next = {.reach = CURRENT_REFERENCE_ALL};
 
     next.d = current_reference_d(cfg, &drive->model.run_loop, &point);
-    if (weakening_is_near(&drive->weakening, drive->signals.voltage, circle)) {
-        weaken(drive, &next);
+    if (weakening_is_near(&drive->weakening, drive->voltage, circle)) {
+        weaken(drive, now->current, &next);
     }
-    drive->signals.current_ref.d = next.d;
+    drive->current_ref.d = next.d;
     drive->torque_range =
         current_reference_range(cfg, drive->torque_range, &next, drive->derating.thermal);
 }
 
-void run_limit(drive_t *drive)
+void run_limit(drive_t *drive, const instant_t *now)
 {
     if (!drive->voltage_drive.active) {
-        limit_current(drive);
+        limit_current(drive, now);
     }
 }
 
@@ -279,9 +278,9 @@ void run_limit(drive_t *drive)
  * Change back to an imposed current: the d axis of the frame is set to the direction of the present
  * reference.
  */
-static void hand_back(drive_t *drive)
+static void hand_back(drive_t *drive, dq_t current)
 {
-    const dq_t reference = drive->signals.current_ref;
+    const dq_t reference = drive->current_ref;
     const angle_t load_angle =
         trig_atan2((int16_t)fx_sat16(reference.q), (int16_t)fx_sat16(reference.d));
     dq_t turned;
@@ -290,11 +289,9 @@ static void hand_back(drive_t *drive)
     rotor_position_step(&drive->vector.position, fx_signed(load_angle));
     drive->vector.step = drive->speed_loop.reference;
     frame_turn(drive, load_angle);
-    turned = transforms_park(
-        (ab_t){fx_sat15(drive->signals.current.d), fx_sat15(drive->signals.current.q)},
-        trig_sincos(load_angle));
-    drive->signals.current_frame = (dq_t){fx_sat15(turned.d), fx_sat15(turned.q)};
-    drive->vector.current_mean = drive->signals.current_frame;
+    turned =
+        transforms_park((ab_t){fx_sat15(current.d), fx_sat15(current.q)}, trig_sincos(load_angle));
+    drive->vector.current_mean = (dq_t){fx_sat15(turned.d), fx_sat15(turned.q)};
     supervision_forget_imposed(&drive->supervision);
 }
 
@@ -307,7 +304,7 @@ static void hand_back(drive_t *drive)
 static void wait_at_limit(drive_t *drive, step_t before)
 {
     const bool faster = drive->speed_loop.reference > before;
-    const dq_t current = drive->signals.current_ref;
+    const dq_t current = drive->current_ref;
     const int32_t end = faster ? drive->torque_range.upper : -drive->torque_range.lower;
     const int32_t towards = faster ? current.q : -current.q;
     const bool narrowed = (end < drive->cfg->derating.current_max) &&
@@ -350,7 +347,7 @@ static void lead_along_ramp(drive_t *drive, step_t before)
  */
 NEVER_INLINED static void lead_by_torque(drive_t *drive)
 {
-    const int32_t torque = drive->signals.current_ref.q;
+    const int32_t torque = drive->current_ref.q;
 
     accelerate_estimate(drive,
                         speed_loop_response(&drive->speed_loop, &drive->cfg->speed_loop, torque));
@@ -382,7 +379,7 @@ static bool is_to_be_held(const drive_t *drive)
     const step_t settled_speed = gentle_ramp ? (half + (half / 2)) : half;
     const bool settled = fx_abs(drive->speed_reference) <= settled_speed;
 
-    return (drive->signals.current_ref.d >= cfg->current_hold) && is_slow(drive) && settled;
+    return (drive->current_ref.d >= cfg->current_hold) && is_slow(drive) && settled;
 }
 
 /*
@@ -394,7 +391,7 @@ static bool is_to_be_held(const drive_t *drive)
 static void filter_torque(drive_t *drive)
 {
     const torque_range_t range = drive->torque_range;
-    const int32_t asked = drive->signals.current_ref.q;
+    const int32_t asked = drive->current_ref.q;
     const int32_t near = fx_asr(range.upper - range.lower, TORQUE_ROUNDING_LOG2) + 1;
     int32_t torque = torque_filter_step(&drive->torque_filter, &drive->cfg->torque_filter, asked);
 
@@ -405,7 +402,7 @@ static void filter_torque(drive_t *drive)
     } else {
         /* between its limits, or on its way */
     }
-    drive->signals.current_ref.q = fx_clamp(torque, range.lower, range.upper);
+    drive->current_ref.q = fx_clamp(torque, range.lower, range.upper);
 }
 
 /* The reference of position control also corrects the position: its change is no ramp. */
@@ -427,17 +424,16 @@ NEVER_INLINED static void control_free_torque(drive_t *drive, torque_range_t ran
         &drive->cfg->torque_loop, drive->speed_loop.reference, lowest_torque_speed(drive));
     speed_end_t end = SPEED_END_NONE;
 
-    drive->signals.current_ref.q = speed_loop_within(
-        &drive->speed_loop, &drive->cfg->speed_loop, &window, drive->speed_reference,
-        drive->observer.speed, drive->torque_loop.current, range, &end);
+    drive->current_ref.q = speed_loop_within(&drive->speed_loop, &drive->cfg->speed_loop, &window,
+                                             drive->speed_reference, drive->observer.speed,
+                                             drive->torque_loop.current, range, &end);
     drive->torque_loop.end = (uint8_t)end;
 }
 
 static void control_rotor_speed(drive_t *drive, torque_range_t range)
 {
-    drive->signals.current_ref.q =
-        speed_loop_step(&drive->speed_loop, &drive->cfg->speed_loop, drive->speed_reference,
-                        drive->observer.speed, range);
+    drive->current_ref.q = speed_loop_step(&drive->speed_loop, &drive->cfg->speed_loop,
+                                           drive->speed_reference, drive->observer.speed, range);
 }
 
 /* The torque current, by the loop that has it. */
@@ -461,7 +457,7 @@ static void filter_current_q(drive_t *drive)
 static void follow_ramp(drive_t *drive, step_t before, int32_t integral_before)
 {
     const torque_range_t range = drive->torque_range;
-    const int32_t torque = drive->signals.current_ref.q;
+    const int32_t torque = drive->current_ref.q;
 
     if ((torque > range.lower) && (torque < range.upper)) {
         learn_inertia(drive, before, integral_before);
@@ -478,12 +474,11 @@ static void follow_ramp(drive_t *drive, step_t before, int32_t integral_before)
 RARE static void bridge_current_q(drive_t *drive)
 {
     const step_t before = drive->speed_loop.reference;
-    const torque_range_t range =
-        torque_loop_bridged(&drive->cfg->torque_loop, drive_flux(drive),
-                            drive->signals.current_ref.q, drive->torque_range);
+    const torque_range_t range = torque_loop_bridged(&drive->cfg->torque_loop, drive_flux(drive),
+                                                     drive->current_ref.q, drive->torque_range);
 
     choose_current_q(drive, range);
-    torque_loop_arrive(&drive->torque_loop, drive->signals.current_ref.q, range);
+    torque_loop_arrive(&drive->torque_loop, drive->current_ref.q, range);
     filter_current_q(drive);
     lead_estimate(drive, before);
 }
@@ -502,7 +497,7 @@ static void control_current_q(drive_t *drive)
 }
 
 /* HELD when the current is to be imposed. It has all that speed control needs within it. */
-INLINES_ALL static drive_event_t control_torque(drive_t *drive)
+INLINES_ALL static drive_event_t control_torque(drive_t *drive, dq_t current)
 {
     drive_event_t event = DRIVE_EVENT_NONE;
 
@@ -512,7 +507,7 @@ INLINES_ALL static drive_event_t control_torque(drive_t *drive)
         control_current_q(drive);
     }
     if ((drive->cfg->startup.current_hold != 0) && is_to_be_held(drive)) {
-        hand_back(drive);
+        hand_back(drive, current);
         event = DRIVE_EVENT_HELD;
     }
     return event;
@@ -530,7 +525,8 @@ RARE static void forget_attempts(drive_t *drive)
     }
 }
 
-drive_event_t run_control_speed(drive_t *drive, const drive_command_t *command)
+drive_event_t run_control_speed(drive_t *drive, const drive_command_t *command,
+                                const instant_t *now)
 {
     drive_event_t event = DRIVE_EVENT_NONE;
 
@@ -538,10 +534,10 @@ drive_event_t run_control_speed(drive_t *drive, const drive_command_t *command)
         forget_attempts(drive);
     }
     if (drive->voltage_drive.active) {
-        voltage_drive_motion(drive, command);
+        voltage_drive_motion(drive, command, now->sample.bus);
     } else {
-        event = control_torque(drive);
-        voltage_drive_offer(drive, command);
+        event = control_torque(drive, now->current);
+        voltage_drive_offer(drive, command, now->current);
         frame_plan_rotor(drive);
     }
     return event;

@@ -8,6 +8,7 @@
 #ifndef RUN_H
 #define RUN_H
 
+#include "instant.h"
 #include "io.h"
 #include "state.h"
 
@@ -45,12 +46,13 @@ static inline bool run_torque_is_free(const drive_t *drive)
  * Sets i_d* of the next slow period, and the range that it leaves to i_q*. Does nothing while the
  * voltage drive is active.
  */
-void run_limit(drive_t *drive);
+void run_limit(drive_t *drive, const instant_t *now);
 
 /*
  * Runs the speed PI or the voltage drive. HELD when the speed is low and i_d* has risen to the
  * imposed current: then the vector has the direction of the present current reference.
  */
-drive_event_t run_control_speed(drive_t *drive, const drive_command_t *command);
+drive_event_t run_control_speed(drive_t *drive, const drive_command_t *command,
+                                const instant_t *now);
 
 #endif

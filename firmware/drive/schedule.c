@@ -17,12 +17,13 @@ static drive_event_t event_of(fault_id_t id)
     return (id == FAULT_NONE) ? DRIVE_EVENT_NONE : DRIVE_EVENT_FAULT;
 }
 
-static drive_event_t control_speed(drive_t *drive, const drive_command_t *command, fault_t *fault)
+static drive_event_t control_speed(drive_t *drive, const drive_command_t *command,
+                                   const instant_t *now, fault_t *fault)
 {
     drive_event_t event = DRIVE_EVENT_NONE;
 
     if (drive->state == DRIVE_STATE_RUN) {
-        event = run_control_speed(drive, command);
+        event = run_control_speed(drive, command, now);
     } else if (moves_vector(drive->state)) {
         event = open_loop_drag(drive, fault);
     } else {
@@ -42,22 +43,22 @@ static void plan(drive_t *drive, const drive_command_t *command)
     }
 }
 
-drive_event_t schedule_step(drive_t *drive, const drive_in_t *in, slot_t slot, bool moving,
-                            fault_t *fault)
+drive_event_t schedule_step(drive_t *drive, const drive_in_t *in, const instant_t *now, slot_t slot,
+                            bool moving, fault_t *fault)
 {
     drive_event_t event = DRIVE_EVENT_NONE;
 
     switch (slot) {
     case SLOT_PHASES:
-        event = event_of(monitor_phases(drive, fault));
+        event = event_of(monitor_phases(drive, &now->sample, fault));
         break;
     case SLOT_CHECKS:
-        event = event_of(monitor_next_check(drive, in, fault));
+        event = event_of(monitor_next_check(drive, in, now, fault));
         break;
     case SLOT_LIMITS:
-        monitor_limits(drive);
+        monitor_limits(drive, now->sample.bus);
         if (drive->state == DRIVE_STATE_RUN) {
-            run_limit(drive);
+            run_limit(drive, now);
         }
         break;
     case SLOT_REFINE:
@@ -72,7 +73,7 @@ drive_event_t schedule_step(drive_t *drive, const drive_in_t *in, slot_t slot, b
         break;
     default: /* SPEED */
         if (moving) {
-            event = control_speed(drive, &in->command, fault);
+            event = control_speed(drive, &in->command, now, fault);
         }
         break;
     }

@@ -6,7 +6,7 @@
  *     slot     who                                              in which states  how often
  *     REFINE   estimate_refine                                  HOLD to RUN      each period
  *     PHASES   monitor_phases                                   PROBE to RUN     each period
- *     CHECKS   monitor_next_check: four take turns                  any              every fourth
+ *     CHECKS   monitor_next_check: four take turns              any              every fourth
  *     LIMITS   monitor_limits; run_limit                        any; RUN         each period
  *     PLAN     open_loop_plan, in RUN run_plan                  HOLD to RUN      each period
  *     SPEED    open_loop_drag, in RUN run_control_speed         HOLD to RUN      each period
@@ -17,6 +17,7 @@
 #ifndef SCHEDULE_H
 #define SCHEDULE_H
 
+#include "instant.h"
 #include "io.h"
 #include "state.h"
 
@@ -35,7 +36,7 @@ typedef enum {
  * SPEED; it is false in the tick in which the drive starts, which has measured nothing for them
  * yet, and in PROBE. Writes `fault` only when it returns DRIVE_EVENT_FAULT.
  */
-drive_event_t schedule_step(drive_t *drive, const drive_in_t *in, slot_t slot, bool moving,
-                            fault_t *fault);
+drive_event_t schedule_step(drive_t *drive, const drive_in_t *in, const instant_t *now, slot_t slot,
+                            bool moving, fault_t *fault);
 
 #endif

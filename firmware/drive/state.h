@@ -70,21 +70,6 @@ typedef enum {
     DRIVE_EVENTS         /* number of events, not an event */
 } drive_event_t;
 
-/*
- * Values of the last tick, in the order of computation. Some are inputs of the next tick; the rest
- * is for traces.
- */
-typedef struct {
-    int32_t phase_a; /* Q15 of I_b, offset removed, ±16383 */
-    int32_t phase_b;
-    int32_t bus;        /* Q15 of U_b */
-    dq_t current;       /* in the frame of θ̂ */
-    dq_t current_frame; /* in the frame of the vector, while a current is imposed */
-    dq_t current_ref;   /* i_d*, i_q* in the frame, Q15 of I_b */
-    dq_t voltage;       /* demanded */
-    ab_t ratio_ab;
-} drive_signals_t;
-
 /* Sums that OFFSET_CAL forms to measure the zeros of the current sensors. */
 typedef struct {
     int32_t sum_a; /* of raw counts, 0…2^28 */
@@ -157,13 +142,15 @@ typedef struct {
     protection_limits_t limits; /* in force in this state */
     int32_t offset_a;           /* sensor zero, Q15 of I_b, nominal 16384 */
     int32_t offset_b;
-    int32_t bus_before; /* bus voltage at the last instant, Q15 of U_b */
+    int32_t bus; /* voltage at the last instant, Q15 of U_b */
     modulator_t modulator;
     ab_t ratio_acting; /* demand / bus, Q15, that acted since the last instant */
+    ab_t ratio_next;   /* the same, that acts from the last instant on */
     current_loop_t current_loop;
     nn_observer_t observer; /* ω̂, (22) */
-    drive_signals_t signals;
-    uint32_t tick; /* since drive_init, wraps */
+    dq_t current_ref;       /* i_d*, i_q* in the frame of the current control, Q15 of I_b */
+    dq_t voltage;           /* demanded in the last tick, in the same frame, Q15 of U_b */
+    uint32_t tick;          /* since drive_init, wraps */
     voltage_drive_t voltage_drive;
     step_t speed_reference;
     speed_loop_t speed_loop;
@@ -274,7 +261,7 @@ static inline int64_t drive_position_from_zero_q32(const drive_t *drive)
 static inline dq_t drive_current_in_force(const drive_t *drive)
 {
     return drive->voltage_drive.active ? virtual_resistance_mean(&drive->voltage_drive.damping)
-                                       : drive->signals.current_ref;
+                                       : drive->current_ref;
 }
 
 /* The parts of the configuration that the model corrects. */

@@ -12,6 +12,7 @@
 #include "estimate.h"
 #include "frame.h"
 #include "inlining.h"
+#include "instant.h"
 #include "life.h"
 #include "open_loop.h"
 #include "probing.h"
@@ -19,27 +20,6 @@
 #include "voltage_drive.h"
 
 #define SLOW_MASK (0xFFU) /* of slow_count */
-
-/* Raw counts to per unit. The currents are not valid before the calibration has ended. */
-static void convert_samples(drive_t *drive, const drive_in_t *in)
-{
-    const sampling_cfg_t *const cfg = &drive->cfg->sampling;
-    drive_signals_t *const s = &drive->signals;
-    const uint32_t a = (uint32_t)in->adc_ia << cfg->current_shift;
-    const uint32_t b = (uint32_t)in->adc_ib << cfg->current_shift;
-    const uint32_t bus = (uint32_t)in->adc_bus << cfg->bus_shift;
-
-    s->phase_a = fx_sat15((int32_t)a - drive->offset_a);
-    s->phase_b = fx_sat15((int32_t)b - drive->offset_b);
-    s->bus = fx_usat15((int32_t)bus);
-}
-
-static void begin_tick(drive_t *drive, const drive_in_t *in)
-{
-    convert_samples(drive, in);
-    modulator_track_bus(&drive->modulator,
-                        modulator_bus_ahead(drive->bus_before, drive->signals.bus));
-}
 
 /*
  * A setting that has flipped below its range would leave slots out, the one that finds it among
@@ -63,7 +43,8 @@ static uint32_t count_slow(drive_t *drive)
 }
 
 /* The slot of the slow schedule that falls on this tick. */
-TICK_APART static void slow_step(drive_t *drive, const drive_in_t *in, uint32_t left, bool moving)
+TICK_APART static void slow_step(drive_t *drive, const drive_in_t *in, const instant_t *now,
+                                 uint32_t left, bool moving)
 {
     fault_t fault;
 
@@ -71,14 +52,20 @@ TICK_APART static void slow_step(drive_t *drive, const drive_in_t *in, uint32_t 
         drive->slow_count = slow_period(drive->cfg);
     }
     fault_clear(&fault);
-    life_follow_or_fail(drive, schedule_step(drive, in, (slot_t)left, moving, &fault), &fault);
+    life_follow_or_fail(drive, schedule_step(drive, in, now, (slot_t)left, moving, &fault), &fault,
+                        &now->sample);
 }
 
-/* Few ticks have a slot. */
-static void take_slot(drive_t *drive, const drive_in_t *in, uint32_t left, bool moving)
+static bool has_slot(uint32_t left)
 {
-    if (left < (uint32_t)SLOTS) {
-        slow_step(drive, in, left, moving);
+    return left < (uint32_t)SLOTS;
+}
+
+static void take_slot(drive_t *drive, const drive_in_t *in, const instant_t *now, uint32_t left,
+                      bool moving)
+{
+    if (has_slot(left)) {
+        slow_step(drive, in, now, left, moving);
     }
 }
 
@@ -94,12 +81,11 @@ static void open_gates(drive_t *drive, drive_out_t *out)
  * The output of a tick that drives nothing: the safe state. The compare values of the last tick act
  * for one period more. They are those of the control, or equal ones, which short the motor too.
  */
-NEVER_INLINED static void rest(drive_t *drive, drive_out_t *out)
+NEVER_INLINED static void rest(drive_t *drive, sample_t sample, drive_out_t *out)
 {
-    const drive_signals_t *const s = &drive->signals;
     const safe_state_in_t measured = {
-        .current = transforms_clarke(s->phase_a, s->phase_b),
-        .bus = s->bus,
+        .current = transforms_clarke(sample.phase_a, sample.phase_b),
+        .bus = sample.bus,
         .bus_max = drive->limits.bus_max,
     };
 
@@ -113,27 +99,48 @@ NEVER_INLINED static void rest(drive_t *drive, drive_out_t *out)
  * The alignment measures inductances: the voltage changes as it says; the integrals of the loop do
  * not.
  */
-static void give_voltage(drive_t *drive)
+static dq_t aligning_voltage(const drive_t *drive)
 {
     const dq_t change = align_voltage(&drive->align, &drive->cfg->startup.align);
-    dq_t *const voltage = &drive->signals.voltage;
 
-    voltage->d = fx_clamp(voltage->d + change.d, -FX_Q15_MAX, FX_Q15_MAX);
-    voltage->q = fx_clamp(voltage->q + change.q, -FX_Q15_MAX, FX_Q15_MAX);
+    return (dq_t){
+        .d = fx_clamp(drive->voltage.d + change.d, -FX_Q15_MAX, FX_Q15_MAX),
+        .q = fx_clamp(drive->voltage.q + change.q, -FX_Q15_MAX, FX_Q15_MAX),
+    };
+}
+
+/* The voltage of a vector that is imposed. */
+static dq_t imposed_voltage(drive_t *drive, const frame_t *frame, int32_t bus)
+{
+    const bool aligning = (drive->state == DRIVE_STATE_ALIGN) &&
+                          align_holds_voltage(&drive->align, &drive->cfg->startup.align);
+
+    return aligning ? aligning_voltage(drive) : frame_impose_current(drive, frame, bus);
+}
+
+/* The voltage to demand, Q15 of U_b. */
+static dq_t control_voltage(drive_t *drive, const frame_t *frame, int32_t bus)
+{
+    dq_t voltage;
+
+    if (frame->imposed) {
+        voltage = imposed_voltage(drive, frame, bus);
+    } else if (drive->voltage_drive.active) {
+        voltage = voltage_drive_step(drive, frame->current, bus);
+    } else {
+        voltage = frame_control_current(drive, frame, bus);
+    }
+    return voltage;
 }
 
 /* Currents to compare values, and θ̂ of the next instant. */
-static void control(drive_t *drive, const frame_t *frame, bool trained, drive_out_t *out)
+static void control(drive_t *drive, const frame_t *frame, int32_t bus, bool trained,
+                    drive_out_t *out)
 {
-    if (frame->imposed && (drive->state == DRIVE_STATE_ALIGN) &&
-        align_holds_voltage(&drive->align, &drive->cfg->startup.align)) {
-        give_voltage(drive);
-    } else if (drive->voltage_drive.active) {
-        voltage_drive_step(drive);
-    } else {
-        frame_control_current(drive, frame);
-    }
-    frame_modulate(drive, frame, &out->compare);
+    const dq_t voltage = control_voltage(drive, frame, bus);
+
+    drive->voltage = voltage;
+    frame_modulate(drive, frame, voltage, &out->compare);
     out->gate_enable = true;
     if (frame->imposed) {
         rotor_position_step(&drive->vector.position, drive->vector.step);
@@ -145,126 +152,119 @@ static void control(drive_t *drive, const frame_t *frame, bool trained, drive_ou
  * The end of a tick whose parts may have changed the state. When no current is controlled now, the
  * safe state begins.
  */
-static void act(drive_t *drive, bool trained, drive_out_t *out)
+static void act(drive_t *drive, sample_t sample, dq_t along_rotor, dq_t along_vector, bool trained,
+                drive_out_t *out)
 {
     if (drive_is_controlled(drive->state)) {
-        const frame_t frame =
-            (drive->state == DRIVE_STATE_RUN) ? frame_of_rotor(drive) : frame_of_vector(drive);
+        const frame_t frame = (drive->state == DRIVE_STATE_RUN)
+                                  ? frame_of_rotor(drive, along_rotor)
+                                  : frame_of_vector(drive, along_vector);
 
-        control(drive, &frame, trained, out);
+        control(drive, &frame, sample.bus, trained, out);
     } else {
-        rest(drive, out);
+        rest(drive, sample, out);
     }
 }
 
-/*
- * The parts of a tick of RUN. The compiler puts all that they call into them, less the branches for
- * other frames.
- */
-INLINES_ALL static void estimate_rotor(drive_t *drive)
+/* The slow part of a tick has ended RUN. Where it has imposed the current, the vector has it. */
+TICK_APART static void finish_left_run(drive_t *drive, sample_t sample, drive_out_t *out)
 {
-    estimate_step(drive, true);
+    act(drive, sample, (dq_t){0, 0}, drive->vector.current_mean, true, out);
 }
 
-INLINES_ALL static void control_rotor(drive_t *drive, drive_out_t *out)
+TICK_WHOLE static void run_tick(drive_t *drive, const drive_in_t *in, sample_t sample,
+                                uint32_t left, drive_out_t *out)
 {
-    const frame_t frame = frame_of_rotor(drive);
+    const instant_t now = {.sample = sample, .current = estimate_step(drive, sample, true)};
 
-    control(drive, &frame, true, out);
-}
-
-/* The slow part of a tick has ended RUN. */
-TICK_APART static void finish_left_run(drive_t *drive, drive_out_t *out)
-{
-    act(drive, true, out);
-}
-
-TICK_WHOLE static void run_tick(drive_t *drive, const drive_in_t *in, uint32_t left,
-                                drive_out_t *out)
-{
-    estimate_rotor(drive);
-    take_slot(drive, in, left, true);
+    take_slot(drive, in, &now, left, true);
     if (drive->state == DRIVE_STATE_RUN) {
-        control_rotor(drive, out);
+        const frame_t frame = frame_of_rotor(drive, now.current);
+
+        control(drive, &frame, sample.bus, true, out);
     } else {
-        finish_left_run(drive, out);
+        finish_left_run(drive, sample, out);
     }
 }
 
 /* A tick of ALIGN to HANDOVER: the current is that of an imposed vector. */
-static void vector_tick(drive_t *drive, const drive_in_t *in, uint32_t left, drive_out_t *out)
+static void vector_tick(drive_t *drive, const drive_in_t *in, sample_t sample, uint32_t left,
+                        drive_out_t *out)
 {
     const bool trained = estimate_is_trained(drive);
+    const dq_t along_rotor = estimate_step(drive, sample, trained);
+    const instant_t now = {.sample = sample, .current = frame_measure(drive, sample)};
     fault_t fault;
 
     fault_clear(&fault);
-    estimate_step(drive, trained);
-    frame_measure(drive);
-    life_follow_or_fail(drive, open_loop_step(drive, &fault), &fault);
-    take_slot(drive, in, left, true);
-    act(drive, trained, out);
+    life_follow_or_fail(drive, open_loop_step(drive, &now, along_rotor, &fault), &fault, &sample);
+    take_slot(drive, in, &now, left, true);
+    act(drive, sample, along_rotor, now.current, trained, out);
 }
 
 /* A tick of PROBE. Its slow part may end it. */
-static void probe_tick(drive_t *drive, const drive_in_t *in, uint32_t left, drive_out_t *out)
+static void probe_tick(drive_t *drive, const drive_in_t *in, sample_t sample, uint32_t left,
+                       drive_out_t *out)
 {
-    probing_step(drive, &in->command, &out->compare);
+    const dq_t current = probing_step(drive, &in->command, sample, &out->compare);
+    const instant_t now = {.sample = sample, .current = current};
+
     out->gate_enable = true;
-    take_slot(drive, in, left, false);
+    take_slot(drive, in, &now, left, false);
     if (drive->state != DRIVE_STATE_PROBE) {
-        rest(drive, out);
+        rest(drive, sample, out);
     }
 }
 
 /* A tick without current control: idle, or flying start. */
-static void idle_tick(drive_t *drive, const drive_in_t *in, uint32_t left, drive_out_t *out)
+static void idle_tick(drive_t *drive, const drive_in_t *in, sample_t sample, uint32_t left,
+                      drive_out_t *out)
 {
+    const instant_t now = {.sample = sample, .current = {0, 0}};
+
     open_gates(drive, out);
     if (drive->state == DRIVE_STATE_FLYING_START) {
         fault_t fault;
 
         fault_clear(&fault);
-        life_follow_or_fail(drive, open_loop_flying_start(drive, in, out, &fault), &fault);
+        life_follow_or_fail(drive, open_loop_flying_start(drive, in, sample, out, &fault), &fault,
+                            &sample);
     }
-    take_slot(drive, in, left, false);
+    take_slot(drive, in, &now, left, false);
     if (!drive_is_driving(drive->state)) {
-        rest(drive, out);
+        rest(drive, sample, out);
     }
 }
 
 /* A tick other than one of RUN. */
-NEVER_INLINED static void other_tick(drive_t *drive, const drive_in_t *in, uint32_t left,
-                                     bool controlled, drive_out_t *out)
+NEVER_INLINED static void other_tick(drive_t *drive, const drive_in_t *in, sample_t sample,
+                                     uint32_t left, bool controlled, drive_out_t *out)
 {
     if (!controlled) {
-        idle_tick(drive, in, left, out);
+        idle_tick(drive, in, sample, left, out);
     } else if (drive->state == DRIVE_STATE_PROBE) {
-        probe_tick(drive, in, left, out);
+        probe_tick(drive, in, sample, left, out);
     } else {
-        vector_tick(drive, in, left, out);
+        vector_tick(drive, in, sample, left, out);
     }
-}
-
-static void end_tick(drive_t *drive)
-{
-    drive->bus_before = drive->signals.bus;
-    drive->tick++;
 }
 
 void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out)
 {
     /*@ split drive->slow_count == 1; */
     const uint32_t left = count_slow(drive);
+    const sample_t sample = instant_sample(drive, in);
     bool controlled = true;
 
-    begin_tick(drive, in);
-    if (!attend_is_ordinary(drive, in)) {
-        controlled = attend_step(drive, in);
+    modulator_track_bus(&drive->modulator, modulator_bus_ahead(drive->bus, sample.bus));
+    if (!attend_is_ordinary(drive, in, sample)) {
+        controlled = attend_step(drive, in, sample);
     }
     if (controlled && (drive->state == DRIVE_STATE_RUN)) {
-        run_tick(drive, in, left, out);
+        run_tick(drive, in, sample, left, out);
     } else {
-        other_tick(drive, in, left, controlled, out);
+        other_tick(drive, in, sample, left, controlled, out);
     }
-    end_tick(drive);
+    drive->bus = sample.bus;
+    drive->tick++;
 }

@@ -40,28 +40,29 @@ static void take_over(drive_t *drive, int32_t magnitude, int32_t lead)
                             rotor_position_angle(&drive->position) + fx_unsigned(lead));
     pi_reset(&vd->pi, fx_sat16(integral));
     vd->magnitude = magnitude;
-    virtual_resistance_start(&vd->damping, drive->signals.current_ref);
-    drive->signals.current_ref = (dq_t){0, 0}; /* nothing is asked of the current */
+    virtual_resistance_start(&vd->damping, drive->current_ref);
+    drive->current_ref = (dq_t){0, 0}; /* nothing is asked of the current */
     vd->end_periods = 0U;
     vd->active = true;
 }
 
-void voltage_drive_step(drive_t *drive)
+dq_t voltage_drive_step(drive_t *drive, dq_t current, int32_t bus)
 {
-    drive_signals_t *const s = &drive->signals;
     voltage_drive_t *const vd = &drive->voltage_drive;
     const dq_t damping = /* Q30 */
-        virtual_resistance_step(&vd->damping, &drive->cfg->voltage_drive.damping, s->current);
-    const int32_t limit = modulator_limit(&drive->cfg->modulator, s->bus);
+        virtual_resistance_step(&vd->damping, &drive->cfg->voltage_drive.damping, current);
+    const int32_t limit = modulator_limit(&drive->cfg->modulator, bus);
     const int32_t room = fx_usat15(limit - fx_asr(fx_abs(damping.d) + fx_abs(damping.q), 15U));
     const int32_t magnitude = fx_clamp(vd->magnitude, -room, room);
     const int32_t lead = phase_compensator_step(
-        &vd->compensator, &drive->cfg->voltage_drive.compensator, s->current,
+        &vd->compensator, &drive->cfg->voltage_drive.compensator, current,
         rotor_position_angle(&drive->position), drive->observer.speed_out, vd->magnitude >= 0);
     const sincos_t angle = trig_sincos(fx_unsigned(lead));
 
-    s->voltage.d = fx_sat16(fx_asr(damping.d - (magnitude * angle.sin), 15U));
-    s->voltage.q = fx_sat16(fx_asr(damping.q + (magnitude * angle.cos), 15U));
+    return (dq_t){
+        .d = fx_sat16(fx_asr(damping.d - (magnitude * angle.sin), 15U)),
+        .q = fx_sat16(fx_asr(damping.q + (magnitude * angle.cos), 15U)),
+    };
 }
 
 /*
@@ -70,24 +71,23 @@ void voltage_drive_step(drive_t *drive)
  */
 void voltage_drive_end(drive_t *drive)
 {
-    drive_signals_t *const s = &drive->signals;
     const dq_t mean = virtual_resistance_mean(&drive->voltage_drive.damping);
     dq_t modelled;
 
-    s->current_ref = (dq_t){.d = 0, .q = mean.q};
+    drive->current_ref = (dq_t){.d = 0, .q = mean.q};
     frame_plan_rotor(drive);
     modelled = current_loop_model(&drive->current_loop, mean);
 
-    pi_reset(&drive->current_loop.pi_d, fx_sat16(s->voltage.d - modelled.d));
-    pi_reset(&drive->current_loop.pi_q, fx_sat16(s->voltage.q - modelled.q));
-    speed_loop_start(&drive->speed_loop, drive->speed_loop.reference, s->current_ref.q);
-    torque_filter_start(&drive->torque_filter, s->current_ref.q);
+    pi_reset(&drive->current_loop.pi_d, fx_sat16(drive->voltage.d - modelled.d));
+    pi_reset(&drive->current_loop.pi_q, fx_sat16(drive->voltage.q - modelled.q));
+    speed_loop_start(&drive->speed_loop, drive->speed_loop.reference, drive->current_ref.q);
+    torque_filter_start(&drive->torque_filter, drive->current_ref.q);
     weakening_reset(&drive->weakening); /* it has seen no bus since the voltage drive began */
     drive->voltage_drive.active = false;
     drive->voltage_drive.calm_periods = 0U;
 }
 
-static void set_magnitude(drive_t *drive)
+static void set_magnitude(drive_t *drive, int32_t bus)
 {
     const drive_cfg_t *const cfg = drive->cfg;
     const step_t speed_max = cfg->speed_loop.speed_max;
@@ -96,7 +96,7 @@ static void set_magnitude(drive_t *drive)
     drive->speed_loop.reference = reference;
     drive->voltage_drive.magnitude =
         pi_step(&drive->voltage_drive.pi, &cfg->voltage_drive.pi, half_error(drive, reference),
-                emf(drive, reference), modulator_limit(&cfg->modulator, drive->signals.bus));
+                emf(drive, reference), modulator_limit(&cfg->modulator, bus));
 }
 
 /*
@@ -147,11 +147,11 @@ static bool is_at_end(const drive_t *drive)
     const int32_t floor = drive->cfg->current_reference.floor;
     const dq_t mean = virtual_resistance_mean(&drive->voltage_drive.damping);
 
-    return (present_lead(drive->signals.voltage) <= (fx_asr(brake_max, END_SHIFT) - brake_max)) ||
+    return (present_lead(drive->voltage) <= (fx_asr(brake_max, END_SHIFT) - brake_max)) ||
            (fx_abs(mean.q) < (floor - fx_asr(floor, HYSTERESIS_SHIFT)));
 }
 
-void voltage_drive_motion(drive_t *drive, const drive_command_t *command)
+void voltage_drive_motion(drive_t *drive, const drive_command_t *command, int32_t bus)
 {
     const voltage_drive_cfg_t *const cfg = &drive->cfg->voltage_drive;
     const step_t leave = cfg->speed_min - fx_asr(cfg->speed_min, HYSTERESIS_SHIFT);
@@ -162,7 +162,7 @@ void voltage_drive_motion(drive_t *drive, const drive_command_t *command)
         (vd->end_periods >= cfg->settle_periods)) {
         voltage_drive_end(drive);
     } else {
-        set_magnitude(drive);
+        set_magnitude(drive, bus);
     }
 }
 
@@ -170,17 +170,16 @@ void voltage_drive_motion(drive_t *drive, const drive_command_t *command)
  * Speed and currents have reached their references, and the lead is within the range of the
  * compensator.
  */
-static bool is_calm(const drive_t *drive, step_t target, int32_t lead)
+static bool is_calm(const drive_t *drive, step_t target, dq_t current, int32_t lead)
 {
     const step_t speed_max = drive->cfg->speed_loop.speed_max;
     const step_t asked = fx_clamp(target, -speed_max, speed_max);
-    const drive_signals_t *const s = &drive->signals;
     const phase_compensator_cfg_t *const comp = &drive->cfg->voltage_drive.compensator;
     const int32_t brake = comp->brake_max - fx_asr(comp->brake_max, HYSTERESIS_SHIFT);
 
     return (fx_abs(asked - drive->observer.speed) <= fx_asr(fx_abs(asked), SPEED_SHIFT)) &&
-           (s->current_ref.d == 0) && (fx_abs(s->current.d) <= comp->current_min) &&
-           (fx_abs(s->current_ref.q - s->current.q) <= comp->current_min) && (lead >= -brake) &&
+           (drive->current_ref.d == 0) && (fx_abs(current.d) <= comp->current_min) &&
+           (fx_abs(drive->current_ref.q - current.q) <= comp->current_min) && (lead >= -brake) &&
            (lead <= comp->lead_max);
 }
 
@@ -191,7 +190,7 @@ static bool is_calm(const drive_t *drive, step_t target, int32_t lead)
 static dq_t settled_voltage(const drive_t *drive)
 {
     const current_loop_t *const loop = &drive->current_loop;
-    const dq_t modelled = current_loop_model(loop, drive->signals.current_ref);
+    const dq_t modelled = current_loop_model(loop, drive->current_ref);
 
     return (dq_t){
         .d = fx_sat16(modelled.d + pi_output(&loop->pi_d)),
@@ -199,7 +198,7 @@ static dq_t settled_voltage(const drive_t *drive)
     };
 }
 
-void voltage_drive_offer(drive_t *drive, const drive_command_t *command)
+void voltage_drive_offer(drive_t *drive, const drive_command_t *command, dq_t current)
 {
     const voltage_drive_cfg_t *const cfg = &drive->cfg->voltage_drive;
     uint32_t calm_periods = 0U;
@@ -208,7 +207,7 @@ void voltage_drive_offer(drive_t *drive, const drive_command_t *command)
         const dq_t voltage = settled_voltage(drive);
         const int32_t lead = present_lead(voltage);
 
-        if (is_calm(drive, command->target, lead)) {
+        if (is_calm(drive, command->target, current, lead)) {
             calm_periods = drive->voltage_drive.calm_periods + 1U;
         }
         if (calm_periods >= cfg->settle_periods) {

@@ -39,13 +39,13 @@
 #include "state.h"
 
 /*
- * Each tick: sets the voltage to apply. There is no current reference; the mean current of the
- * virtual resistance takes its place.
+ * Each tick: returns the voltage to apply, Q15 of U_b. There is no current reference; the mean
+ * current of the virtual resistance takes its place. current: measured, in the frame of θ̂.
  */
-void voltage_drive_step(drive_t *drive);
+dq_t voltage_drive_step(drive_t *drive, dq_t current, int32_t bus);
 
 /* Once per slow period: speed PI, or the change back to current control. */
-void voltage_drive_motion(drive_t *drive, const drive_command_t *command);
+void voltage_drive_motion(drive_t *drive, const drive_command_t *command, int32_t bus);
 
 /*
  * Changes back to current control. Sets the integrals to the present voltage minus the voltage of
@@ -57,6 +57,6 @@ void voltage_drive_end(drive_t *drive);
  * Once per slow period under current control: checks the conditions above and changes to voltage
  * control.
  */
-void voltage_drive_offer(drive_t *drive, const drive_command_t *command);
+void voltage_drive_offer(drive_t *drive, const drive_command_t *command, dq_t current);
 
 #endif

@@ -23,17 +23,11 @@
 #define RARE __attribute__((noinline, cold))
 
 /*
- * For the tick of RUN on a core that leaves the compiler eight registers. TICK_WHOLE inlines all
- * that the tick calls; TICK_APART keeps functions that few ticks need apart. Without them the
- * compiler changes its choice as the rest of the firmware grows. That costs a RUN tick 24
- * instructions on a Cortex-M0+. On a Cortex-M4 the two attributes would cost 12 instructions.
+ * For the tick of RUN. TICK_WHOLE inlines all that the tick calls; TICK_APART keeps functions that
+ * few ticks need apart. Without them the compiler changes its choice as the rest of the firmware
+ * grows. That costs a RUN tick 20 instructions on a Cortex-M4, and 24 on a Cortex-M0+.
  */
-#if defined(__ARM_ARCH_6M__)
 #define TICK_WHOLE INLINES_ALL
 #define TICK_APART NEVER_INLINED
-#else
-#define TICK_WHOLE
-#define TICK_APART
-#endif
 
 #endif

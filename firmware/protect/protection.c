@@ -15,7 +15,7 @@ protection_limits_t protection_limits(const protection_cfg_t *cfg, bool running)
     };
 }
 
-static fault_id_t first_fault(const protection_limits_t *limits, const protection_in_t *in)
+static fault_id_t first_fault(const protection_limits_t *limits, const sample_t *in)
 {
     const int32_t a = in->phase_a;
     const int32_t b = in->phase_b;
@@ -36,7 +36,7 @@ static fault_id_t first_fault(const protection_limits_t *limits, const protectio
 }
 
 /* The largest magnitude of the three phase currents. */
-static int32_t largest_current(const protection_in_t *in)
+static int32_t largest_current(const sample_t *in)
 {
     const int32_t a = in->phase_a;
     const int32_t b = in->phase_b;
@@ -44,8 +44,7 @@ static int32_t largest_current(const protection_in_t *in)
     return fx_max(fx_max(fx_abs(a), fx_abs(b)), fx_abs(a + b));
 }
 
-static fault_t measured_fault(const protection_limits_t *limits, const protection_in_t *in,
-                              fault_id_t id)
+static fault_t measured_fault(const protection_limits_t *limits, const sample_t *in, fault_id_t id)
 {
     fault_t fault = {.id = id, .value = in->bus, .limit = limits->bus_max};
 
@@ -60,8 +59,7 @@ static fault_t measured_fault(const protection_limits_t *limits, const protectio
     return fault;
 }
 
-fault_id_t protection_check(const protection_limits_t *limits, const protection_in_t *in,
-                            fault_t *fault)
+fault_id_t protection_check(const protection_limits_t *limits, const sample_t *in, fault_t *fault)
 {
     const fault_id_t id = first_fault(limits, in);
 
@@ -71,7 +69,7 @@ fault_id_t protection_check(const protection_limits_t *limits, const protection_
     return id;
 }
 
-fault_t protection_break(const protection_in_t *in)
+fault_t protection_break(const sample_t *in)
 {
     return (fault_t){.id = FAULT_BREAK, .value = largest_current(in), .limit = 0};
 }

@@ -31,12 +31,12 @@ typedef struct {
     int32_t bus_min;
 } protection_limits_t;
 
-/* The samples of this tick. */
+/* What the converter has sampled at one instant, per unit, the offsets removed. */
 typedef struct {
     int32_t phase_a; /* −16384…16383 */
     int32_t phase_b;
     int32_t bus; /* 0…32767 */
-} protection_in_t;
+} sample_t;
 
 /* Over-voltage is always checked; currents and under-voltage only while the drive runs. */
 protection_limits_t protection_limits(const protection_cfg_t *cfg, bool running);
@@ -45,7 +45,7 @@ protection_limits_t protection_limits(const protection_cfg_t *cfg, bool running)
  * Returns BREAK, the fault of a power stage that has opened its gates by itself. The value is the
  * largest phase current of this tick.
  */
-fault_t protection_break(const protection_in_t *in);
+fault_t protection_break(const sample_t *in);
 
 /*
  * Whether |x| > limit, limit 0…65536, in one comparison: x + limit is above 2·limit if x > limit,
@@ -57,17 +57,16 @@ static inline bool protection_exceeds(int32_t x, int32_t limit)
 }
 
 /* Whether protection_check() would find no fault. */
-static inline bool protection_holds(const protection_limits_t *limits, const protection_in_t *in)
+static inline bool protection_holds(const protection_limits_t *limits, sample_t in)
 {
-    return !protection_exceeds(in->phase_a, limits->current_max) &&
-           !protection_exceeds(in->phase_b, limits->current_max) &&
-           !protection_exceeds(in->phase_a + in->phase_b, limits->current_max) &&
-           (in->bus <= limits->bus_max) && (in->bus >= limits->bus_min);
+    return !protection_exceeds(in.phase_a, limits->current_max) &&
+           !protection_exceeds(in.phase_b, limits->current_max) &&
+           !protection_exceeds(in.phase_a + in.phase_b, limits->current_max) &&
+           (in.bus <= limits->bus_max) && (in.bus >= limits->bus_min);
 }
 
 /* Returns the first fault in the order of fault_id_t. Phase c is −a − b. */
-fault_id_t protection_check(const protection_limits_t *limits, const protection_in_t *in,
-                            fault_t *fault);
+fault_id_t protection_check(const protection_limits_t *limits, const sample_t *in, fault_t *fault);
 
 /*
  * Whether a raw count is at an end of the range of its converter. shift: 15 − bits, as in

@@ -118,7 +118,8 @@ void check_window(const RunArguments &arguments)
 
 // The estimator of the command line in place of the drive's own, if there is one; the run's notes
 // name it.
-std::function<void(drive_t &)> replace_observer(const RunArguments &arguments, Config &config)
+std::function<void(drive_t &, const sample_t &)> replace_observer(const RunArguments &arguments,
+                                                                  Config &config)
 {
     if (arguments.estimator.empty()) {
         return {};

@@ -9,7 +9,7 @@
 namespace nf::debug
 {
 
-// JSON: `words`, each with home and member (drive, signals.current.d), unit, format, and SI = (raw
+// JSON: `words`, each with home and member (drive, voltage.d), unit, format, and SI = (raw
 // − zero)·one; `stages`, titles and names in the tick's order, some only while a flag is or is not
 // 0; `bases`; and the `crc` of the configuration that all this is for. Throws ConfigError.
 std::string table_json(const Config &config);

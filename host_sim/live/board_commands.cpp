@@ -9,6 +9,7 @@
 #include "found_fault.h"
 #include "limit.h"
 #include "line_reader.h"
+#include "measured.h"
 #include "names.h"
 #include "numbers.h"
 #include "output_file.h"
@@ -565,7 +566,7 @@ std::string speed_text(const Simulation &sim)
 // Along θ̂; with open gates none is controlled, and nothing turns what is measured.
 std::string current_text(const Simulation &sim)
 {
-    const dq_t &current = sim.drive().signals.current;
+    const dq_t current = measured_current(sim);
     return drive_is_controlled(sim.drive().state)
                ? fmt::format(", i_q {:.2f} A, i_d {:.2f} A",
                              current.q / Q15 * sim.bases().current_a,
@@ -576,7 +577,7 @@ std::string current_text(const Simulation &sim)
 std::string drive_text(const Simulation &sim)
 {
     return fmt::format("{}, {}{}, bus {:.1f} V", state_and_gates(sim.drive()), speed_text(sim),
-                       current_text(sim), sim.drive().signals.bus / Q15 * sim.bases().voltage_v);
+                       current_text(sim), sim.drive().bus / Q15 * sim.bases().voltage_v);
 }
 
 std::string fault_advice(const Simulation &sim, const BoardSettings *board)

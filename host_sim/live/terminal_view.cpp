@@ -3,6 +3,7 @@
 #include "fault_line.h"
 #include "found_fault.h"
 #include "live_view.h"
+#include "measured.h"
 #include "names.h"
 #include "numbers.h"
 #include "temperature_sensor.h"
@@ -28,8 +29,10 @@ constexpr int KEY_DELETE_BEFORE = 127;
 using Rows = std::vector<std::pair<std::string, std::string>>;
 
 // Nothing of the rotor is shown that nobody knows.
-void add_rotor(Rows &rows, const drive_t &drive, const Bases &bases)
+void add_rotor(Rows &rows, const Simulation &sim)
 {
+    const drive_t &drive = sim.drive();
+    const Bases &bases = sim.bases();
     const auto ampere = [&](int32_t raw) { return raw / Q15 * bases.current_a; };
     const auto volt = [&](int32_t raw) { return raw / Q15 * bases.voltage_v; };
     const double rpm = bases.rpm_from_step(drive_speed(&drive));
@@ -40,13 +43,12 @@ void add_rotor(Rows &rows, const drive_t &drive, const Bases &bases)
     }
     rows.emplace_back("speed", fmt::format("{:.1f} of {:.1f} rpm", rpm,
                                            bases.rpm_from_step(drive.speed_reference)));
-    rows.emplace_back("current", fmt::format("q {:.3f} A of {:.3f} A, d {:.3f} A",
-                                             ampere(drive.signals.current.q),
-                                             ampere(drive.signals.current_ref.q),
-                                             ampere(drive.signals.current.d)));
-    rows.emplace_back("voltage",
-                      fmt::format("q {:.2f} V, d {:.2f} V", volt(drive.signals.voltage.q),
-                                  volt(drive.signals.voltage.d)));
+    const dq_t current = measured_current(sim);
+    rows.emplace_back("current",
+                      fmt::format("q {:.3f} A of {:.3f} A, d {:.3f} A", ampere(current.q),
+                                  ampere(drive.current_ref.q), ampere(current.d)));
+    rows.emplace_back("voltage", fmt::format("q {:.2f} V, d {:.2f} V", volt(drive.voltage.q),
+                                             volt(drive.voltage.d)));
 }
 
 // In one unit, that of the console.
@@ -61,8 +63,8 @@ void add_drive(Rows &rows, const Simulation &sim, const BoardSettings *board)
     const drive_t &drive = sim.drive();
     const Bases &bases = sim.bases();
     rows.emplace_back("state", state_and_gates(drive));
-    add_rotor(rows, drive, bases);
-    rows.emplace_back("bus", fmt::format("{:.2f} V", drive.signals.bus / Q15 * bases.voltage_v));
+    add_rotor(rows, sim);
+    rows.emplace_back("bus", fmt::format("{:.2f} V", drive.bus / Q15 * bases.voltage_v));
     rows.emplace_back("temperature", temperature_text(sim.in().adc_temperature, board));
     if (drive.state == DRIVE_STATE_FAULT) {
         const FoundFault fault = found_fault(drive, bases);

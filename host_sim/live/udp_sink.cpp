@@ -46,7 +46,7 @@ constexpr std::array<Sent, 17> SENT = {{
     {"/voltage/q_v", "v_q_v"},
     {"/voltage/d_v", "v_d_v"},
     {"/voltage/limit_v", "v_limit_v"},
-    {"/voltage/bus_v", "drive.signals.bus"},
+    {"/voltage/bus_v", "drive.bus"},
 }};
 
 double value_of(const SignalInfo &signal, const Tick &tick)

@@ -2,7 +2,7 @@
 #include "extremes.h"
 
 #include <algorithm>
-#include <cstring>
+#include <array>
 
 #include <nlohmann/json.hpp>
 
@@ -11,10 +11,14 @@ namespace nf
 namespace
 {
 
+constexpr std::array<const char *, 5> INTERMEDIATES = {"drive.bus", "drive.current_ref.",
+                                                       "drive.voltage.", "drive.ratio_", "out."};
+
 bool is_intermediate(const SignalInfo &signal)
 {
-    return std::strncmp(signal.name, "drive.signals.", 14) == 0 ||
-           std::strncmp(signal.name, "out.", 4) == 0;
+    const std::string name = signal.name;
+    return std::any_of(INTERMEDIATES.begin(), INTERMEDIATES.end(),
+                       [&name](const char *begin) { return name.rfind(begin, 0) == 0; });
 }
 
 } // namespace

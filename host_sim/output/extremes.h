@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// The smallest and the largest value that each intermediate of the drive has in a run: the words of
-// its signals and of its output frame.
+// The smallest and the largest value that each intermediate of the drive has in a run: bus,
+// reference, voltage and ratios, and the words of its output frame.
 #pragma once
 
 #include "signals.h"

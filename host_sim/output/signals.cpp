@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "signals.h"
 
+#include "measured.h"
 #include "names.h"
 #include "numbers.h"
 #include "suggest.h"
@@ -57,7 +58,7 @@ double weight_change(const Tick &t)
 double lead(const Tick &t)
 {
     const drive_t &drive = t.sim->drive();
-    const dq_t &v = drive.signals.voltage;
+    const dq_t &v = drive.voltage;
     const double along = drive.voltage_drive.magnitude < 0 ? -1 : 1;
     return drive.voltage_drive.active ? std::atan2(-v.d * along, v.q * along) * DEG_PER_RAD : 0.0;
 }
@@ -74,20 +75,20 @@ double voltage_of(const Tick &t, int32_t q15)
 
 ab_t current_ab(const Tick &t)
 {
-    const drive_signals_t &s = t.sim->drive().signals;
-    return transforms_clarke(s.phase_a, s.phase_b);
+    const sample_t sample = measured(t).sample;
+    return transforms_clarke(sample.phase_a, sample.phase_b);
 }
 
 // What the observer is given.
 ab_t voltage_applied(const Tick &t)
 {
-    return estimate_applied_voltage(t.ratio_acted, t.bus_before, t.sim->drive().signals.bus);
+    return estimate_applied_voltage(t.ratio_acted, t.bus_before, t.sim->drive().bus);
 }
 
 double voltage_limit(const Tick &t)
 {
     const drive_t &drive = t.sim->drive();
-    return voltage_of(t, modulator_limit(&drive.cfg->modulator, drive.signals.bus));
+    return voltage_of(t, modulator_limit(&drive.cfg->modulator, drive.bus));
 }
 
 double duty(const Tick &t, std::size_t leg)
@@ -137,6 +138,15 @@ SignalInfo of_control(SignalInfo signal)
     return signal;
 }
 
+// In the frame of an imposed vector.
+SignalInfo of_vector(SignalInfo signal)
+{
+    signal.known = [](const drive_t &drive) {
+        return drive_is_controlled(drive.state) && drive.state != DRIVE_STATE_RUN;
+    };
+    return signal;
+}
+
 std::vector<SignalInfo> run_signals()
 {
     using Q = Quantity;
@@ -160,11 +170,13 @@ std::vector<SignalInfo> run_signals()
         of_rotor(derived("angle_estimated_el_deg", Q::angle_deg, angle_estimated)),
         of_rotor(derived("angle_error_el_deg", Q::angle_deg, angle_error_deg)),
         derived("i_q_a", Q::current_a, [](const Tick &t) { return t.truth.i_q_a; }),
-        of_control(ALIAS("i_q_measured_a", signals.current.q, current_q15)),
+        of_control(derived("i_q_measured_a", Q::current_a,
+                           [](const Tick &t) { return current_of(t, measured(t).along_rotor.q); })),
         of_control(ALIAS("i_q_estimated_a", observer.current.q, current_q15)),
-        of_control(ALIAS("i_q_reference_a", signals.current_ref.q, current_q15)),
+        of_control(ALIAS("i_q_reference_a", current_ref.q, current_q15)),
         derived("i_d_a", Q::current_a, [](const Tick &t) { return t.truth.i_d_a; }),
-        of_control(ALIAS("i_d_measured_a", signals.current.d, current_q15)),
+        of_control(derived("i_d_measured_a", Q::current_a,
+                           [](const Tick &t) { return current_of(t, measured(t).along_rotor.d); })),
         of_control(ALIAS("i_d_estimated_a", observer.current.d, current_q15)),
         derived("i_a_a", Q::current_a, [](const Tick &t) { return t.truth.i_abc_a[0]; }),
         derived("i_b_a", Q::current_a, [](const Tick &t) { return t.truth.i_abc_a[1]; }),
@@ -178,8 +190,8 @@ std::vector<SignalInfo> run_signals()
         derived("v_beta_applied_v", Q::voltage_v,
                 [](const Tick &t) { return voltage_of(t, voltage_applied(t).beta); }),
         derived("v_limit_v", Q::voltage_v, voltage_limit),
-        of_control(ALIAS("v_d_v", signals.voltage.d, voltage_q15)),
-        of_control(ALIAS("v_q_v", signals.voltage.q, voltage_q15)),
+        of_control(ALIAS("v_d_v", voltage.d, voltage_q15)),
+        of_control(ALIAS("v_q_v", voltage.q, voltage_q15)),
         derived("duty_a", Q::share, [](const Tick &t) { return duty(t, 0); }),
         derived("duty_b", Q::share, [](const Tick &t) { return duty(t, 1); }),
         derived("duty_c", Q::share, [](const Tick &t) { return duty(t, 2); }),
@@ -188,6 +200,22 @@ std::vector<SignalInfo> run_signals()
                 [](const Tick &t) { return t.mode == DriveMode::torque ? t.command : 0.0; }),
         derived("load_torque_nm", Q::torque_nm, [](const Tick &t) { return t.load_nm; }),
         derived("torque_nm", Q::torque_nm, [](const Tick &t) { return t.truth.torque_nm; }),
+    };
+}
+
+// What the tick does not keep.
+std::vector<SignalInfo> measured_signals()
+{
+    using Q = Quantity;
+    return {
+        derived("i_a_measured_a", Q::current_a,
+                [](const Tick &t) { return current_of(t, measured(t).sample.phase_a); }),
+        derived("i_b_measured_a", Q::current_a,
+                [](const Tick &t) { return current_of(t, measured(t).sample.phase_b); }),
+        of_vector(derived("i_d_vector_a", Q::current_a,
+                          [](const Tick &t) { return current_of(t, measured(t).along_vector.d); })),
+        of_vector(derived("i_q_vector_a", Q::current_a,
+                          [](const Tick &t) { return current_of(t, measured(t).along_vector.q); })),
     };
 }
 
@@ -285,7 +313,8 @@ const std::vector<SignalInfo> &all_signals()
     static const std::vector<SignalInfo> table = [] {
         std::vector<SignalInfo> all = run_signals();
         for (const std::vector<SignalInfo> &part :
-             {input_signals(), state_signals(), output_signals(), configuration_signals()}) {
+             {measured_signals(), input_signals(), state_signals(), output_signals(),
+              configuration_signals()}) {
             all.insert(all.end(), part.begin(), part.end());
         }
         return all;

@@ -32,7 +32,7 @@ struct Word {
     std::size_t offset;
     std::size_t bytes;
     bool has_sign;
-    const char *member; // of its home: "signals.current.d"
+    const char *member; // of its home: "voltage.d"
 };
 
 struct SignalInfo {

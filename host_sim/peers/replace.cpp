@@ -29,11 +29,11 @@ public:
     {
     }
 
-    void act(drive_t &drive);
+    void act(drive_t &drive, const sample_t &sample);
 
 private:
     Model model(const drive_t &drive) const;
-    Complex current(const drive_t &drive) const;
+    Complex current(const sample_t &sample) const;
     Complex voltage(const drive_t &drive) const;
     double course(const drive_t &drive) const;
     Estimate known(const drive_t &drive) const;
@@ -78,16 +78,16 @@ Model Replacement::model(const drive_t &drive) const
 }
 
 // Clarke's transformation of two phases.
-Complex Replacement::current(const drive_t &drive) const
+Complex Replacement::current(const sample_t &sample) const
 {
-    const double a = drive.signals.phase_a;
-    const double b = drive.signals.phase_b;
+    const double a = sample.phase_a;
+    const double b = sample.phase_b;
     return Complex(a, (a + 2 * b) / std::sqrt(3.0)) * (bases_.current_a / Q15);
 }
 
 Complex Replacement::voltage(const drive_t &drive) const
 {
-    const double bus_v = (bus_ + drive.signals.bus) / 2.0 * bases_.voltage_v / Q15;
+    const double bus_v = (bus_ + drive.bus) / 2.0 * bases_.voltage_v / Q15;
     return Complex(ratio_.alpha, ratio_.beta) * (bus_v / Q15);
 }
 
@@ -118,17 +118,17 @@ void Replacement::tell(drive_t &drive, const Estimate &estimate) const
     nn_observer_follow(&drive.observer, static_cast<step_t>(std::lround(step)));
 }
 
-void Replacement::act(drive_t &drive)
+void Replacement::act(drive_t &drive, const sample_t &sample)
 {
     stop_training(drive);
     if (!drive_is_controlled(drive.state)) {
         started_ = false;
     } else if (!started_) {
-        estimator_->start(model(drive), known(drive), current(drive));
+        estimator_->start(model(drive), known(drive), current(sample));
         started_ = true;
     } else {
         const Estimate estimate =
-            estimator_->step(model(drive), {current(drive), voltage(drive), course(drive)});
+            estimator_->step(model(drive), {current(sample), voltage(drive), course(drive)});
         if (estimate_is_trained(&drive)) {
             tell(drive, estimate);
         } else {
@@ -136,20 +136,20 @@ void Replacement::act(drive_t &drive)
         }
     }
     ratio_ = drive.ratio_acting;
-    bus_ = drive.signals.bus;
+    bus_ = drive.bus;
 }
 
 } // namespace
 
-std::function<void(drive_t &)> in_place_of_the_observer(const Config &config,
-                                                        std::unique_ptr<Estimator> estimator)
+std::function<void(drive_t &, const sample_t &)>
+in_place_of_the_observer(const Config &config, std::unique_ptr<Estimator> estimator)
 {
     if (config.tuning.angle_source == AngleSource::sensor) {
         fail({"--estimator"}, "drive.angle_source", "\"sensor\"", "leaves nothing to estimate",
              "\"observer\"");
     }
     return [replacement = std::make_shared<Replacement>(config, std::move(estimator))](
-               drive_t &drive) { replacement->act(drive); };
+               drive_t &drive, const sample_t &sample) { replacement->act(drive, sample); };
 }
 
 } // namespace nf::peers

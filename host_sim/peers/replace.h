@@ -19,7 +19,7 @@ namespace nf::peers
 
 // For RunOptions::estimate. Throws ConfigError where the drive has a sensor: there is nothing to
 // put an estimator in place of.
-std::function<void(drive_t &)> in_place_of_the_observer(const Config &config,
-                                                        std::unique_ptr<Estimator> estimator);
+std::function<void(drive_t &, const sample_t &)>
+in_place_of_the_observer(const Config &config, std::unique_ptr<Estimator> estimator);
 
 } // namespace nf::peers

@@ -19,7 +19,7 @@ struct RunOptions {
     std::function<void(double)> progress; // share of the run that is done, now and then
     // Writes over what the drive knows of the rotor at the next instant, after the control of each
     // tick.
-    std::function<void(drive_t &)> estimate;
+    std::function<void(drive_t &, const sample_t &)> estimate;
     // What the power stage does in place of the drive's demand of this tick.
     std::function<drive_out_t(const Tick &)> power_stage;
 };

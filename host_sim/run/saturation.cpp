@@ -49,13 +49,13 @@ bool at(int32_t x, int32_t limit)
 }
 
 // Each check calls note(signal, whether it is at the end of its range).
-template <typename Note> void check_measured(const drive_t &drive, Note note)
+template <typename Note>
+void check_measured(const drive_t &drive, const sample_t &sample, Note note)
 {
-    const drive_signals_t &s = drive.signals;
     const int32_t reciprocal = drive.modulator.inverse_bus_q12;
-    note(Signal::phase_a, at(s.phase_a, PHASE_LIMIT));
-    note(Signal::phase_b, at(s.phase_b, PHASE_LIMIT));
-    note(Signal::bus, s.bus >= FX_Q15_MAX);
+    note(Signal::phase_a, at(sample.phase_a, PHASE_LIMIT));
+    note(Signal::phase_b, at(sample.phase_b, PHASE_LIMIT));
+    note(Signal::bus, sample.bus >= FX_Q15_MAX);
     note(Signal::bus_reciprocal,
          reciprocal <= RECIPROCAL_MIN_Q12 || reciprocal >= MODULATOR_INVERSE_MAX_Q12);
 }
@@ -88,30 +88,29 @@ template <typename Note> void check_loops(const drive_t &drive, Note note)
 }
 
 // v_q is cut to the root, rounded down, of what v_d leaves of the circle.
-bool on_circle(const drive_signals_t &s, const modulator_cfg_t &cfg)
+bool on_circle(const dq_t &voltage, int32_t limit)
 {
-    const int32_t limit = modulator_limit(&cfg, s.bus);
-    const int32_t q = std::abs(s.voltage.q) + 1;
-    return s.voltage.d * s.voltage.d + q * q > limit * limit;
+    const int32_t q = std::abs(voltage.q) + 1;
+    return voltage.d * voltage.d + q * q > limit * limit;
 }
 
 template <typename Note> void check_limits(const drive_t &drive, const drive_out_t &out, Note note)
 {
-    const drive_signals_t &s = drive.signals;
     const modulator_cfg_t &modulator = drive.cfg->modulator;
     const auto [lowest, highest] =
         std::minmax({out.compare.phase[0], out.compare.phase[1], out.compare.phase[2]});
     note(Signal::torque, drive_current_in_force(&drive).q >= drive.torque_range.upper ||
                              drive_current_in_force(&drive).q <= drive.torque_range.lower);
-    note(Signal::voltage, on_circle(s, modulator));
-    note(Signal::ratio, std::abs(s.ratio_ab.alpha) >= modulator.ratio_max_q15 ||
-                            std::abs(s.ratio_ab.beta) >= modulator.ratio_max_q15);
+    note(Signal::voltage, on_circle(drive.voltage, modulator_limit(&modulator, drive.bus)));
+    note(Signal::ratio, std::abs(drive.ratio_next.alpha) >= modulator.ratio_max_q15 ||
+                            std::abs(drive.ratio_next.beta) >= modulator.ratio_max_q15);
     note(Signal::duty, lowest == 0 || highest >= modulator.timer_counts);
 }
 
-template <typename Note> void check_all(const drive_t &drive, const drive_out_t &out, Note note)
+template <typename Note>
+void check_all(const drive_t &drive, const sample_t &sample, const drive_out_t &out, Note note)
 {
-    check_measured(drive, note);
+    check_measured(drive, sample, note);
     check_network(drive, note);
     check_loops(drive, note);
     check_limits(drive, out, note);
@@ -125,12 +124,12 @@ const char *signal_name(std::size_t signal)
 }
 
 // Most ticks have nothing to count: that is found out first, without storing anything.
-void Saturations::add(const drive_t &drive, const drive_out_t &out)
+void Saturations::add(const drive_t &drive, const sample_t &sample, const drive_out_t &out)
 {
     bool any = false;
-    check_all(drive, out, [&any](Signal, bool ends) { any |= ends; });
+    check_all(drive, sample, out, [&any](Signal, bool ends) { any |= ends; });
     if (any) {
-        check_all(drive, out, [this](Signal signal, bool ends) {
+        check_all(drive, sample, out, [this](Signal signal, bool ends) {
             ticks_[static_cast<std::size_t>(signal)] += ends ? 1U : 0U;
         });
     }

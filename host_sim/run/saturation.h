@@ -49,8 +49,8 @@ const char *signal_name(std::size_t signal);
 class Saturations
 {
 public:
-    // A tick that ended in state RUN.
-    void add(const drive_t &drive, const drive_out_t &out);
+    // A tick while the drive runs; `sample` is what it has measured.
+    void add(const drive_t &drive, const sample_t &sample, const drive_out_t &out);
 
     // Ticks at the end of the range, by signal.
     const std::array<uint64_t, SIGNAL_COUNT> &ticks() const

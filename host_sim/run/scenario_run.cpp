@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "scenario_run.h"
 
+#include "measured.h"
 #include "motor_model.h"
 #include "numbers.h"
 #include "si.h"
@@ -133,7 +134,7 @@ void ScenarioRun::evaluate(const Tick &tick)
         runs_from_s_ = now.time_s;
     }
     if (now.running) {
-        result_.saturations.add(drive, run_.sim().out());
+        result_.saturations.add(drive, instant_sample(&drive, &run_.sim().in()), run_.sim().out());
     }
 }
 
@@ -164,7 +165,8 @@ void ScenarioRun::one()
         run_.sim().apply(options_.power_stage(tick));
     }
     if (options_.estimate) {
-        options_.estimate(run_.sim().seam().drive);
+        drive_t &drive = run_.sim().seam().drive;
+        options_.estimate(drive, instant_sample(&drive, &run_.sim().in()));
     }
     run_.advance();
 }

@@ -266,14 +266,14 @@ TEST(test_a_wrong_word_is_named)
     expect_first(running(), "drive.model.observer.volt_gain.raw = 9000", "model");
     expect_first(running(), "drive.model.observer.feedback_q15.raw = 9000", "model");
     expect_first(running(), "drive.model.run_loop.pi_q.kp.raw = 1", "model");
-    expect_first(running(), "drive.signals.phase_a = 5", "state");
+    expect_first(running(), "drive.bus = 5", "state");
     expect_first(running(), "drive.current_loop.constant.d.raw = 9", "state");
     expect_first(running(), "drive.current_loop.reactance_q14.q.raw = 9", "state");
     expect_first(running(), "drive.observer.half_step_q15.raw = 9", "state");
     expect_first(running(), "drive.observer.alpha_q27 = 1", "state");
     expect_first(running(), "drive.observer.rotated_error.q = 1", "state");
-    expect_first(running(), "drive.signals.voltage.q = 10", "state");
-    expect_first(running(), "drive.signals.ratio_ab.alpha = 0.3", "state");
+    expect_first(running(), "drive.voltage.q = 10", "state");
+    expect_first(running(), "drive.ratio_next.alpha = 0.3", "state");
     expect_first(running(), "drive.position.turns_q32 = 0.25", "state");
     expect_first(running(), "drive.speed_loop.pi.integral_q26.raw = 0", "state");
     expect_first(driven_by_voltage(), "drive.vector.step = 500", "state");

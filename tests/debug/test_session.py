@@ -146,10 +146,10 @@ class Prints(SessionTest):
 
     def test_stages_are_in_the_order_of_the_tick(self):
         answer = self.session(["goto 0.5s", "stages"])[1]
-        order = ["in.adc_ia", "signals.phase_a", "i_alpha_a", "signals.current.d",
+        order = ["in.adc_ia", "i_a_measured_a", "i_alpha_a", "i_d_measured_a",
                  "v_alpha_applied_v", "observer.state.d", "observer.error.d",
                  "observer.gradient", "weight_change_rpm", "observer.speed_out", "current_ref.q",
-                 "signals.voltage.q", "compare.phase[2]"]
+                 "voltage.q", "compare.phase[2]"]
         places = [answer.index(name) for name in order]
         self.assertEqual(places, sorted(places))
 

@@ -5,7 +5,7 @@ import unittest
 
 import bounds
 
-RUN = ("s1", "ideal", [{"name": "drive.signals.bus", "min": 3, "max": 40, "unit": "V", "one": 2.0, "zero": 1.0}], "")
+RUN = ("s1", "ideal", [{"name": "drive.bus", "min": 3, "max": 40, "unit": "V", "one": 2.0, "zero": 1.0}], "")
 COST = {"m": {"ticks": {"robust": {"RUN": {"max": 100}}},
               "stack": {"robust": {"measured": 90, "computed": 110, "deepest": ["a", "b"]}}}}
 
@@ -16,9 +16,9 @@ def seen():
 
 class BoundsCanFail(unittest.TestCase):
     def test_a_value_above_or_below_what_is_proven_is_found_with_its_run_and_one_of_which_nothing_is(self):
-        self.assertEqual(bounds.outside(seen(), {"signals.bus": {"min": 3, "max": 40}}), [])
-        for proven, said in (({"signals.bus": {"min": 3, "max": 39}}, "drive.signals.bus: seen 3 to 40 (s1 ideal)"),
-                             ({"signals.bus": {"min": 4, "max": 40}}, "drive.signals.bus: seen 3 to 40 (s1 ideal)"),
+        self.assertEqual(bounds.outside(seen(), {"bus": {"min": 3, "max": 40}}), [])
+        for proven, said in (({"bus": {"min": 3, "max": 39}}, "drive.bus: seen 3 to 40 (s1 ideal)"),
+                             ({"bus": {"min": 4, "max": 40}}, "drive.bus: seen 3 to 40 (s1 ideal)"),
                              ({}, "nothing is proven")):
             line, = bounds.outside(seen(), proven)
             self.assertIn(said, line)
@@ -29,7 +29,7 @@ class BoundsCanFail(unittest.TestCase):
 
     def test_extremes_are_those_of_all_runs(self):
         other = ("s2", "ideal", [{**RUN[2][0], "min": -5, "max": 9}], "")
-        both = bounds.gathered([RUN, other])["drive.signals.bus"]
+        both = bounds.gathered([RUN, other])["drive.bus"]
         self.assertEqual((both["low"], both["high"]), ((-5, "s2 ideal"), (40, "s1 ideal")))
         self.assertEqual(both["si"], [-12.0, 78.0])
 

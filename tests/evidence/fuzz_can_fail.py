@@ -28,8 +28,8 @@ FAULTS = {
         "phase < SUPERVISION_PHASES; phase++) {\n        note_phase",
         "phase <= SUPERVISION_PHASES; phase++) {\n        note_phase", "runtime error: index 3"),
     "a clamp that is gone": (
-        "drive", "firmware/drive/tick.c", "s->phase_a = fx_sat15((int32_t)a - drive->offset_a);",
-        "s->phase_a = (int32_t)a - drive->offset_a;", "signals.phase_a"),
+        "drive", "firmware/drive/instant.h", "fx_usat15((int32_t)bus),",
+        "(int32_t)bus,", "drive.bus|bus:"),
     "a text that the TOML reader does not survive": (
         "config", "host_sim/config/text_guard.cpp", "static_cast<unsigned char>(c) >= 0x80", "c == 0x7F", "unreachable program point"),
     "a recording whose state is not looked at": (

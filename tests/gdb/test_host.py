@@ -43,7 +43,7 @@ class OnTheHost(support.GdbTest):
         self.assert_same_stages(shown, TICK)
 
     def test_words_of_each_format_are_shown_in_their_units(self):
-        names = ("signals.phase_a", "signals.bus", "observer.alpha_q27", "observer.gradient",
+        names = ("current_ref.q", "bus", "observer.alpha_q27", "observer.gradient",
                  "observer.rho_q13", "position.turns_q32", "modulator.inverse_bus_q12",
                  "current_loop.pi_q.integral_q26", "speed_loop.pi.integral_q26", "model.flux_q30",
                  "model.resistance_q14", "ratio_acting.alpha")
@@ -56,13 +56,13 @@ class OnTheHost(support.GdbTest):
 
     def test_vectors_speeds_angles_and_states_say_what_they_are(self):
         vector, raws, speed, raw_speed, angle, raw_angle, state, fault = self.gdb(
-            [STEP, "print app->drive.signals.current", "print/r app->drive.signals.current",
+            [STEP, "print app->drive.voltage", "print/r app->drive.voltage",
              "print app->drive.observer.speed", "print/r app->drive.observer.speed",
              "print (angle_t)app->drive.position.turns_q32",
              "print/r (angle_t)app->drive.position.turns_q32", "print app->drive.state",
              "print app->drive.fault.id"])[1:]
         d, q = map(int, re.search(r"d = (-?\d+), q = (-?\d+)", raws).groups())
-        self.assertIn(f"= d {d / 2**15 * 40:.6g} A, q {q / 2**15 * 40:.6g} A (raw {d}, {q}; Q15 of I_b = 40 A)",
+        self.assertIn(f"= d {d / 2**15 * 450:.6g} V, q {q / 2**15 * 450:.6g} V (raw {d}, {q}; Q15 of U_b = 450 V)",
                       vector)
         step = int(raw_speed.split("=")[1])
         rpm = step / TURN * 10000 / 2 * 60
@@ -100,7 +100,7 @@ class OnTheHost(support.GdbTest):
         self.assertIn("drive_init", stopped)
 
     def test_scales_chosen_before_the_start_are_checked_at_the_first_tick(self):
-        chosen, refused, own = self.gdb(["scales s2_motor_b", "step-isr", "print app->drive.signals.bus"])
+        chosen, refused, own = self.gdb(["scales s2_motor_b", "step-isr", "print app->drive.bus"])
         self.assertIn("s2_motor_b: I_b", chosen)
         self.assertRegex(refused, "^scales: the drive's configuration has crc")
         self.assertIn("U_b = 450 V", own)

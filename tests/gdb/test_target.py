@@ -26,22 +26,22 @@ class OnTheTarget(support.GdbTest):
     def test_the_tick_on_the_target_is_the_one_on_the_pc(self):
         scales, first, there, shown, bus, again, crc = self.gdb(
             ["scales s1_robust --with deadtime", "step-isr", f"step-isr {TICK + 1}", "stages",
-             "print app.drive.signals.bus", "step-isr", "print app.drive.cfg->crc"], self.START)
+             "print app.drive.bus", "step-isr", "print app.drive.cfg->crc"], self.START)
         self.assertIn("s1_robust: I_b = 40 A, U_b = 450 V, 100 us a tick", scales)
         self.assertEqual(first.strip(), "before the first tick  INIT")
         self.assertEqual(there.strip(), f"tick {TICK}  ALIGN")
         self.assert_same_stages(shown, TICK)
-        self.assert_shows(bus, "drive.signals.bus", TICK)
+        self.assert_shows(bus, "drive.bus", TICK)
         self.assertEqual(again.strip(), f"tick {TICK + 1}  ALIGN")
         self.assertRegex(crc, r"= [1-9]\d+\n$")
 
     def test_scales_are_asked_for_and_those_of_another_configuration_refused(self):
         shown, vector, refused, _, _, kept = self.gdb(
-            ["step-isr 2", "stages", "print app.drive.signals.current", "scales s1",
-             "scales s1_robust --with deadtime", "scales s1", "print app.drive.signals.current"], self.START)[1:]
+            ["step-isr 2", "stages", "print app.drive.voltage", "scales s1",
+             "scales s1_robust --with deadtime", "scales s1", "print app.drive.voltage"], self.START)[1:]
         self.assertEqual(shown.strip(), "the scales are not known: `scales SCENARIO` chooses them")
         self.assertIn("(raw 0, 0; as Q15)", vector)
-        self.assertIn("Q15 of I_b = 40 A", kept)
+        self.assertIn("Q15 of U_b = 450 V", kept)
         self.assertTrue(re.fullmatch(r"scales: the drive's configuration has crc \S+, that of s1 \S+: choose the one "
                                      r"that the program was built for", refused.strip()), refused)
 

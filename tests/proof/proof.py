@@ -136,7 +136,7 @@ def bounds(text):
 
 
 def ranges(root, outputs):
-    """What is proven of each signal and of the output frame, over all entries."""
+    """What is proven of each word of the state and of the output frame, over all entries."""
     lines = (root / "firmware/drive/state.def").read_text(encoding="utf-8").splitlines()
     proven = {}
 
@@ -148,7 +148,7 @@ def ranges(root, outputs):
     for output in outputs:
         for line, text in RANGE.findall(output):
             field = FIELD.match(lines[int(line) - 1])
-            if field and field[1].startswith("signals."):
+            if field:
                 note(field[1], text)
         for text in OUT.findall(output):
             values = re.findall(r"\[[^\]]*\]|\{[^}]*\}", text)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Machines that differ from their file in more than a value: pole pairs, wires, drifting sensors, a
 // propeller.
+#include "measured.h"
 #include "scenario.h"
 
 extern "C" {
@@ -35,7 +36,7 @@ public:
         const plant_view_t &t = tick.truth;
         speed_rpm = t.omega_mech_rad_s * RPM_PER_RAD_S;
         torque_nm += share * (t.torque_nm - torque_nm);
-        const drive_signals_t &seen = tick.sim->drive().signals;
+        const sample_t seen = nf::measured(tick).sample;
         offset_a[0] += share * (seen.phase_a / 32768.0 * base_a_ - t.i_abc_a[0] - offset_a[0]);
         offset_a[1] += share * (seen.phase_b / 32768.0 * base_a_ - t.i_abc_a[1] - offset_a[1]);
         time_s = tick.time_s;

@@ -29,6 +29,7 @@ const drive_cfg_t CFG = make_cfg();
 
 struct Frame {
     drive_t drive{};
+    sample_t sample{};
     drive_out_t out{};
 };
 
@@ -39,7 +40,7 @@ Frame calm()
     frame.drive.cfg = &CFG;
     frame.drive.torque_range = {-CURRENT_MAX, CURRENT_MAX};
     frame.drive.modulator.inverse_bus_q12 = 5000;
-    frame.drive.signals.bus = 21846; // two thirds of 18000 are the circle's 12000
+    frame.drive.bus = 21846; // two thirds of 18000 are the circle's 12000
     for (uint16_t &phase : frame.out.compare.phase) {
         phase = COUNTS / 2;
     }
@@ -49,7 +50,7 @@ Frame calm()
 uint64_t hits(const Frame &frame, Signal signal)
 {
     Saturations saturations;
-    saturations.add(frame.drive, frame.out);
+    saturations.add(frame.drive, frame.sample, frame.out);
     return saturations.ticks()[static_cast<std::size_t>(signal)];
 }
 
@@ -78,8 +79,8 @@ TEST(test_calm_drive_has_none)
 
 TEST(test_measured_currents)
 {
-    check_ends(Signal::phase_a, 16383, [](Frame &f, int32_t x) { f.drive.signals.phase_a = x; });
-    check_ends(Signal::phase_b, 16383, [](Frame &f, int32_t x) { f.drive.signals.phase_b = x; });
+    check_ends(Signal::phase_a, 16383, [](Frame &f, int32_t x) { f.sample.phase_a = x; });
+    check_ends(Signal::phase_b, 16383, [](Frame &f, int32_t x) { f.sample.phase_b = x; });
 }
 
 TEST(test_network)
@@ -102,8 +103,8 @@ TEST(test_network)
 TEST(test_most_negative_values)
 {
     Frame frame = calm();
-    frame.drive.signals.phase_a = -16384;
-    frame.drive.signals.phase_b = -16384;
+    frame.sample.phase_a = -16384;
+    frame.sample.phase_b = -16384;
     frame.drive.observer.alpha_q27 = -134217728;
     frame.drive.observer.beta_q27 = -134217728;
     frame.drive.observer.error = {-8192, -8192};
@@ -125,7 +126,7 @@ TEST(test_inner_speed_has_no_end)
     Frame frame = calm();
     frame.drive.observer.speed_out = 4 * SPEED_LIMIT;
     Saturations saturations;
-    saturations.add(frame.drive, frame.out);
+    saturations.add(frame.drive, frame.sample, frame.out);
     TEST_ASSERT_EQUAL_UINT64(0, saturations.internal_count());
 }
 
@@ -141,20 +142,18 @@ TEST(test_integrals_saturate_at_one)
 
 TEST(test_largest_ratio_of_either_axis)
 {
-    check_ends(Signal::ratio, 18000,
-               [](Frame &f, int32_t x) { f.drive.signals.ratio_ab.alpha = x; });
-    check_ends(Signal::ratio, 18000,
-               [](Frame &f, int32_t x) { f.drive.signals.ratio_ab.beta = x; });
+    check_ends(Signal::ratio, 18000, [](Frame &f, int32_t x) { f.drive.ratio_next.alpha = x; });
+    check_ends(Signal::ratio, 18000, [](Frame &f, int32_t x) { f.drive.ratio_next.beta = x; });
 }
 
 TEST(test_limits_are_not_internal)
 {
     Frame frame = calm();
-    frame.drive.signals.current_ref.q = -CURRENT_MAX;
-    frame.drive.signals.voltage = {0, 12000};
+    frame.drive.current_ref.q = -CURRENT_MAX;
+    frame.drive.voltage = {0, 12000};
     frame.out.compare.phase[1] = 0;
     Saturations saturations;
-    saturations.add(frame.drive, frame.out);
+    saturations.add(frame.drive, frame.sample, frame.out);
     TEST_ASSERT_EQUAL_UINT64(0, saturations.internal_count());
     for (const Signal signal : {Signal::torque, Signal::voltage, Signal::duty}) {
         TEST_ASSERT_EQUAL_UINT64(1, hits(frame, signal));
@@ -165,20 +164,20 @@ TEST(test_limits_are_not_internal)
 TEST(test_voltage_circle)
 {
     Frame frame = calm();
-    frame.drive.signals.voltage = {7200, 9599};
+    frame.drive.voltage = {7200, 9599};
     TEST_ASSERT_EQUAL_UINT64(0, hits(frame, Signal::voltage));
-    frame.drive.signals.voltage = {7200, -9600};
+    frame.drive.voltage = {7200, -9600};
     TEST_ASSERT_EQUAL_UINT64(1, hits(frame, Signal::voltage));
 }
 
 TEST(test_internal_count_adds_up)
 {
     Frame frame = calm();
-    frame.drive.signals.phase_a = 16383;
+    frame.sample.phase_a = 16383;
     frame.drive.observer.error.q = -8191;
     Saturations saturations;
-    saturations.add(frame.drive, frame.out);
-    saturations.add(frame.drive, frame.out);
+    saturations.add(frame.drive, frame.sample, frame.out);
+    saturations.add(frame.drive, frame.sample, frame.out);
     TEST_ASSERT_EQUAL_UINT64(4, saturations.internal_count());
 }
 

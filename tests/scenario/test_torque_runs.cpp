@@ -329,7 +329,7 @@ Changes change_at_random(const Machine &machine, const Words &sets, unsigned see
     bench.until(DRIVE_STATE_HOLD, 10);
     for (double t = 0; t < time_s; t += period_s) {
         const int mode = drive.mode;
-        const int32_t before = drive.signals.current_ref.q;
+        const int32_t before = drive.current_ref.q;
         const bool by_voltage = drive.voltage_drive.active;
         const bool ran = drive.state == DRIVE_STATE_RUN && !by_voltage;
         const bool bridged = drive.torque_loop.bridging;
@@ -361,7 +361,7 @@ Changes change_at_random(const Machine &machine, const Words &sets, unsigned see
         }
         found.between_runs += changes ? 1 : 0;
         // A limit of the current comes before the slope.
-        const int32_t now = drive.signals.current_ref.q;
+        const int32_t now = drive.current_ref.q;
         const torque_range_t range = drive.torque_range;
         const bool limited =
             std::max(before, now) >= range.upper || std::min(before, now) <= range.lower;

@@ -30,15 +30,15 @@ class Settled : public nf::TickSink
 public:
     void add(const nf::Tick &tick) override
     {
-        const drive_signals_t &s = tick.sim->drive().signals;
+        const dq_t &v = tick.sim->drive().voltage;
         states_[transitions_number(tick.sim->drive().state)]++;
         changes_ += tick.sim->drive().voltage_drive.active != driven_ ? 1 : 0;
         driven_ = tick.sim->drive().voltage_drive.active;
         if (tick.time_s < SETTLED_FROM_S) {
             return;
         }
-        const double side = s.voltage.q < 0 ? -1 : 1; // of U
-        const double estimated = std::atan2(-s.voltage.d * side, s.voltage.q * side) * DEG;
+        const double side = v.q < 0 ? -1 : 1; // of U
+        const double estimated = std::atan2(-v.d * side, v.q * side) * DEG;
         lead_deg_ += estimated - nf::angle_error_deg(tick);
         i_d_ += tick.truth.i_d_a;
         i_q_ += tick.truth.i_q_a;

@@ -7,6 +7,7 @@
 #include "attend.h"
 #include "drive.h"
 #include "example_cfg.h"
+#include "instant.h"
 #include "seeded.h"
 #include "state_guard.h"
 #include "testing.h"
@@ -61,22 +62,14 @@ static void make_ordinary(drive_t *drive, drive_in_t *in)
     }
 }
 
-/* The tick has converted the frame before it attends to it. */
-static void convert(drive_t *drive, const drive_in_t *in)
-{
-    drive->signals.phase_a = (8 * (int32_t)in->adc_ia) - drive->offset_a;
-    drive->signals.phase_b = (8 * (int32_t)in->adc_ib) - drive->offset_b;
-    drive->signals.bus = 8 * (int32_t)in->adc_bus;
-}
-
 /* Returns whether this tick is an ordinary one. */
 static bool leaves_nothing_out(const drive_t *from, const drive_in_t *in)
 {
-    const bool ordinary = attend_is_ordinary(from, in);
+    const bool ordinary = attend_is_ordinary(from, in, instant_sample(from, in));
     drive_t attended = *from;
 
     if (ordinary) {
-        TEST_ASSERT_TRUE(attend_step(&attended, in));
+        TEST_ASSERT_TRUE(attend_step(&attended, in, instant_sample(from, in)));
         TEST_ASSERT_EQUAL_MEMORY(from, &attended, sizeof attended);
     }
     return ordinary;
@@ -113,7 +106,6 @@ TEST(test_what_an_ordinary_tick_leaves_out_would_change_nothing)
         from = any_state(&seed, &cfg);
         in = any_frame();
         make_ordinary(&from, &in);
-        convert(&from, &in);
         count += leaves_nothing_out(&from, &in) ? 1 : 0;
     }
     TEST_ASSERT_GREATER_THAN_INT32(STATES / 2, count);
@@ -132,12 +124,11 @@ TEST(test_no_tick_in_which_something_is_to_be_attended_to_is_ordinary)
         make_ordinary(&from, &in);
         in.adc_ia = 2048U;
         in.adc_ib = 2048U;
-        convert(&from, &in);
-        TEST_ASSERT_TRUE(attend_is_ordinary(&from, &in));
+        TEST_ASSERT_TRUE(attend_is_ordinary(&from, &in, instant_sample(&from, &in)));
         in.command.request ^= (uint8_t)(1U << bit);
-        TEST_ASSERT_FALSE(attend_is_ordinary(&from, &in));
+        TEST_ASSERT_FALSE(attend_is_ordinary(&from, &in, instant_sample(&from, &in)));
         in.command.request = DRIVE_REQUEST_RUN;
         in.flags = (uint16_t)(1U << bit);
-        TEST_ASSERT_FALSE(attend_is_ordinary(&from, &in));
+        TEST_ASSERT_FALSE(attend_is_ordinary(&from, &in, instant_sample(&from, &in)));
     }
 }

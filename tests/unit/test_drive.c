@@ -5,9 +5,11 @@
 #include "example_cfg.h"
 #include "example_motor.h"
 #include "fault_frames.h"
+#include "instant.h"
 #include "seeded.h"
 #include "state_guard.h"
 #include "testing.h"
+#include "trig.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -63,7 +65,7 @@ static void tick(void)
 /* What the observer was given in this tick. */
 static ab_t applied_voltage(void)
 {
-    return estimate_applied_voltage(was.ratio_acting, was.bus_before, drive.signals.bus);
+    return estimate_applied_voltage(was.ratio_acting, was.bus, drive.bus);
 }
 
 static void ticks(uint32_t count)
@@ -191,7 +193,7 @@ static void run_and_stop(void)
     in.adc_ia = MID_COUNTS + 300U;
     ticks(20U); /* later the d axis would have the whole voltage circle */
     TEST_ASSERT_TRUE(drive.speed_loop.reference != 0);
-    TEST_ASSERT_TRUE((drive.signals.ratio_ab.alpha != 0) && (drive.signals.ratio_ab.beta != 0));
+    TEST_ASSERT_TRUE((drive.ratio_next.alpha != 0) && (drive.ratio_next.beta != 0));
     TEST_ASSERT_TRUE((drive.ratio_acting.alpha != 0) && (drive.ratio_acting.beta != 0));
     quiet_frame();
     tick();
@@ -238,9 +240,9 @@ TEST(test_a_second_run_starts_afresh)
     begin_run(second);
     TEST_ASSERT_EQUAL_MEMORY(&first[1], &second[1], sizeof second[1]);
     TEST_ASSERT_EQUAL_INT32(0, second[0].speed_loop.reference);
-    TEST_ASSERT_EQUAL_INT32(0, second[0].signals.current_ref.q);
+    TEST_ASSERT_EQUAL_INT32(0, second[0].current_ref.q);
     assert_ab((ab_t){0, 0}, second[0].ratio_acting);
-    assert_ab((ab_t){0, 0}, second[0].signals.ratio_ab);
+    assert_ab((ab_t){0, 0}, second[0].ratio_next);
     TEST_ASSERT_EQUAL_INT64(0, drive_position_q32(&second[0]));
     TEST_ASSERT_EQUAL_INT32(0, drive_speed(&second[0]));
 }
@@ -260,8 +262,8 @@ TEST(test_offset_is_the_mean_of_the_samples_and_is_removed)
     TEST_ASSERT_EQUAL_INT32(16320, drive.offset_b);
     in.adc_ia = 2151U;
     tick();
-    TEST_ASSERT_EQUAL_INT32((2151 * 8) - 16404, drive.signals.phase_a);
-    TEST_ASSERT_EQUAL_INT32(0, drive.signals.phase_b);
+    TEST_ASSERT_EQUAL_INT32((2151 * 8) - 16404, instant_sample(&drive, &in).phase_a);
+    TEST_ASSERT_EQUAL_INT32(0, instant_sample(&drive, &in).phase_b);
 }
 
 TEST(test_offset_of_one_sample_or_of_4096_at_full_scale_is_their_mean)
@@ -792,11 +794,11 @@ TEST(test_current_demand_changes_once_in_a_slow_period_only)
     in.command.target = 20000000;
     for (uint32_t k = 1U; k <= 100U; k++) {
         tick();
-        if (drive.signals.current_ref.q != before) {
+        if (drive.current_ref.q != before) {
             TEST_ASSERT_EQUAL_UINT32(0U, k % cfg.slow_ticks);
             changes++;
         }
-        before = drive.signals.current_ref.q;
+        before = drive.current_ref.q;
     }
     /* It moves in every period until it has reached its limit. */
     TEST_ASSERT_TRUE(changes > 4U);
@@ -813,14 +815,14 @@ TEST(test_observer_sees_the_ratio_of_two_ticks_ago_times_the_mean_bus)
     for (uint32_t k = 0U; k < 200U; k++) {
         int32_t bus = 0;
 
-        bus_before = drive.signals.bus;
+        bus_before = drive.bus;
         in.adc_bus = (uint16_t)seeded_in(&seed, 2500, 3000);
         tick();
-        bus = (bus_before + drive.signals.bus) >> 1;
+        bus = (bus_before + drive.bus) >> 1;
         assert_ab((ab_t){(ratios[0].alpha * bus) >> 15, (ratios[0].beta * bus) >> 15},
                   applied_voltage());
         ratios[0] = ratios[1];
-        ratios[1] = drive.signals.ratio_ab;
+        ratios[1] = drive.ratio_next;
     }
     TEST_ASSERT_TRUE(ratios[0].beta != 0);
 }
@@ -884,9 +886,9 @@ TEST(test_saturated_samples_keep_their_sign)
     in.adc_ib = 0U;
     in.adc_bus = 65535U;
     tick();
-    TEST_ASSERT_EQUAL_INT32(16383, drive.signals.phase_a);
-    TEST_ASSERT_EQUAL_INT32(-16384, drive.signals.phase_b);
-    TEST_ASSERT_EQUAL_INT32(32767, drive.signals.bus);
+    TEST_ASSERT_EQUAL_INT32(16383, instant_sample(&drive, &in).phase_a);
+    TEST_ASSERT_EQUAL_INT32(-16384, instant_sample(&drive, &in).phase_b);
+    TEST_ASSERT_EQUAL_INT32(32767, drive.bus);
 }
 
 /* ---- purity ---- */
@@ -960,8 +962,8 @@ TEST(test_a_copy_is_a_snapshot_from_which_the_same_future_follows)
 
 static void assert_everything_in_range(void)
 {
-    const drive_signals_t *const s = &drive.signals;
-    const int32_t limit = modulator_limit(&cfg.modulator, s->bus);
+    const dq_t voltage = drive.voltage;
+    const int32_t limit = modulator_limit(&cfg.modulator, drive.bus);
 
     for (int32_t p = 0; p < 3; p++) {
         TEST_ASSERT_TRUE(out.compare.phase[p] <= cfg.modulator.timer_counts);
@@ -969,14 +971,10 @@ static void assert_everything_in_range(void)
     TEST_ASSERT_TRUE(!out.gate_enable || (drive.state == DRIVE_STATE_RUN) ||
                      (drive.state == DRIVE_STATE_PROBE));
     TEST_ASSERT_TRUE((drive.state >= DRIVE_STATE_INIT) && (drive.state <= DRIVE_STATE_FAULT));
-    TEST_ASSERT_TRUE((s->phase_a >= -16384) && (s->phase_a <= 16383));
-    TEST_ASSERT_TRUE((s->phase_b >= -16384) && (s->phase_b <= 16383));
-    TEST_ASSERT_TRUE((s->bus >= 0) && (s->bus <= 32767));
-    TEST_ASSERT_TRUE((abs(s->current.d) + abs(s->current.q)) <= 65534);
-    TEST_ASSERT_TRUE(abs(s->current_ref.q) <= cfg.derating.current_max);
+    TEST_ASSERT_TRUE((drive.bus >= 0) && (drive.bus <= 32767));
+    TEST_ASSERT_TRUE(abs(drive.current_ref.q) <= cfg.derating.current_max);
     if (drive.state == DRIVE_STATE_RUN) {
-        TEST_ASSERT_TRUE(((s->voltage.d * s->voltage.d) + (s->voltage.q * s->voltage.q)) <=
-                         (limit * limit));
+        TEST_ASSERT_TRUE(((voltage.d * voltage.d) + (voltage.q * voltage.q)) <= (limit * limit));
     }
 }
 
@@ -1109,7 +1107,7 @@ static void run_without_bump(example_motor_t *m)
     TEST_ASSERT_TRUE(abs(drive.position_loop.profile_speed - profile) <= cfg.position_loop.ramp);
     TEST_ASSERT_TRUE((100 * (int64_t)abs(drive.speed_loop.reference - reference)) <=
                      (107 * (int64_t)cfg.position_loop.ramp));
-    TEST_ASSERT_TRUE(abs(drive.signals.current_ref.q) < cfg.derating.current_max);
+    TEST_ASSERT_TRUE(abs(drive.current_ref.q) < cfg.derating.current_max);
 }
 
 TEST(test_change_to_position_mode_at_speed_has_no_bump_and_comes_back_to_the_target)
@@ -1294,7 +1292,7 @@ static uint32_t telling; /* ticks in which the speed without its proportional pa
 /* Demand over bus as the tick computes it. */
 static dq_t ratio_of(const modulator_t *modulator)
 {
-    return modulator_ratio(modulator, drive.signals.voltage);
+    return modulator_ratio(modulator, drive.voltage);
 }
 
 /* Sampled at t_k, acting on average at t_k + 1.5·T: the rotor is that much further then. */
@@ -1309,7 +1307,7 @@ static void check_angle_of_the_vector(void)
     const ab_t expected = transforms_park_inverse(ratio, trig_sincos(middle));
     const ab_t unlike = transforms_park_inverse(ratio, trig_sincos(elsewhere));
 
-    assert_ab(expected, drive.signals.ratio_ab);
+    assert_ab(expected, drive.ratio_next);
     telling += ((unlike.alpha != expected.alpha) || (unlike.beta != expected.beta)) ? 1U : 0U;
 }
 
@@ -1331,12 +1329,12 @@ static void check_bus(void)
     modulator_t modulator = was.modulator;
     ab_t ratio;
 
-    modulator_track_bus(&modulator, modulator_bus_ahead(was.bus_before, bus));
+    modulator_track_bus(&modulator, modulator_bus_ahead(was.bus, bus));
     ratio = transforms_park_inverse(ratio_of(&modulator),
                                     trig_sincos(sampled + (angle_t)step + (angle_t)(step >> 1)));
-    TEST_ASSERT_EQUAL_INT32(bus, drive.signals.bus);
+    TEST_ASSERT_EQUAL_INT32(bus, drive.bus);
     TEST_ASSERT_EQUAL_INT32(modulator.inverse_bus_q12, drive.modulator.inverse_bus_q12);
-    assert_ab(ratio, drive.signals.ratio_ab);
+    assert_ab(ratio, drive.ratio_next);
 }
 
 TEST(test_voltage_circle_and_reciprocal_follow_the_bus_of_the_same_tick)
@@ -1351,8 +1349,7 @@ TEST(test_reciprocal_follows_the_bus_of_the_same_tick_with_open_gates)
     for (uint32_t k = 0U; k < 600U; k++) {
         in.adc_bus = (uint16_t)seeded_in(&seed, 1000, 3600);
         tick();
-        modulator_track_bus(&was.modulator,
-                            modulator_bus_ahead(was.bus_before, (int32_t)in.adc_bus * 8));
+        modulator_track_bus(&was.modulator, modulator_bus_ahead(was.bus, (int32_t)in.adc_bus * 8));
         TEST_ASSERT_EQUAL_INT32(was.modulator.inverse_bus_q12, drive.modulator.inverse_bus_q12);
         TEST_ASSERT_FALSE(out.gate_enable);
     }
@@ -1364,7 +1361,7 @@ static void check_speed_and_demand(void)
     const step_t speed = drive.observer.speed;
     speed_loop_t loop = was.speed_loop;
     speed_loop_t unlike = was.speed_loop;
-    int32_t demand = was.signals.current_ref.q;
+    int32_t demand = was.current_ref.q;
     int32_t other = demand;
 
     if (was.slow_count == 1U) { /* its last tick */
@@ -1373,7 +1370,7 @@ static void check_speed_and_demand(void)
         other = speed_loop_step(&unlike, &cfg.speed_loop, was.speed_reference,
                                 drive.observer.speed_out, drive.torque_range);
     }
-    TEST_ASSERT_EQUAL_INT32(demand, drive.signals.current_ref.q);
+    TEST_ASSERT_EQUAL_INT32(demand, drive.current_ref.q);
     TEST_ASSERT_EQUAL_INT32(loop.pi.integral_q26, drive.speed_loop.pi.integral_q26);
     telling += (other != demand) ? 1U : 0U;
 }
@@ -1389,8 +1386,10 @@ TEST(test_speed_signal_and_current_demand_come_from_the_integral_of_the_observer
 
 static void check_voltage(void)
 {
-    const drive_signals_t *const s = &drive.signals;
-    const dq_t reference = {.d = 0, .q = s->current_ref.q};
+    const dq_t reference = {.d = 0, .q = drive.current_ref.q};
+    const sample_t sample = instant_sample(&drive, &in);
+    const dq_t current = transforms_park(transforms_clarke(sample.phase_a, sample.phase_b),
+                                         trig_sincos(rotor_position_angle(&was.position)));
     current_loop_t loop = was.current_loop;
     dq_t voltage;
 
@@ -1398,10 +1397,10 @@ static void check_voltage(void)
         current_loop_plan(&loop, &cfg.current_loop, reference,
                           drive.observer.speed >> cfg.speed_shift);
     }
-    voltage = current_loop_step(&loop, &cfg.current_loop, reference, s->current,
-                                modulator_limit(&cfg.modulator, s->bus));
-    TEST_ASSERT_EQUAL_INT32(voltage.d, s->voltage.d);
-    TEST_ASSERT_EQUAL_INT32(voltage.q, s->voltage.q);
+    voltage = current_loop_step(&loop, &cfg.current_loop, reference, current,
+                                modulator_limit(&cfg.modulator, drive.bus));
+    TEST_ASSERT_EQUAL_INT32(voltage.d, drive.voltage.d);
+    TEST_ASSERT_EQUAL_INT32(voltage.q, drive.voltage.q);
 }
 
 TEST(test_voltage_demand_is_that_of_the_current_loop_with_no_current_along_the_flux)
@@ -1447,7 +1446,7 @@ TEST(test_run_begins_with_a_plan_of_its_current_control)
         tick();
     }
     fresh = drive.current_loop;
-    current_loop_plan(&fresh, &drive.model.run_loop, drive.signals.current_ref,
+    current_loop_plan(&fresh, &drive.model.run_loop, drive.current_ref,
                       drive_speed_q15(&drive, drive.observer.speed));
     TEST_ASSERT_EQUAL_MEMORY(&fresh, &drive.current_loop, sizeof fresh);
 }

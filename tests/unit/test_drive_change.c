@@ -258,7 +258,7 @@ TEST(test_an_alignment_measures_again)
     change();
     TEST_ASSERT_EQUAL_INT(ALIGN_PULL, drive.align.phase);
     TEST_ASSERT_EQUAL_INT32(0, drive.align.high.current);
-    TEST_ASSERT_EQUAL_INT32(drive.signals.current_ref.d, drive.align.current_ref);
+    TEST_ASSERT_EQUAL_INT32(drive.current_ref.d, drive.align.current_ref);
     go_to(DRIVE_STATE_HOLD);
     TEST_ASSERT_INT32_WITHIN(164, 16384, drive.model.inductance_q14); /* within 1 %, as without */
 }
@@ -303,7 +303,7 @@ static next_t next_tick_of(drive_t copy)
 
     example_motor_measure(&motor, &in);
     drive_step(&copy, &in, &ignored);
-    return (next_t){copy.signals.voltage, copy.observer.current};
+    return (next_t){copy.voltage, copy.observer.current};
 }
 
 /*
@@ -376,7 +376,7 @@ TEST(test_a_torque_filter_begins_with_the_present_torque)
     int32_t torque;
 
     run_loaded();
-    torque = drive.signals.current_ref.q;
+    torque = drive.current_ref.q;
     TEST_ASSERT_TRUE(abs(drive.torque_filter.origin - torque) > 1000);
     other.torque_filter.smooth_rate_q15 = 3000;
     change();
@@ -405,13 +405,13 @@ TEST(test_a_voltage_drive_goes_back_to_current_control)
     }
     TEST_ASSERT_TRUE(drive.voltage_drive.active);
     ticks(100U);
-    voltage = drive.signals.voltage;
+    voltage = drive.voltage;
     other.voltage_drive.pi.kp = scaled(other.voltage_drive.pi.kp, 1.1);
     change();
     TEST_ASSERT_FALSE(drive.voltage_drive.active);
     tick();
     /* the proportional part: 1/8 A off its mean, 100 LSB, times ω_c·L of 3.2 U_b/I_b */
-    assert_near(400, voltage, drive.signals.voltage);
+    assert_near(400, voltage, drive.voltage);
     ticks(SETTLED_TICKS);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
     TEST_ASSERT_TRUE(drive.voltage_drive.active);

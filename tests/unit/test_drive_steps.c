@@ -8,6 +8,7 @@
 #include "estimate.h"
 #include "example_cfg.h"
 #include "frame.h"
+#include "instant.h"
 #include "open_loop.h"
 #include "run.h"
 #include "schedule.h"
@@ -27,6 +28,7 @@
 static drive_cfg_t cfg;
 static drive_t drive;
 static drive_in_t in;
+static instant_t now;
 static drive_out_t out;
 static fault_t fault;
 
@@ -44,7 +46,7 @@ static void take(drive_event_t event)
 /* The work of one slot of the slow schedule, and what follows from it. */
 static void slot(slot_t which)
 {
-    const drive_event_t event = schedule_step(&drive, &in, which, true, &fault);
+    const drive_event_t event = schedule_step(&drive, &in, &now, which, true, &fault);
 
     if (event == DRIVE_EVENT_FAULT) {
         drive.fault = fault;
@@ -76,8 +78,8 @@ void setUp(void)
     cfg = example_drive_cfg_with_startup();
     memset(&in, 0, sizeof in);
     TEST_ASSERT_NULL(drive_init(&drive, &cfg));
-    drive.signals.bus = NOMINAL_BUS;
-    drive.bus_before = NOMINAL_BUS;
+    drive.bus = NOMINAL_BUS;
+    now = (instant_t){.sample = {.bus = NOMINAL_BUS}};
     run_reset(&drive);
     supervision_reset(&drive.supervision);
 }
@@ -94,9 +96,9 @@ TEST(test_a_reset_forgets_all_that_a_run_has_left_and_is_at_rest_at_angle_0)
     drive.residual = STALE_CURRENT;
     drive.vector.step = 1;
     drive.speed_reference = 1;
-    drive.signals.ratio_ab = (ab_t){1, 1};
+    drive.ratio_next = (ab_t){1, 1};
     drive.ratio_acting = (ab_t){1, 1};
-    drive.signals.current_ref = (dq_t){1, 1};
+    drive.current_ref = (dq_t){1, 1};
     drive.vector.current_mean = (dq_t){1, 1};
     drive.torque_range = (torque_range_t){0, 0};
     drive.mode = (uint8_t)DRIVE_MODE_POSITION;
@@ -117,8 +119,8 @@ TEST(test_a_reset_forgets_all_that_a_run_has_left_and_is_at_rest_at_angle_0)
     TEST_ASSERT_EQUAL_INT32(0, drive.observer.speed);
     TEST_ASSERT_EQUAL_INT32(0, drive.speed_reference);
     TEST_ASSERT_EQUAL_INT32(0, drive.vector.step);
-    TEST_ASSERT_EQUAL_INT32(0, drive.signals.current_ref.d);
-    TEST_ASSERT_EQUAL_INT32(0, drive.signals.current_ref.q);
+    TEST_ASSERT_EQUAL_INT32(0, drive.current_ref.d);
+    TEST_ASSERT_EQUAL_INT32(0, drive.current_ref.q);
 }
 
 TEST(test_a_run_begins_with_nothing_counted)
@@ -206,12 +208,12 @@ static void assert_imposed(int32_t expected, int32_t thermal, step_t reference)
     drive.derating.thermal = thermal;
     drive.speed_reference = reference;
     for (int32_t k = 0; k <= (cfg.startup.current_move / cfg.startup.current_slope); k++) {
-        const int32_t before = drive.signals.current_ref.d;
+        const int32_t before = drive.current_ref.d;
 
-        (void)open_loop_step(&drive, &fault);
-        TEST_ASSERT_INT32_WITHIN(cfg.startup.current_slope, before, drive.signals.current_ref.d);
+        (void)open_loop_step(&drive, &now, now.current, &fault);
+        TEST_ASSERT_INT32_WITHIN(cfg.startup.current_slope, before, drive.current_ref.d);
     }
-    TEST_ASSERT_EQUAL_INT32(expected, drive.signals.current_ref.d);
+    TEST_ASSERT_EQUAL_INT32(expected, drive.current_ref.d);
 }
 
 TEST(test_derating_holds_for_an_imposed_current_too)
@@ -351,7 +353,7 @@ static int32_t hand_over_with(step_t change)
     enter(DRIVE_STATE_HANDOVER);
     drive.vector.position.turns_q32 = 357913941; /* 2^32/12 */
     drive.position.turns_q32 = 0;
-    drive.signals.current_ref.d = 3000;
+    drive.current_ref.d = 3000;
     speed_loop_reset(&drive.speed_loop, cfg.startup.handover_speed);
     drive.vector.step = cfg.startup.handover_speed;
     drive.speed_reference = reference;
@@ -428,14 +430,13 @@ TEST(test_a_rotor_is_lost_when_periods_above_the_limit_outweigh_those_below)
  */
 TEST(test_the_hand_back_begins_with_what_flows_and_nothing_older)
 {
-    const dq_t *const current = &drive.signals.current_frame;
+    const dq_t *const current = &drive.vector.current_mean;
     int64_t ahead;
 
     enter(DRIVE_STATE_RUN);
     drive.position.turns_q32 = QUARTER / 2;
-    drive.signals.current_ref = (dq_t){cfg.startup.current_hold, 0};
-    drive.signals.current = (dq_t){3000, -4000};
-    drive.signals.current_frame = (dq_t){1, 1};
+    drive.current_ref = (dq_t){cfg.startup.current_hold, 0};
+    now.current = (dq_t){3000, -4000};
     drive.vector.current_mean = (dq_t){2, 2};
     drive.supervision.absent = 1U;
     drive.supervision.absent_periods = STALE;
@@ -448,15 +449,13 @@ TEST(test_the_hand_back_begins_with_what_flows_and_nothing_older)
     TEST_ASSERT_EQUAL_UINT32(0U, drive.supervision.absent_periods);
     TEST_ASSERT_EQUAL_UINT32(0U, drive.supervision.unexplained);
     TEST_ASSERT_EQUAL_INT32(drive.speed_loop.reference, drive.vector.step);
-    TEST_ASSERT_EQUAL_INT32(current->d, drive.vector.current_mean.d);
-    TEST_ASSERT_EQUAL_INT32(current->q, drive.vector.current_mean.q);
     TEST_ASSERT_INT64_WITHIN(2LL * 5000 * TURN_LSB, 25000000LL,
                              ((int64_t)current->d * current->d) +
                                  ((int64_t)current->q * current->q));
     ahead = drive.vector.position.turns_q32 - drive.position.turns_q32;
     TEST_ASSERT_TRUE((ahead > -QUARTER) && (ahead < QUARTER));
-    TEST_ASSERT_INT32_WITHIN(TURN_LSB, 0, drive.signals.current_ref.q);
-    TEST_ASSERT_TRUE(drive.signals.current_ref.d >= (cfg.startup.current_hold - TURN_LSB));
+    TEST_ASSERT_INT32_WITHIN(TURN_LSB, 0, drive.current_ref.q);
+    TEST_ASSERT_TRUE(drive.current_ref.d >= (cfg.startup.current_hold - TURN_LSB));
 }
 
 /* ---- what the observer does not explain ---- */
@@ -553,7 +552,7 @@ TEST(test_ramp_and_profile_wait_at_the_end_of_a_narrowed_torque_and_only_there)
     assert_goes_on(no_motoring, -ramp);
     assert_goes_on(whole, beyond);
     assert_goes_on(whole, -beyond);
-    TEST_ASSERT_EQUAL_INT32(-full, drive.signals.current_ref.q);
+    TEST_ASSERT_EQUAL_INT32(-full, drive.current_ref.q);
 }
 
 /* ---- J ---- */
@@ -649,9 +648,9 @@ static int32_t current_d_after(int32_t d, int32_t q)
     cfg.current_reference.floor = 4000;
     cfg.current_reference.slope = 64;
     cfg.current_reference.slope_down = 2;
-    drive.signals.current_ref = (dq_t){d, q};
-    run_limit(&drive);
-    return drive.signals.current_ref.d;
+    drive.current_ref = (dq_t){d, q};
+    run_limit(&drive, &now);
+    return drive.current_ref.d;
 }
 
 TEST(test_the_least_current_comes_with_its_slope_and_goes_with_its_own)
@@ -678,22 +677,22 @@ TEST(test_the_least_current_comes_with_its_slope_and_goes_with_its_own)
  */
 static int32_t current_d_beyond_base_speed(dq_t demand)
 {
-    const int32_t limit = modulator_limit(&cfg.modulator, drive.signals.bus);
+    const int32_t limit = modulator_limit(&cfg.modulator, drive.bus);
     const int32_t speed_q15 = ((limit + (limit / 16)) * 8192) / cfg.current_loop.emf_q13;
 
     weakening_reset(&drive.weakening);
-    drive.signals.voltage = demand;
+    drive.voltage = demand;
     (void)current_d_after(0, 0);
-    drive.signals.current_ref = (dq_t){0, 0};
+    drive.current_ref = (dq_t){0, 0};
     drive.observer.speed = speed_q15 * 2048; /* 2^speed_shift */
     drive.speed_reference = drive.observer.speed;
-    run_limit(&drive);
-    return drive.signals.current_ref.d;
+    run_limit(&drive, &now);
+    return drive.current_ref.d;
 }
 
 TEST(test_the_least_current_gives_way_to_a_weakened_field_where_the_voltage_ends)
 {
-    const int32_t near = (15 * modulator_limit(&cfg.modulator, drive.signals.bus)) / 16;
+    const int32_t near = (15 * modulator_limit(&cfg.modulator, drive.bus)) / 16;
 
     TEST_ASSERT_EQUAL_INT32(64 * (int32_t)cfg.slow_ticks,
                             current_d_beyond_base_speed((dq_t){0, near}));
@@ -730,9 +729,9 @@ static void end_measurement(align_phase_t phase, int32_t swing, int32_t step_fal
     if (first) {
         drive.align.high = (align_point_t){.voltage = 1000 * before, .current = 2500 * before};
     }
-    drive.signals.current_frame = (dq_t){first ? 2500 : 1500, 0};
-    drive.signals.voltage.d = first ? 1000 : 800;
-    take(open_loop_step(&drive, &fault));
+    now.current = (dq_t){first ? 2500 : 1500, 0};
+    drive.voltage.d = first ? 1000 : 800;
+    take(open_loop_step(&drive, &now, now.current, &fault));
 }
 
 /* The next tick evaluates what was measured, and the one after it acts on that. */
@@ -740,7 +739,7 @@ static void end_alignment(int32_t swing, int32_t step_fall)
 {
     end_measurement(ALIGN_MEASURE_LOW, swing, step_fall);
     for (uint32_t k = 0U; (k < 2U) && (drive.state == DRIVE_STATE_ALIGN); k++) {
-        take(open_loop_step(&drive, &fault));
+        take(open_loop_step(&drive, &now, now.current, &fault));
     }
 }
 
@@ -843,12 +842,9 @@ static dq_t voltage_of_imposed(dq_t current)
 
     enter(DRIVE_STATE_HOLD);
     current_loop_reset(&drive.current_loop);
-    drive.signals.bus = 22576; /* 310 V */
-    drive.signals.current_ref = (dq_t){0, 0};
-    drive.signals.current_frame = current;
-    frame = frame_of_vector(&drive);
-    frame_control_current(&drive, &frame);
-    return drive.signals.voltage;
+    drive.current_ref = (dq_t){0, 0};
+    frame = frame_of_vector(&drive, current);
+    return frame_impose_current(&drive, &frame, 22576); /* 310 V */
 }
 
 /* What K_p of RUN makes of 500 beyond each limit, on top of the soft control; roundings of both. */
@@ -891,10 +887,10 @@ static int32_t torque_beside(int32_t current_d, int32_t sign)
     cfg.speed_loop.inertia = 0;
     run_at(speed, sign * cfg.derating.current_max);
     drive.observer.speed -= sign * (speed / 2);
-    drive.signals.current_ref = (dq_t){current_d, 0};
-    run_limit(&drive);
+    drive.current_ref = (dq_t){current_d, 0};
+    run_limit(&drive, &now);
     slot(SLOT_SPEED);
-    return drive.signals.current_ref.q;
+    return drive.current_ref.q;
 }
 
 TEST(test_the_torque_leaves_an_imposed_current_its_part_of_the_largest_one)
@@ -942,7 +938,7 @@ static bool sweeps_backwards(uint32_t attempts)
     drive.attempts = attempts;
     drive.align.backwards = false;
     for (int32_t k = 0; (k < 100000) && (drive.state == DRIVE_STATE_FLYING_START); k++) {
-        take(open_loop_flying_start(&drive, &in, &out, &fault));
+        take(open_loop_flying_start(&drive, &in, now.sample, &out, &fault));
     }
     TEST_ASSERT_EQUAL(DRIVE_STATE_ALIGN, drive.state);
     return drive.align.backwards;
@@ -971,11 +967,10 @@ static int32_t compensated_a(int32_t reference, int32_t mean)
     compare_t compare;
 
     enter(DRIVE_STATE_HOLD);
-    drive.signals.voltage = (dq_t){0, 0};
-    drive.signals.current_ref = (dq_t){reference, 0};
+    drive.current_ref = (dq_t){reference, 0};
     drive.vector.current_mean = (dq_t){mean, 0};
-    frame = frame_of_vector(&drive);
-    frame_modulate(&drive, &frame, &compare);
+    frame = frame_of_vector(&drive, (dq_t){0, 0});
+    frame_modulate(&drive, &frame, (dq_t){0, 0}, &compare);
     return (int32_t)compare.phase[0] - (cfg.modulator.timer_counts / 2);
 }
 
@@ -1021,8 +1016,8 @@ TEST(test_below_the_hold_speed_run_follows_the_ramp_of_an_imposed_vector)
 static drive_state_t after_a_period_at(step_t reference, int32_t load)
 {
     run_at(reference, load);
-    drive.signals.current_ref = (dq_t){cfg.startup.current_hold, 0};
-    run_limit(&drive);
+    drive.current_ref = (dq_t){cfg.startup.current_hold, 0};
+    run_limit(&drive, &now);
     slot(SLOT_SPEED);
     return drive.state;
 }
@@ -1048,7 +1043,7 @@ TEST(test_with_a_load_run_goes_down_to_the_loaded_speed)
     cfg.startup.loaded_speed = loaded;
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, after_a_period_at(sign * loaded, sign * load));
-        TEST_ASSERT_TRUE(drive.signals.current_ref.d < cfg.startup.current_hold);
+        TEST_ASSERT_TRUE(drive.current_ref.d < cfg.startup.current_hold);
         /* A load that drives needs the imposed current. */
         TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, after_a_period_at(sign * loaded, -sign * 2 * load));
         TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, after_a_period_at(sign * settled, sign * load));
@@ -1079,9 +1074,9 @@ static void offer_voltage_drive(void)
     cfg.voltage_drive = example_voltage_drive_cfg();
     run_at(2 * cfg.voltage_drive.speed_min, 1000);
     in.command.target = drive.speed_reference;
-    drive.signals.current = (dq_t){0, 1000};
-    drive.signals.current_ref = (dq_t){0, 1000};
-    drive.signals.voltage = (dq_t){0, 8000};
+    now.current = (dq_t){0, 1000};
+    drive.current_ref = (dq_t){0, 1000};
+    drive.voltage = (dq_t){0, 8000};
 }
 
 TEST(test_the_voltage_drive_takes_over_after_its_periods_and_counts_anew)
@@ -1110,7 +1105,7 @@ TEST(test_the_voltage_drive_begins_with_the_voltage_that_acts_whatever_speed_is_
     pi_reset(&drive.current_loop.pi_q, 8000);
     drive.observer.speed -= drive.observer.speed / 50;
     for (uint32_t k = 0U; k < cfg.voltage_drive.settle_periods; k++) {
-        drive.signals.current = drive.signals.current_ref;
+        now.current = drive.current_ref;
         slot(SLOT_SPEED);
     }
     TEST_ASSERT_TRUE(drive.voltage_drive.active);
@@ -1143,7 +1138,7 @@ TEST(test_the_voltage_drive_gives_back_after_its_periods_and_current_control_cou
     drive.voltage_drive.active = true;
     drive.voltage_drive.calm_periods = STALE;
     virtual_resistance_start(&drive.voltage_drive.damping, (dq_t){0, 1000});
-    drive.signals.voltage = (dq_t){8000, 100}; /* the lead is at its end towards braking */
+    drive.voltage = (dq_t){8000, 100}; /* the lead is at its end towards braking */
     for (uint32_t k = 1U; k < cfg.voltage_drive.settle_periods; k++) {
         slot(SLOT_SPEED);
         TEST_ASSERT_EQUAL_UINT32(k, drive.voltage_drive.end_periods);
@@ -1172,12 +1167,12 @@ TEST(test_the_torque_filter_stands_behind_the_speed_loop)
 {
     filter_torque(4000, 1000, 6000);
     slot(SLOT_SPEED);
-    TEST_ASSERT_EQUAL_INT32(2500, drive.signals.current_ref.q);
+    TEST_ASSERT_EQUAL_INT32(2500, drive.current_ref.q);
     slot(SLOT_SPEED);
-    TEST_ASSERT_EQUAL_INT32(3250, drive.signals.current_ref.q);
+    TEST_ASSERT_EQUAL_INT32(3250, drive.current_ref.q);
     cfg.torque_filter = (torque_filter_cfg_t){.smooth_rate_q15 = 0};
     slot(SLOT_SPEED);
-    TEST_ASSERT_EQUAL_INT32(4000, drive.signals.current_ref.q);
+    TEST_ASSERT_EQUAL_INT32(4000, drive.current_ref.q);
 }
 
 /* A low-pass that is still above a range that has just become narrow. */
@@ -1190,7 +1185,7 @@ TEST(test_behind_the_torque_filter_the_torque_keeps_its_limits)
 
         filter_torque(asked[k], sign * 6000, 3001);
         slot(SLOT_SPEED);
-        TEST_ASSERT_EQUAL_INT32(sign * 3001, drive.signals.current_ref.q);
+        TEST_ASSERT_EQUAL_INT32(sign * 3001, drive.current_ref.q);
     }
 }
 
@@ -1208,7 +1203,7 @@ TEST(test_at_the_end_of_its_range_the_torque_winds_up_no_more_than_without_a_fil
         for (uint32_t n = 0U; n < 500U; n++) {
             slot(SLOT_SPEED);
         }
-        TEST_ASSERT_EQUAL_INT32(6000, drive.signals.current_ref.q);
+        TEST_ASSERT_EQUAL_INT32(6000, drive.current_ref.q);
         integral[k] = drive.speed_loop.pi.integral_q26;
     }
     TEST_ASSERT_EQUAL_INT32(integral[0], integral[1]);
@@ -1233,7 +1228,7 @@ TEST(test_behind_a_notch_the_limit_of_the_torque_is_reached_in_the_end)
         for (uint32_t n = 0U; n < 3000U; n++) {
             slot(SLOT_SPEED);
         }
-        TEST_ASSERT_EQUAL_INT32(sign * 6001, drive.signals.current_ref.q);
+        TEST_ASSERT_EQUAL_INT32(sign * 6001, drive.current_ref.q);
     }
 }
 
@@ -1259,13 +1254,13 @@ TEST(test_run_begins_with_the_torque_filter_at_the_torque_that_acts)
     run_at(cfg.startup.handover_speed, 0);
     enter(DRIVE_STATE_HANDOVER);
     drive.slow_count = 1U;
-    drive.signals.current_ref = (dq_t){4000, 0};
+    drive.current_ref = (dq_t){4000, 0};
     drive.position.turns_q32 = -(QUARTER / 3);
     drive.vector.step = cfg.startup.handover_speed;
     drive_step(&drive, &in, &out);
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, drive.state);
-    TEST_ASSERT_INT32_WITHIN(4000 / 16, 2000, drive.signals.current_ref.q);
-    assert_filter_begins_with(drive.signals.current_ref.q);
+    TEST_ASSERT_INT32_WITHIN(4000 / 16, 2000, drive.current_ref.q);
+    assert_filter_begins_with(drive.current_ref.q);
 }
 
 TEST(test_current_control_is_given_back_with_the_torque_filter_at_the_torque_that_acts)
@@ -1277,7 +1272,7 @@ TEST(test_current_control_is_given_back_with_the_torque_filter_at_the_torque_tha
     drive.speed_reference = 0; /* too slow for a voltage drive */
     slot(SLOT_SPEED);
     TEST_ASSERT_FALSE(drive.voltage_drive.active);
-    TEST_ASSERT_EQUAL_INT32(1000, drive.signals.current_ref.q);
+    TEST_ASSERT_EQUAL_INT32(1000, drive.current_ref.q);
     assert_filter_begins_with(1000);
 }
 
@@ -1289,9 +1284,9 @@ static int32_t heat_after_one_look(drive_state_t state)
     drive.derating.heat_q24 = 1000000;
     state_guard_keep_heat(&drive);
     drive.supervision.step = 0U;
-    drive.signals.current = (dq_t){STALE_CURRENT, 0};
-    drive.signals.phase_a = 0;
-    drive.signals.phase_b = 0;
+    now.current = (dq_t){STALE_CURRENT, 0};
+    now.sample.phase_a = 0;
+    now.sample.phase_b = 0;
     slot(SLOT_CHECKS);
     return drive.derating.heat_q24;
 }
@@ -1303,9 +1298,9 @@ static int32_t heat_of_phases(drive_state_t state, int32_t a, int32_t b)
     drive.derating.heat_q24 = 1000000;
     state_guard_keep_heat(&drive);
     drive.supervision.step = 0U;
-    drive.signals.current = (dq_t){0, 0};
-    drive.signals.phase_a = a;
-    drive.signals.phase_b = b;
+    now.current = (dq_t){0, 0};
+    now.sample.phase_a = a;
+    now.sample.phase_b = b;
     slot(SLOT_CHECKS);
     return drive.derating.heat_q24;
 }
@@ -1316,8 +1311,8 @@ static dq_t held_error_with(dq_t current)
     enter(DRIVE_STATE_HOLD);
     drive.vector.step = 0;
     supervision_reset(&drive.supervision);
-    drive.signals.current_ref = (dq_t){5000, 0};
-    drive.signals.current_frame = current;
+    drive.current_ref = (dq_t){5000, 0};
+    now.current = current;
     drive.supervision.step = 2U; /* the check of the current */
     slot(SLOT_CHECKS);
     return drive.supervision.off_current;
@@ -1349,7 +1344,7 @@ TEST(test_a_current_that_nothing_controls_heats_as_one_that_is_controlled)
     drive.derating.heat_q24 = 1000000;
     state_guard_keep_heat(&drive);
     drive.supervision.step = 0U;
-    drive.signals.current = (dq_t){0, 8000};
+    now.current = (dq_t){0, 8000};
     slot(SLOT_CHECKS);
     const int32_t controlled = drive.derating.heat_q24;
 
@@ -1398,8 +1393,8 @@ static void turn_with_a_dead_phase(int32_t of_rotor, int32_t of_vector)
     drive.position.turns_q32 = 0;
     drive.vector.position.turns_q32 = 0;
     for (int32_t k = 0; k < (samples * 4); k++) {
-        drive.signals.phase_a = 0;
-        drive.signals.phase_b = ((k % 2) == 0) ? STALE_CURRENT : -STALE_CURRENT;
+        now.sample.phase_a = 0;
+        now.sample.phase_b = ((k % 2) == 0) ? STALE_CURRENT : -STALE_CURRENT;
         look_at_phases(1U);
         drive.position.turns_q32 += of_rotor * (((int64_t)2 * QUARTER) / samples);
         drive.vector.position.turns_q32 += of_vector * (((int64_t)2 * QUARTER) / samples);
@@ -1510,8 +1505,8 @@ TEST(test_the_check_of_an_imposed_current_allows_the_whole_emf_in_either_directi
 
 TEST(test_the_torques_limits_follow_the_rotor_where_it_runs_and_the_vector_where_it_is_dragged)
 {
-    cfg.startup.current_hold = 0;                   /* no imposed current comes in */
-    drive.signals.bus = cfg.derating.bus_high.zero; /* no braking */
+    cfg.startup.current_hold = 0;                /* no imposed current comes in */
+    now.sample.bus = cfg.derating.bus_high.zero; /* no braking */
     drive.observer.speed = 2 * cfg.derating.regeneration_speed;
     drive.vector.step = -2 * cfg.derating.regeneration_speed;
     enter(DRIVE_STATE_RUN);
@@ -1537,7 +1532,7 @@ TEST(test_a_stall_is_told_from_either_limit_of_the_torque)
         setUp();
         enter(DRIVE_STATE_RUN);
         drive.torque_range = (torque_range_t){-8192, 8192};
-        drive.signals.current_ref.q = torques[k];
+        drive.current_ref.q = torques[k];
         for (uint32_t turn = 0U; turn <= cfg.supervision.stall_periods; turn++) {
             drive.supervision.step = SUPERVISION_STEPS - 1U;
             slot(SLOT_CHECKS);
@@ -1556,7 +1551,7 @@ static int32_t wave(uint32_t k)
 static void swing_for(uint32_t periods)
 {
     for (uint32_t k = 0U; k < periods; k++) {
-        drive.signals.current_ref.q = 4000 * wave(k);
+        drive.current_ref.q = 4000 * wave(k);
         slot(SLOT_PHASES);
     }
 }
@@ -1624,7 +1619,7 @@ TEST(test_a_swing_in_position_control_is_found_while_the_profile_rests_and_only_
         enter(DRIVE_STATE_RUN);
         drive.mode = (uint8_t)DRIVE_MODE_POSITION;
         for (uint32_t k = 0U; k < ((profile == 0) ? SWING_FOUND : (4U * SWING_FOUND)); k++) {
-            drive.signals.current_ref.q = 4000 * wave(k);
+            drive.current_ref.q = 4000 * wave(k);
             drive.speed_loop.reference = (int32_t)(k % 50U) * 1000;
             drive.position_loop.profile_speed += profile * wave(k);
             slot(SLOT_PHASES);

@@ -730,7 +730,7 @@ TEST(test_a_ramp_that_waits_for_the_bus_too_long_names_the_bus)
         experiment(100000, 1);
         (void)ticks_to(IDENTIFY_MOVING);
         identify.phase = IDENTIFY_RAMP;
-        app.drive.signals.bus = (high != 0U) ? FX_Q15_MAX : 0;
+        app.drive.bus = (high != 0U) ? FX_Q15_MAX : 0;
         have_moved((5000U * (uint32_t)MS) + 1U);
         TEST_ASSERT_EQUAL((high != 0U) ? IDENTIFY_ENDS : IDENTIFY_CATCH, identify.phase);
     }
@@ -843,7 +843,7 @@ static void be_in(identify_phase_t phase, uint32_t step, uint32_t slower)
 
 static void flow(int32_t d, int32_t q)
 {
-    app.drive.signals.current_frame = (dq_t){d, q};
+    app.drive.probe.current_before = (dq_t){d, q};
     (void)pass();
 }
 
@@ -905,7 +905,7 @@ TEST(test_sensors_that_follow_late_are_named_with_each_refusal)
 {
     be_in(IDENTIFY_CATCH, 1U, 0U);
     identify.rest.lag = true;
-    app.drive.signals.current_frame = (dq_t){cfg.protection.current_max, 0};
+    app.drive.probe.current_before = (dq_t){cfg.protection.current_max, 0};
     TEST_ASSERT_EQUAL_STRING(
         "identify refused: more current flows than was asked for; the current sensors follow late, as "
         "behind a low pass: pulses of twice the time show much more current\r\n",
@@ -923,7 +923,7 @@ TEST(test_a_current_that_runs_away_while_a_phase_is_open_names_the_phase)
 TEST(test_a_current_that_runs_away_for_want_of_voltage_says_so)
 {
     be_in(IDENTIFY_SPIN, 1U, 0U);
-    app.drive.signals.voltage = (dq_t){0, 12382};
+    app.drive.voltage = (dq_t){0, 12382};
     flow(cfg.protection.current_max, 0);
     TEST_ASSERT_EQUAL_STRING(LACKS_VOLTAGE, identify.why);
 }

@@ -81,7 +81,7 @@ TEST(test_a_pulse_has_no_current_and_lies_on_the_axis_of_its_phase)
         *identify_aim_word(&identify, PROBE_CURRENT) = 5; /* of another experiment */
         (void)identify_rest_plan_pulse(&identify);
     }
-    app.drive.signals.bus = 255; /* as good as none */
+    app.drive.bus = 255; /* as good as none */
     identify_aim_phase(&identify, IDENTIFY_PULSE);
     (void)identify_rest_plan_pulse(&identify);
     TEST_ASSERT_EQUAL_INT32(1, identify.rest.pulse);
@@ -194,12 +194,12 @@ static void expect_next_pulse(int32_t pulse, int32_t peak, int32_t next, bool lo
  */
 TEST(test_the_next_pulse_ends_at_a_quarter_of_the_bus)
 {
-    TEST_ASSERT_EQUAL_INT32(5645 - 1, app.drive.signals.bus / 4);
+    TEST_ASSERT_EQUAL_INT32(5645 - 1, app.drive.bus / 4);
     expect_next_pulse(4516, 400, (4516 * 5) / 8, true);
     expect_next_pulse(4515, 400, 5643, false);
     expect_next_pulse(2823, 0, (2823 * 5) / 8, true);
     expect_next_pulse(2822, 0, 5644, false);
-    app.drive.signals.bus = 4 * 7055;
+    app.drive.bus = 4 * 7055;
     answer_along(400, 400, 400); /* 5644 and a quarter of it */
     TEST_ASSERT_TRUE(identify.rest.fine);
     TEST_ASSERT_EQUAL_INT32(7055, identify.rest.pulse);
@@ -581,10 +581,13 @@ TEST(test_phases_whose_resistances_differ_by_more_than_a_quarter_are_refused)
     TEST_ASSERT_EQUAL(IDENTIFY_SPIN, phase_of(3, 2));
 }
 
+/* Of counts at mid-scale, which are 8 LSB each, the zeros leave these currents. */
 static void carry(int32_t a, int32_t b)
 {
-    app.drive.signals.phase_a = a;
-    app.drive.signals.phase_b = b;
+    app.in.adc_ia = 2048U;
+    app.in.adc_ib = 2048U;
+    app.drive.offset_a = (2048 * 8) - a;
+    app.drive.offset_b = (2048 * 8) - b;
 }
 
 /* The axes have been measured, with this share of their voltages moving. */
@@ -934,8 +937,8 @@ TEST(test_long_pulses_share_their_volts)
 {
     expect_pulses(65536 * 40, 8, 64000 / 8, 256);
     expect_pulses(65536 * 50, 10, 80000 / 10, 240);
-    expect_pulses(INT32_MAX, 64, (app.drive.signals.bus * 3) / 8, 256);
-    app.drive.signals.bus = 2;
+    expect_pulses(INT32_MAX, 64, (app.drive.bus * 3) / 8, 256);
+    app.drive.bus = 2;
     plan_burst(0U);
     TEST_ASSERT_EQUAL_INT32(64, word(PROBE_PULSE_TICKS));
     TEST_ASSERT_EQUAL_INT32(1, word(PROBE_PULSE_D));

@@ -343,8 +343,8 @@ TEST(test_a_stop_opens_the_gates_in_its_tick_in_every_state_and_the_next_start_s
         tick();
         TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FLYING_START, drive.state);
         TEST_ASSERT_EQUAL_UINT32(0U, drive.attempts);
-        TEST_ASSERT_EQUAL_INT32(0, drive.signals.current_ref.d);
-        TEST_ASSERT_EQUAL_INT32(0, drive.signals.current_ref.q);
+        TEST_ASSERT_EQUAL_INT32(0, drive.current_ref.d);
+        TEST_ASSERT_EQUAL_INT32(0, drive.current_ref.q);
     }
 }
 
@@ -537,7 +537,7 @@ TEST(test_a_rotor_that_feeds_the_bus_through_open_gates_is_too_fast_for_it)
         run_at(0.0);
         in.adc_bus = (uint16_t)((in.adc_bus * 7U) / 10U);
         drive_step(&drive, &in, &out);
-        limit = (drive.signals.bus / sqrt(3.0) / cfg.current_loop.emf_q13) * 8192.0 *
+        limit = (drive.bus / sqrt(3.0) / cfg.current_loop.emf_q13) * 8192.0 *
                 (double)((uint32_t)1U << cfg.speed_shift);
         TEST_ASSERT_TRUE(limit < cfg.speed_loop.speed_max);
         turn_current(200.0, 200.0, -limit * share / 10.0);
@@ -643,15 +643,13 @@ static void hurry(void)
 
 static void assert_everything_in_range(void)
 {
-    const drive_signals_t *const s = &drive.signals;
-
     for (int32_t p = 0; p < 3; p++) {
         TEST_ASSERT_TRUE(out.compare.phase[p] <= cfg.modulator.timer_counts);
     }
     TEST_ASSERT_TRUE(is_driving(drive.state) || !out.gate_enable);
     TEST_ASSERT_TRUE((drive.state >= DRIVE_STATE_INIT) && (drive.state <= DRIVE_STATE_FAULT));
-    TEST_ASSERT_TRUE(abs(s->current_ref.d) <= 23171);
-    TEST_ASSERT_TRUE(abs(s->current_ref.q) <= 23171);
+    TEST_ASSERT_TRUE(abs(drive.current_ref.d) <= 23171);
+    TEST_ASSERT_TRUE(abs(drive.current_ref.q) <= 23171);
     TEST_ASSERT_TRUE(abs(drive.observer.speed) <= cfg.observer.speed_limit);
     TEST_ASSERT_TRUE(abs(drive.observer.rho_q13) <= cfg.observer.rho_max_q13);
     TEST_ASSERT_TRUE((drive.residual >= 0) && (drive.residual <= 16384));
@@ -785,7 +783,7 @@ TEST(test_a_hot_power_stage_takes_from_an_imposed_current_too)
         ticks(20U * SUPERVISION_TICKS);
         TEST_ASSERT_EQUAL_INT(imposing[k], drive.state);
         TEST_ASSERT_LESS_THAN_INT32(cfg.startup.current_hold, drive.derating.thermal);
-        TEST_ASSERT_EQUAL_INT32(drive.derating.thermal, drive.signals.current_ref.d);
+        TEST_ASSERT_EQUAL_INT32(drive.derating.thermal, drive.current_ref.d);
     }
 }
 
@@ -801,7 +799,7 @@ TEST(test_heat_takes_from_an_imposed_current_too)
     state_guard_keep_config(&drive);
     ticks(20U * SUPERVISION_TICKS);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_HOLD, drive.state);
-    TEST_ASSERT_EQUAL_INT32(cfg.startup.current_hold / 2, drive.signals.current_ref.d);
+    TEST_ASSERT_EQUAL_INT32(cfg.startup.current_hold / 2, drive.current_ref.d);
 }
 
 TEST(test_a_winding_at_rest_cools_whatever_the_last_current_was)
@@ -814,7 +812,6 @@ TEST(test_a_winding_at_rest_cools_whatever_the_last_current_was)
         go_to(transitions_state(s));
         in.command.request = 0U;
         tick();
-        drive.signals.current = (dq_t){.d = 16383, .q = 16383};
         before = drive.derating.heat_q24 = 1 << 24;
         state_guard_keep_heat(&drive);
         ticks(SUPERVISION_TICKS);

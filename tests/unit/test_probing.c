@@ -5,9 +5,11 @@
  */
 #include "driven_motor.h"
 #include "fault_frames.h"
+#include "instant.h"
 #include "probing.h"
 #include "seeded.h"
 #include "testing.h"
+#include "trig.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -137,12 +139,12 @@ TEST(test_it_begins_with_no_word_no_current_and_nothing_that_a_run_has_left)
         {"step", &drive.vector.step},
         {"current_mean.d", &drive.vector.current_mean.d},
         {"current_mean.q", &drive.vector.current_mean.q},
-        {"current_ref.d", &drive.signals.current_ref.d},
-        {"current_ref.q", &drive.signals.current_ref.q},
-        {"voltage.d", &drive.signals.voltage.d},
-        {"voltage.q", &drive.signals.voltage.q},
-        {"ratio_ab.alpha", &drive.signals.ratio_ab.alpha},
-        {"ratio_ab.beta", &drive.signals.ratio_ab.beta},
+        {"current_ref.d", &drive.current_ref.d},
+        {"current_ref.q", &drive.current_ref.q},
+        {"voltage.d", &drive.voltage.d},
+        {"voltage.q", &drive.voltage.q},
+        {"ratio_ab.alpha", &drive.ratio_next.alpha},
+        {"ratio_ab.beta", &drive.ratio_next.beta},
         {"constant.d", &drive.current_loop.constant.d},
         {"constant.q", &drive.current_loop.constant.q},
         {"reactance.d", &drive.current_loop.reactance_q14.d},
@@ -256,8 +258,8 @@ TEST(test_each_tick_gives_the_probe_its_word_and_nothing_else_is_one)
     begin();
     word(PROBE_CURRENT, 1234);
     TEST_ASSERT_EQUAL_INT32(1234, drive.probe.current);
-    TEST_ASSERT_EQUAL_INT32(1234, drive.signals.current_ref.d);
-    TEST_ASSERT_EQUAL_INT32(0, drive.signals.current_ref.q);
+    TEST_ASSERT_EQUAL_INT32(1234, drive.current_ref.d);
+    TEST_ASSERT_EQUAL_INT32(0, drive.current_ref.q);
     word(PROBE_RATE, 55);
     TEST_ASSERT_EQUAL_INT32(1234, drive.probe.current);
     TEST_ASSERT_EQUAL_INT32(55, drive.probe.rate);
@@ -271,12 +273,12 @@ TEST(test_the_sample_of_the_tick_with_its_word_is_the_first_of_a_window)
 {
     begin();
     word(PROBE_WINDOW, 2);
-    TEST_ASSERT_EQUAL_INT32(drive.signals.bus / 4, drive.probe.sums.bus);
+    TEST_ASSERT_EQUAL_INT32(drive.bus / 4, drive.probe.sums.bus);
     ticks(2U);
     TEST_ASSERT_FALSE(probe_is_done(&drive.probe, 2));
     tick();
     TEST_ASSERT_TRUE(probe_is_done(&drive.probe, 2));
-    TEST_ASSERT_EQUAL_INT32(2 * (drive.signals.bus / 4), drive.probe.sums.bus);
+    TEST_ASSERT_EQUAL_INT32(2 * (drive.bus / 4), drive.probe.sums.bus);
 }
 
 static void assert_dq(dq_t expected, dq_t value)
@@ -291,18 +293,18 @@ TEST(test_the_samples_of_a_window_are_what_the_drive_has_measured)
     turn(1000, (int32_t)(100.0 * STEPS_PER_RPM));
     ticks(50U);
     for (uint32_t k = 0U; k < 5U; k++) {
-        const dq_t demanded = drive.signals.voltage;
+        const dq_t demanded = drive.voltage;
         const int32_t turns = (int32_t)(drive.vector.position.turns_q32 >> 16U);
-        const int32_t phase_a = drive.signals.phase_a;
-        const int32_t phase_b = drive.signals.phase_b;
+        const sample_t before = instant_sample(&drive, &in);
+        sample_t sample;
 
         word(PROBE_WINDOW, ((int32_t)(k + 1U) << PROBE_WINDOW_BITS) | 1);
         assert_dq(demanded, drive.probe.sums.voltage);
-        assert_dq(drive.signals.current_frame, drive.probe.sums.current);
-        TEST_ASSERT_EQUAL_INT32(abs(drive.signals.phase_a - phase_a), drive.probe.sums.noise_a);
-        TEST_ASSERT_EQUAL_INT32(abs(drive.signals.phase_b - phase_b), drive.probe.sums.noise_b);
+        sample = instant_sample(&drive, &in);
+        assert_dq(probing_current(&drive), drive.probe.sums.current);
+        TEST_ASSERT_EQUAL_INT32(abs(sample.phase_a - before.phase_a), drive.probe.sums.noise_a);
+        TEST_ASSERT_EQUAL_INT32(abs(sample.phase_b - before.phase_b), drive.probe.sums.noise_b);
         TEST_ASSERT_EQUAL_INT32(turns, drive.probe.start_q16);
-        assert_dq(drive.signals.current_frame, drive.signals.current);
         ticks(2U);
     }
 }
@@ -315,7 +317,7 @@ TEST(test_pulses_ride_on_what_the_control_demands_without_an_error)
     pi_reset(&drive.current_loop.pi_d, 1000);
     pi_reset(&drive.current_loop.pi_q, -300);
     word(PROBE_WINDOW, 8);
-    assert_dq((dq_t){1000 + 3000, -300}, drive.signals.voltage);
+    assert_dq((dq_t){1000 + 3000, -300}, drive.voltage);
 }
 
 /*
@@ -335,10 +337,10 @@ TEST(test_the_emf_is_the_demand_less_what_the_model_needs)
     in.adc_ib = MID_COUNTS - 20U;
     in.command.mode = (uint8_t)PROBE_WINDOW;
     in.command.target = 1;
-    drive.signals.voltage = (dq_t){2000, -3000};
+    drive.voltage = (dq_t){2000, -3000};
     drive.current_loop.constant = (dq_t){300, 400};
     drive_step(&drive, &in, &out);
-    i = drive.signals.current_frame;
+    i = probing_current(&drive);
     TEST_ASSERT_TRUE((i.d != 0) && (i.q != 0));
     TEST_ASSERT_INT32_WITHIN(1, ((1700 * i.d) - (3400 * i.q)) / speed, drive.probe.sums.torque);
 }
@@ -374,7 +376,7 @@ TEST(test_dead_time_is_not_compensated_and_the_voltage_is_turned_for_its_period)
     begin_with(CURRENT);
     turn(SPEED_MAX, 3000001);
     for (uint32_t k = 0U; k < 100U; k++) {
-        const ab_t before = drive.signals.ratio_ab;
+        const ab_t before = drive.ratio_next;
         const uint32_t middle =
             rotor_position_angle(&drive.vector.position) + 3000001U + (3000001U / 2U);
         dq_t ratio;
@@ -382,10 +384,10 @@ TEST(test_dead_time_is_not_compensated_and_the_voltage_is_turned_for_its_period)
         compare_t plain;
 
         tick();
-        ratio = modulator_ratio(&drive.modulator, drive.signals.voltage);
+        ratio = modulator_ratio(&drive.modulator, drive.voltage);
         expected = transforms_park_inverse(ratio, trig_sincos(middle));
         modulator_compare(&cfg.modulator, expected, &plain);
-        TEST_ASSERT_EQUAL_MEMORY(&expected, &drive.signals.ratio_ab, sizeof expected);
+        TEST_ASSERT_EQUAL_MEMORY(&expected, &drive.ratio_next, sizeof expected);
         TEST_ASSERT_EQUAL_MEMORY(&before, &drive.ratio_acting, sizeof before);
         TEST_ASSERT_EQUAL_MEMORY(&plain, &out.compare, sizeof plain);
     }
@@ -398,10 +400,10 @@ TEST(test_the_current_becomes_what_its_word_says_and_the_rotor_rests_on_it)
 {
     begin_with(CURRENT);
     ticks(2000U);
-    TEST_ASSERT_INT32_WITHIN(16, CURRENT, drive.signals.current_frame.d);
-    TEST_ASSERT_INT32_WITHIN(16, 0, drive.signals.current_frame.q);
+    TEST_ASSERT_INT32_WITHIN(16, CURRENT, probing_current(&drive).d);
+    TEST_ASSERT_INT32_WITHIN(16, 0, probing_current(&drive).q);
     /* R·i, to the step of the voltage over R: 1547/8192 */
-    TEST_ASSERT_INT32_WITHIN(8, (CURRENT * 1547) / 8192, drive.signals.voltage.d);
+    TEST_ASSERT_INT32_WITHIN(8, (CURRENT * 1547) / 8192, drive.voltage.d);
 }
 
 /* L·di/dt = v: Q15 of U_b a tick make so much of I_b, T/L·U_b/I_b. */
@@ -416,19 +418,19 @@ TEST(test_along_pulses_the_control_holds_its_voltage)
     ticks(2000U);
     word(PROBE_PULSE_D, 3000);
     word(PROBE_PULSE_TICKS, 4);
-    held = drive.signals.voltage;
+    held = drive.voltage;
     integral = drive.current_loop.pi_d.integral_q26;
     word(PROBE_WINDOW, 64);
     for (uint32_t k = 0U; k < 64U; k++) {
         const uint32_t quarter = (k / 4U) % 4U;
         const int32_t sign = ((quarter == 1U) || (quarter == 2U)) ? -1 : 1;
 
-        TEST_ASSERT_INT32_WITHIN(32, held.d + (sign * 3000), drive.signals.voltage.d);
-        TEST_ASSERT_INT32_WITHIN(32, held.q, drive.signals.voltage.q);
+        TEST_ASSERT_INT32_WITHIN(32, held.d + (sign * 3000), drive.voltage.d);
+        TEST_ASSERT_INT32_WITHIN(32, held.q, drive.voltage.q);
         TEST_ASSERT_EQUAL_INT32(integral, drive.current_loop.pi_d.integral_q26);
         tick();
     }
-    TEST_ASSERT_INT32_WITHIN(32, held.d, drive.signals.voltage.d);
+    TEST_ASSERT_INT32_WITHIN(32, held.d, drive.voltage.d);
     ticks(1U);
     TEST_ASSERT_TRUE(probe_is_done(&drive.probe, 64));
     TEST_ASSERT_TRUE(integral != drive.current_loop.pi_d.integral_q26);

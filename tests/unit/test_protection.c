@@ -10,7 +10,7 @@
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 
 static protection_cfg_t cfg;
-static protection_in_t in;
+static sample_t in;
 
 static fault_id_t check(bool running)
 {
@@ -27,7 +27,7 @@ static fault_id_t check(bool running)
 void setUp(void)
 {
     cfg = example_protection_cfg();
-    in = (protection_in_t){.bus = 22572};
+    in = (sample_t){.bus = 22572};
 }
 
 TEST(test_nothing_wrong_is_no_fault)
@@ -156,7 +156,7 @@ TEST(test_limits_hold_exactly_where_no_fault_is_found)
         in.phase_b = currents[(k / COUNT(currents)) % COUNT(currents)];
         in.bus = buses[k / (COUNT(currents) * COUNT(currents))];
         TEST_ASSERT_EQUAL_INT(protection_check(&limits, &in, &fault) == FAULT_NONE,
-                              protection_holds(&limits, &in));
+                              protection_holds(&limits, in));
     }
 }
 

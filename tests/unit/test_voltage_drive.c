@@ -5,9 +5,11 @@
  */
 #include "driven_motor.h"
 #include "fault_frames.h"
+#include "instant.h"
 #include "seeded.h"
 #include "state_guard.h"
 #include "testing.h"
+#include "trig.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -228,15 +230,15 @@ TEST(test_a_second_run_starts_afresh_where_the_rotor_is)
 static int32_t jump_at_change(bool driven)
 {
     int32_t largest = 0;
-    dq_t before = drive.signals.voltage;
+    dq_t before = drive.voltage;
 
     for (uint32_t k = 0U; (k < PATIENCE_TICKS) && (drive.voltage_drive.active != driven); k++) {
-        before = drive.signals.voltage;
+        before = drive.voltage;
         tick();
     }
     TEST_ASSERT_TRUE(drive.voltage_drive.active == driven);
     for (uint32_t k = 0U; k < 3U; k++) {
-        const dq_t now = drive.signals.voltage;
+        const dq_t now = drive.voltage;
 
         largest = fx_max(largest, fx_max(abs(now.d - before.d), abs(now.q - before.q)));
         before = now;
@@ -260,7 +262,7 @@ TEST(test_without_sensor_the_start_is_as_ever_and_then_the_voltage_goes_on)
         tick();
     }
     TEST_ASSERT_TRUE(jump_at_change(true) < JUMP_LSB);
-    TEST_ASSERT_INT32_WITHIN(255, 0, drive.signals.current_ref.d);
+    TEST_ASSERT_INT32_WITHIN(255, 0, drive.current_ref.d);
     ticks(25000U);
     TEST_ASSERT_DOUBLE_WITHIN(6.0, 600.0, true_rpm());
     TEST_ASSERT_TRUE(drive.voltage_drive.active);
@@ -349,7 +351,7 @@ TEST(test_a_current_that_falls_below_its_floor_is_given_back_and_then_kept)
     TEST_ASSERT_TRUE(drive.voltage_drive.active);
     ticks(PATIENCE_TICKS);
     TEST_ASSERT_FALSE(drive.voltage_drive.active);
-    TEST_ASSERT_INT32_WITHIN(100, 1000, drive.signals.current_ref.d);
+    TEST_ASSERT_INT32_WITHIN(100, 1000, drive.current_ref.d);
     TEST_ASSERT_DOUBLE_WITHIN(6.0, 600.0, true_rpm());
 }
 
@@ -401,15 +403,30 @@ TEST(test_a_drive_that_is_not_asked_to_never_changes_over)
 
 #define BUMP_COUNTS (51) /* half an ampere */
 
-/*
- * What the drive makes of one frame in which phase a has half an ampere more, with this
- * configuration.
- */
-static drive_t after_a_bump(drive_t from, const drive_cfg_t *with, drive_out_t *applied)
+/* Phase a has half an ampere more. */
+static drive_in_t bumped_frame(void)
 {
     drive_in_t bumped = in;
 
     bumped.adc_ia = (uint16_t)(in.adc_ia + BUMP_COUNTS);
+    return bumped;
+}
+
+/* As the drive turns it. */
+static dq_t bumped_current(void)
+{
+    const drive_in_t bumped = bumped_frame();
+    const sample_t sample = instant_sample(&drive, &bumped);
+
+    return transforms_park(transforms_clarke(sample.phase_a, sample.phase_b),
+                           trig_sincos(rotor_position_angle(&drive.position)));
+}
+
+/* What the drive makes of that frame with this configuration. */
+static drive_t after_a_bump(drive_t from, const drive_cfg_t *with, drive_out_t *applied)
+{
+    const drive_in_t bumped = bumped_frame();
+
     from.cfg = with;
     drive_step(&from, &bumped, applied);
     return from;
@@ -426,10 +443,10 @@ static bumped_t after_a_bump_with_and_without(void)
 {
     drive_cfg_t bare = cfg;
     drive_t after = after_a_bump(drive, &cfg, &out);
-    bumped_t bumped = {.current = after.signals.current, .with = after.signals.voltage};
+    bumped_t bumped = {.current = bumped_current(), .with = after.voltage};
 
     bare.voltage_drive.damping.resistance_q15 = 0;
-    bumped.without = after_a_bump(drive, &bare, &out).signals.voltage;
+    bumped.without = after_a_bump(drive, &bare, &out).voltage;
     return bumped;
 }
 
@@ -475,14 +492,14 @@ TEST(test_the_observer_is_told_of_the_virtual_resistances_part)
 
     run_loaded_until_settled();
     with = after_a_bump(drive, &cfg, &out);
-    ratio = hypot(with.signals.ratio_ab.alpha, with.signals.ratio_ab.beta);
-    demand = length(with.signals.voltage);
+    ratio = hypot(with.ratio_next.alpha, with.ratio_next.beta);
+    demand = length(with.voltage);
     /* The reciprocal of the bus is good to 2^-11, the products to an LSB in each axis. */
     TEST_ASSERT_DOUBLE_WITHIN((demand / bus / 2048.0) + 3.0, demand / bus, ratio);
     drive = with;
     drive_step(&drive, &in, &out);
-    TEST_ASSERT_EQUAL_INT32(with.signals.ratio_ab.alpha, drive.ratio_acting.alpha);
-    TEST_ASSERT_EQUAL_INT32(with.signals.ratio_ab.beta, drive.ratio_acting.beta);
+    TEST_ASSERT_EQUAL_INT32(with.ratio_next.alpha, drive.ratio_acting.alpha);
+    TEST_ASSERT_EQUAL_INT32(with.ratio_next.beta, drive.ratio_acting.beta);
 }
 
 /* At the end of the voltage it is U that gives way: a vector that is cut off would not damp. */
@@ -493,7 +510,7 @@ TEST(test_the_magnitude_leaves_room_for_the_virtual_resistance)
 
     run_loaded_until_settled();
     drive.voltage_drive.magnitude = FX_Q15_MAX;
-    limit = modulator_limit(&cfg.modulator, drive.signals.bus);
+    limit = modulator_limit(&cfg.modulator, drive.bus);
     after = after_a_bump_with_and_without();
     TEST_ASSERT_DOUBLE_WITHIN(2.0, limit, length(after.without));
     TEST_ASSERT_TRUE(length(after.with) <= (limit + 2.0));
@@ -556,7 +573,7 @@ TEST(test_the_voltage_stays_within_the_circle_whatever_the_frame)
         run_at(600.0);
         tick();
         for (uint32_t k = 0U; k < 200U; k++) {
-            const dq_t *const v = &drive.signals.voltage;
+            const dq_t *const v = &drive.voltage;
 
             in.adc_ia = (uint16_t)seeded_in(&seeded, 300, 3800);
             in.adc_ib = (uint16_t)seeded_in(&seeded, 300, 3800);
@@ -567,7 +584,7 @@ TEST(test_the_voltage_stays_within_the_circle_whatever_the_frame)
             drive_step(&drive, &in, &out);
             if (drive.voltage_drive.active && (drive.state == DRIVE_STATE_RUN)) {
                 /* two parts, both rounded down */
-                const int32_t limit = modulator_limit(&cfg.modulator, drive.signals.bus) + 1;
+                const int32_t limit = modulator_limit(&cfg.modulator, drive.bus) + 1;
 
                 TEST_ASSERT_TRUE(length(*v) <= (limit + 1.0));
             }

@@ -12,7 +12,7 @@ export const READINGS: ReadSignal[] = [
     { label: "Position", name: POSITION, unit: "°", factor: DEG_PER_RAD },
     { label: "i_q", name: "i_q_measured_a", unit: "A" },
     { label: "i_d", name: "i_d_measured_a", unit: "A" },
-    { label: "Bus", name: "drive.signals.bus", unit: "V" },
+    { label: "Bus", name: "drive.bus", unit: "V" },
 ];
 
 export const SHOWN = READINGS.map(({ name }) => name);

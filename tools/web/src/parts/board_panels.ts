@@ -4,5 +4,5 @@
 export const FIRST_PANELS = [
     ["speed_command_rpm", "speed_estimated_rpm"],
     ["i_q_measured_a", "i_d_measured_a"],
-    ["drive.signals.bus"],
+    ["drive.bus"],
 ];
