@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The status LED, PC6: on in RUN, fast blinking in FAULT, slow blinking in any other state.
+ * The status LED, PC6: on in RUN, fast blinking in FAULT, slow blinking in any other state. It is
+ * off when the start has failed: then no tick gives it a time to blink in.
  */
 #ifndef LED_H
 #define LED_H

@@ -114,7 +114,6 @@ static void stay(const char *why)
     link_say(&serial, why);
     for (;;) {
         guard_feed();
-        led_show(DRIVE_STATE_FAULT, 0U);
         link_step(&serial);
     }
 }

@@ -283,6 +283,8 @@
 #define USART_CR1_FIFOEN (1UL << 29)
 #define USART2_BRR (0x4000440CU)
 #define USART2_ISR (0x4000441CU)
+#define USART_ISR_FE (1UL << 1) /* of the byte that RDR gives next, as NE */
+#define USART_ISR_NE (1UL << 2)
 #define USART_ISR_ORE (1UL << 3)
 #define USART_ISR_RXFNE (1UL << 5)
 #define USART_ISR_TXFNF (1UL << 7)

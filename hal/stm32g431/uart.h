@@ -13,8 +13,8 @@
 void uart_init(void);
 
 /*
- * Takes the next received byte. False when there is none. Bytes that come while the FIFO is full
- * are lost. A byte with a framing error or noise is not recognised: it is taken as received.
+ * Takes the next received byte. False when there is none, or when it has a framing error or noise:
+ * that byte is dropped, and the next call goes on. Bytes that come while the FIFO is full are lost.
  */
 bool uart_get(uint8_t *byte);
 

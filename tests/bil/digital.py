@@ -324,6 +324,9 @@ class Usart(Block):
         self.said = bytearray()
         self.arriving = collections.deque()  # (when, byte)
         self.received = collections.deque()
+        self.broken = set()  # bytes that arrive with a wrong stop bit: the how many-th of all
+        self.taken = 0
+        self.acknowledged = -1
         self.overrun = False
         super().__init__("USART2", 0x40004400, {
             "CR1": (0x00, Register(0, 0x2000000D, on_write=self._enable)),
@@ -341,6 +344,11 @@ class Usart(Block):
         """Bytes that follow each other as closely as they can, whether someone takes them or not."""
         start = max(self.chip.now, self.arriving[-1][0] if self.arriving else 0)
         self.arriving.extend((start + (k + 1) * self.byte_cycles(), byte) for k, byte in enumerate(line))
+
+    def receive_broken(self, byte):
+        """A byte that arrives with a wrong stop bit, behind those that are on their way."""
+        self.broken.add(self.taken + len(self.received) + len(self.arriving))
+        self.receive(bytes([byte]))
 
     def receive_at_once(self, line):
         """As many as there is room for. Their number."""
@@ -376,15 +384,19 @@ class Usart(Block):
                 self.received.append(byte)
 
     def _status(self):
+        """The framing error is that of the byte that is read next."""
         self._arrive()
-        return self._has_room() << 7 | bool(self.received) << 5 | self.overrun << 3
+        framing = bool(self.received) and self.taken in self.broken and self.acknowledged != self.taken
+        return self._has_room() << 7 | bool(self.received) << 5 | self.overrun << 3 | framing << 1
 
     def _clear(self, value):
         self._arrive()
         self.overrun = self.overrun and not bit(value, 3)
+        self.acknowledged = self.taken if bit(value, 1) else self.acknowledged
 
     def _take(self):
         self._arrive()
+        self.taken += bool(self.received)
         return self.received.popleft() if self.received else 0
 
     def _send(self, value):

@@ -137,6 +137,17 @@ class Line(unittest.TestCase):
         made.go_on(TYPING_S)
         self.assertIn("READY, speed unknown, asked 0 rpm", made.said())
 
+    def test_a_byte_with_a_wrong_stop_bit_is_left_out_and_the_next_one_is_not(self):
+        made = ready()
+        made.said()
+        usart = made.chip.usart
+        usart.receive(b"sta")
+        for byte in b"x\r":
+            usart.receive_broken(byte)
+        usart.receive(b"tus\r")
+        made.go_on(TYPING_S)
+        self.assertIn("READY, speed unknown, asked 0 rpm", made.said())
+
     def test_what_comes_while_nobody_takes_it_sets_the_flag(self):
         usart = ready().chip.usart
         usart.receive(b"x" * (usart.FIFO + 1))
