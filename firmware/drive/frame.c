@@ -87,9 +87,10 @@ static void give_rounding_back(drive_t *drive)
     q->integral_q26 = fx_sat27(q->integral_q26 + due);
 }
 
-dq_t frame_control_current(drive_t *drive, const frame_t *frame, int32_t bus)
+dq_t frame_control_current(drive_t *drive, const current_loop_cfg_t *loop, dq_t current,
+                           int32_t bus)
 {
-    return current_loop_step(&drive->current_loop, frame->loop, drive->current_ref, frame->current,
+    return current_loop_step(&drive->current_loop, loop, drive->current_ref, current,
                              modulator_limit(&drive->cfg->modulator, bus));
 }
 
@@ -98,7 +99,7 @@ dq_t frame_impose_current(drive_t *drive, const frame_t *frame, int32_t bus)
     plan_current(drive, frame->loop, frame->step);
     limit_imposed_current(drive, frame->current);
     give_rounding_back(drive);
-    return frame_control_current(drive, frame, bus);
+    return frame_control_current(drive, frame->loop, frame->current, bus);
 }
 
 /*

@@ -63,11 +63,15 @@ dq_t frame_model_voltage(drive_t *drive);
 
 /*
  * One tick of the current control (current_loop.h). Returns the voltage for current_ref, Q15 of
- * U_b. bus: at this instant, Q15 of U_b.
+ * U_b. current: measured, in the frame of the control. bus: at this instant, Q15 of U_b.
  */
-dq_t frame_control_current(drive_t *drive, const frame_t *frame, int32_t bus);
+dq_t frame_control_current(drive_t *drive, const current_loop_cfg_t *loop, dq_t current,
+                           int32_t bus);
 
-/* The same for an imposed current: softly, planned in each tick, firmly beyond along_max. */
+/*
+ * The same for an imposed current. It plans in each tick, and adds the whole gain of RUN to a
+ * current beyond along_max and across_max.
+ */
 dq_t frame_impose_current(drive_t *drive, const frame_t *frame, int32_t bus);
 
 /*

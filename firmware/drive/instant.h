@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What is measured at one instant, per unit. It lives for one tick.
- *
- * Part of the drive; the tick makes it, and hands it on.
+ * What is measured at one instant, per unit. An instant_t lives for one tick: tick.c makes it and
+ * hands it to the parts of the drive.
  */
 #ifndef INSTANT_H
 #define INSTANT_H
@@ -14,12 +13,14 @@
 
 typedef struct {
     sample_t sample;
-    dq_t current; /* in the frame of the current control, Q15 of I_b, ±34400; 0 with open gates */
+    dq_t along_rotor;  /* current in the frame of θ̂, Q15 of I_b, ±34400; 0 with open gates */
+    dq_t along_vector; /* current in the frame of the imposed vector, ±34400; 0 in RUN */
 } instant_t;
 
 /*
- * Raw counts to per unit, saturated. The currents mean nothing before the calibration has ended.
- * Pure, any context.
+ * Returns the samples of a frame per unit, saturated. The currents mean nothing before the
+ * calibration has ended. Pure, any context; in the background the frame and the drive are of one
+ * tick only if no tick came in between.
  */
 static inline sample_t instant_sample(const drive_t *drive, const drive_in_t *in)
 {

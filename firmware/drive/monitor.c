@@ -71,10 +71,10 @@ static dq_t controlled_current(const drive_t *drive, const instant_t *now)
     dq_t current = drive->current_ref;
 
     if (drive->state == DRIVE_STATE_RUN) {
-        current = now->current;
+        current = now->along_rotor;
     } else if (is_at_rest(drive)) {
-        current.d = fx_asr(current.d + fx_min(current.d, now->current.d), 1U);
-        current.q = fx_asr(current.q + now->current.q, 1U);
+        current.d = fx_asr(current.d + fx_min(current.d, now->along_vector.d), 1U);
+        current.q = fx_asr(current.q + now->along_vector.q, 1U);
     } else {
         /* as asked for */
     }
@@ -307,7 +307,8 @@ fault_id_t monitor_next_check(drive_t *drive, const drive_in_t *in, const instan
 {
     const uint32_t step = drive->supervision.step;
     const bool controlled = drive_is_controlled(drive->state);
-    const dq_t current = controlled ? now->current : uncontrolled_current(drive, in, &now->sample);
+    const dq_t current =
+        controlled ? now->along_rotor : uncontrolled_current(drive, in, &now->sample);
     fault_id_t id = FAULT_NONE;
 
     drive->supervision.step = (step + 1U) % SUPERVISION_STEPS;

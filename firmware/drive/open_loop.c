@@ -202,7 +202,7 @@ static int32_t correct_dead_time(drive_t *drive, int32_t lost_voltage)
     return (4 * change) / 3;
 }
 
-static drive_event_t finish_alignment(drive_t *drive, int32_t bus, dq_t along_rotor)
+static drive_event_t finish_alignment(drive_t *drive, const instant_t *now)
 {
     const align_found_t *const found = &drive->align.found;
     const model_nominal_t nominal = drive_nominal(drive);
@@ -215,8 +215,9 @@ static drive_event_t finish_alignment(drive_t *drive, int32_t bus, dq_t along_ro
         };
 
         model_set(&drive->model, &drive->cfg->model, &nominal, &measured);
-        leave_rest_to_integral(drive, bus, correct_dead_time(drive, found->lost_voltage));
-        estimate_start(drive, 0, along_rotor);
+        leave_rest_to_integral(drive, now->sample.bus,
+                               correct_dead_time(drive, found->lost_voltage));
+        estimate_start(drive, 0, now->along_rotor);
     }
     speed_loop_restore(&drive->speed_loop);
     drive->identified = true; /* a measurement that fails is not repeated */
@@ -243,16 +244,16 @@ static drive_event_t judge_rest(drive_t *drive, fault_t *fault)
 }
 
 /* What is found is evaluated in one tick and acted on in the next one. */
-static drive_event_t align(drive_t *drive, const instant_t *now, dq_t along_rotor, fault_t *fault)
+static drive_event_t align(drive_t *drive, const instant_t *now, fault_t *fault)
 {
     const bool done = drive->align.phase == ALIGN_DONE;
     drive_event_t event = DRIVE_EVENT_NONE;
 
-    align_step(&drive->align, &drive->cfg->startup.align, now->current, drive->voltage.d);
+    align_step(&drive->align, &drive->cfg->startup.align, now->along_vector, drive->voltage.d);
     drive->current_ref = (dq_t){.d = drive->align.current_ref, .q = 0};
     drive->vector.step = drive->align.frame_speed;
     if (done) {
-        event = finish_alignment(drive, now->sample.bus, along_rotor);
+        event = finish_alignment(drive, now);
     } else if (align_has_measured(&drive->align)) {
         event = judge_rest(drive, fault);
     } else {
@@ -401,12 +402,12 @@ void open_loop_plan(drive_t *drive, const drive_command_t *command)
     }
 }
 
-drive_event_t open_loop_step(drive_t *drive, const instant_t *now, dq_t along_rotor, fault_t *fault)
+drive_event_t open_loop_step(drive_t *drive, const instant_t *now, fault_t *fault)
 {
     drive_event_t event = DRIVE_EVENT_NONE;
 
     if (drive->state == DRIVE_STATE_ALIGN) {
-        event = align(drive, now, along_rotor, fault);
+        event = align(drive, now, fault);
     } else {
         drive->current_ref.d = next_imposed_current(drive);
     }

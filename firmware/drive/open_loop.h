@@ -31,12 +31,10 @@ drive_event_t open_loop_flying_start(drive_t *drive, const drive_in_t *in, sampl
                                      drive_out_t *out, fault_t *fault);
 
 /*
- * Each tick of ALIGN, HOLD, IF_RAMP, HANDOVER: sets the imposed current. along_rotor: the measured
- * current in the frame of θ̂, Q15 of I_b, ±34400. HELD at the end of ALIGN.
+ * Each tick of ALIGN, HOLD, IF_RAMP, HANDOVER: sets the imposed current. HELD at the end of ALIGN.
  * SEARCH when the rotor moves while R and L are measured; FAULT when that was the last attempt.
  */
-drive_event_t open_loop_step(drive_t *drive, const instant_t *now, dq_t along_rotor,
-                             fault_t *fault);
+drive_event_t open_loop_step(drive_t *drive, const instant_t *now, fault_t *fault);
 
 /* Sets the speed reference of the next slow period; not in ALIGN. */
 void open_loop_plan(drive_t *drive, const drive_command_t *command);

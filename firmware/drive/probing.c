@@ -53,18 +53,12 @@ static dq_t voltage_for(drive_t *drive, dq_t current, int32_t bus)
 {
     const probe_t *const probe = &drive->probe;
     const bool pulses = probe_pulses(probe);
-    const frame_t frame = {
-        .angle = rotor_position_angle(&drive->vector.position),
-        .step = drive->vector.step,
-        .current = pulses ? probe_controlled(probe, drive->current_ref, current) : current,
-        .loop = &probe->loop,
-        .imposed = true,
-    };
+    const dq_t seen = pulses ? probe_controlled(probe, drive->current_ref, current) : current;
     dq_t voltage;
 
     current_loop_plan(&drive->current_loop, &probe->loop, drive->current_ref,
                       drive_speed_q15(drive, drive->vector.step));
-    voltage = frame_control_current(drive, &frame, bus);
+    voltage = frame_control_current(drive, &probe->loop, seen, bus);
     return pulses ? probe_voltage(probe, voltage) : voltage;
 }
 

@@ -260,7 +260,7 @@ INLINES_ALL static void limit_current(drive_t *drive, const instant_t *now)
 
     next.d = current_reference_d(cfg, &drive->model.run_loop, &point);
     if (weakening_is_near(&drive->weakening, drive->voltage, circle)) {
-        weaken(drive, now->current, &next);
+        weaken(drive, now->along_rotor, &next);
     }
     drive->current_ref.d = next.d;
     drive->torque_range =
@@ -536,8 +536,8 @@ drive_event_t run_control_speed(drive_t *drive, const drive_command_t *command,
     if (drive->voltage_drive.active) {
         voltage_drive_motion(drive, command, now->sample.bus);
     } else {
-        event = control_torque(drive, now->current);
-        voltage_drive_offer(drive, command, now->current);
+        event = control_torque(drive, now->along_rotor);
+        voltage_drive_offer(drive, command, now->along_rotor);
         frame_plan_rotor(drive);
     }
     return event;

@@ -142,14 +142,14 @@ typedef struct {
     protection_limits_t limits; /* in force in this state */
     int32_t offset_a;           /* sensor zero, Q15 of I_b, nominal 16384 */
     int32_t offset_b;
-    int32_t bus; /* voltage at the last instant, Q15 of U_b */
+    int32_t bus; /* voltage in the last tick that has ended, Q15 of U_b */
     modulator_t modulator;
     ab_t ratio_acting; /* demand / bus, Q15, that acted since the last instant */
     ab_t ratio_next;   /* the same, that acts from the last instant on */
     current_loop_t current_loop;
     nn_observer_t observer; /* ω̂, (22) */
     dq_t current_ref;       /* i_d*, i_q* in the frame of the current control, Q15 of I_b */
-    dq_t voltage;           /* demanded in the last tick, in the same frame, Q15 of U_b */
+    dq_t voltage;           /* last demand, in the same frame, Q15 of U_b */
     uint32_t tick;          /* since drive_init, wraps */
     voltage_drive_t voltage_drive;
     step_t speed_reference;
@@ -220,8 +220,8 @@ static inline bool drive_has_sensor(const drive_t *drive)
 
 /*
  * Whether θ̂ and ω̂ are values of this tick. With open gates only a sensor knows the rotor; without
- * one the fields keep the values that they had when driving ended. The currents and voltages in the
- * frame of θ̂ are values of this tick only when drive_is_controlled() is true.
+ * one the fields keep the values that they had when driving ended. The voltage is a value of this
+ * tick only when drive_is_controlled() is true.
  */
 static inline bool drive_knows_rotor(const drive_t *drive)
 {

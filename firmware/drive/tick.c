@@ -56,15 +56,11 @@ TICK_APART static void slow_step(drive_t *drive, const drive_in_t *in, const ins
                         &now->sample);
 }
 
-static bool has_slot(uint32_t left)
-{
-    return left < (uint32_t)SLOTS;
-}
-
+/* Only some ticks of a slow period have a slot. */
 static void take_slot(drive_t *drive, const drive_in_t *in, const instant_t *now, uint32_t left,
                       bool moving)
 {
-    if (has_slot(left)) {
+    if (left < (uint32_t)SLOTS) {
         slow_step(drive, in, now, left, moving);
     }
 }
@@ -128,7 +124,7 @@ static dq_t control_voltage(drive_t *drive, const frame_t *frame, int32_t bus)
     } else if (drive->voltage_drive.active) {
         voltage = voltage_drive_step(drive, frame->current, bus);
     } else {
-        voltage = frame_control_current(drive, frame, bus);
+        voltage = frame_control_current(drive, frame->loop, frame->current, bus);
     }
     return voltage;
 }
@@ -152,38 +148,43 @@ static void control(drive_t *drive, const frame_t *frame, int32_t bus, bool trai
  * The end of a tick whose parts may have changed the state. When no current is controlled now, the
  * safe state begins.
  */
-static void act(drive_t *drive, sample_t sample, dq_t along_rotor, dq_t along_vector, bool trained,
-                drive_out_t *out)
+static void act(drive_t *drive, const instant_t *now, bool trained, drive_out_t *out)
 {
     if (drive_is_controlled(drive->state)) {
         const frame_t frame = (drive->state == DRIVE_STATE_RUN)
-                                  ? frame_of_rotor(drive, along_rotor)
-                                  : frame_of_vector(drive, along_vector);
+                                  ? frame_of_rotor(drive, now->along_rotor)
+                                  : frame_of_vector(drive, now->along_vector);
 
-        control(drive, &frame, sample.bus, trained, out);
+        control(drive, &frame, now->sample.bus, trained, out);
     } else {
-        rest(drive, sample, out);
+        rest(drive, now->sample, out);
     }
 }
 
-/* The slow part of a tick has ended RUN. Where it has imposed the current, the vector has it. */
-TICK_APART static void finish_left_run(drive_t *drive, sample_t sample, drive_out_t *out)
+/*
+ * The slow part of a tick has ended RUN. Only hand_back() goes on to an imposed current. It has
+ * just set current_mean to the measured current in the frame of the vector.
+ */
+TICK_APART static void finish_left_run(drive_t *drive, instant_t now, drive_out_t *out)
 {
-    act(drive, sample, (dq_t){0, 0}, drive->vector.current_mean, true, out);
+    now.along_vector = drive->vector.current_mean;
+    act(drive, &now, true, out);
 }
 
 TICK_WHOLE static void run_tick(drive_t *drive, const drive_in_t *in, sample_t sample,
                                 uint32_t left, drive_out_t *out)
 {
-    const instant_t now = {.sample = sample, .current = estimate_step(drive, sample, true)};
+    const instant_t now = {.sample = sample,
+                           .along_rotor = estimate_step(drive, sample, true),
+                           .along_vector = {0, 0}};
 
     take_slot(drive, in, &now, left, true);
     if (drive->state == DRIVE_STATE_RUN) {
-        const frame_t frame = frame_of_rotor(drive, now.current);
+        const frame_t frame = frame_of_rotor(drive, now.along_rotor);
 
         control(drive, &frame, sample.bus, true, out);
     } else {
-        finish_left_run(drive, sample, out);
+        finish_left_run(drive, now, out);
     }
 }
 
@@ -193,13 +194,14 @@ static void vector_tick(drive_t *drive, const drive_in_t *in, sample_t sample, u
 {
     const bool trained = estimate_is_trained(drive);
     const dq_t along_rotor = estimate_step(drive, sample, trained);
-    const instant_t now = {.sample = sample, .current = frame_measure(drive, sample)};
+    const instant_t now = {
+        .sample = sample, .along_rotor = along_rotor, .along_vector = frame_measure(drive, sample)};
     fault_t fault;
 
     fault_clear(&fault);
-    life_follow_or_fail(drive, open_loop_step(drive, &now, along_rotor, &fault), &fault, &sample);
+    life_follow_or_fail(drive, open_loop_step(drive, &now, &fault), &fault, &sample);
     take_slot(drive, in, &now, left, true);
-    act(drive, sample, along_rotor, now.current, trained, out);
+    act(drive, &now, trained, out);
 }
 
 /* A tick of PROBE. Its slow part may end it. */
@@ -207,7 +209,7 @@ static void probe_tick(drive_t *drive, const drive_in_t *in, sample_t sample, ui
                        drive_out_t *out)
 {
     const dq_t current = probing_step(drive, &in->command, sample, &out->compare);
-    const instant_t now = {.sample = sample, .current = current};
+    const instant_t now = {.sample = sample, .along_rotor = current, .along_vector = current};
 
     out->gate_enable = true;
     take_slot(drive, in, &now, left, false);
@@ -220,7 +222,7 @@ static void probe_tick(drive_t *drive, const drive_in_t *in, sample_t sample, ui
 static void idle_tick(drive_t *drive, const drive_in_t *in, sample_t sample, uint32_t left,
                       drive_out_t *out)
 {
-    const instant_t now = {.sample = sample, .current = {0, 0}};
+    const instant_t now = {.sample = sample, .along_rotor = {0, 0}, .along_vector = {0, 0}};
 
     open_gates(drive, out);
     if (drive->state == DRIVE_STATE_FLYING_START) {

@@ -184,8 +184,9 @@ void describe(CLI::App &command, RunArguments &arguments)
         ->check(not_a_trace_file, "")
         ->type_name("FILE");
     command
-        .add_option("--extremes", arguments.extremes,
-                    "write the smallest and largest value of each of the drive's signals as JSON")
+        .add_option(
+            "--extremes", arguments.extremes,
+            "write the smallest and largest value of the drive's voltages, references and outputs as JSON")
         ->check(not_a_trace_file, "")
         ->type_name("FILE");
     command.add_option("--vcd", arguments.vcd, "write states, signals and gate edges as VCD")

@@ -42,6 +42,9 @@ Json stages()
                 names.push_back(name);
             }
         }
+        if (names.empty()) {
+            continue;
+        }
         Json one = {{"title", stage.title}, {"signals", names}};
         if (stage.flag != nullptr) {
             one["flag"] = stage.flag;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 // A run that can be at any of its ticks, forwards and backwards.
 //
-// At a tick its control interrupt has run: the drive's signals are those of t_k, and so is the
+// At a tick its control interrupt has run: the drive's words are those of t_k, and so is the
 // truth. Backwards is a snapshot and the ticks from there: a run is its inputs, so it comes to the
 // same bits. Snapshots are thinned out as the run gets longer: there are never more than
 // SNAPSHOTS_MAX, evenly spaced, and a way back runs at most one spacing. Of a run without an end

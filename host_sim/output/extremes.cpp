@@ -11,14 +11,23 @@ namespace nf
 namespace
 {
 
-constexpr std::array<const char *, 5> INTERMEDIATES = {"drive.bus", "drive.current_ref.",
-                                                       "drive.voltage.", "drive.ratio_", "out."};
+constexpr std::array<const char *, 9> INTERMEDIATES = {
+    "drive.bus",
+    "drive.current_ref.d",
+    "drive.current_ref.q",
+    "drive.voltage.d",
+    "drive.voltage.q",
+    "drive.ratio_next.alpha",
+    "drive.ratio_next.beta",
+    "drive.ratio_acting.alpha",
+    "drive.ratio_acting.beta",
+};
 
 bool is_intermediate(const SignalInfo &signal)
 {
     const std::string name = signal.name;
-    return std::any_of(INTERMEDIATES.begin(), INTERMEDIATES.end(),
-                       [&name](const char *begin) { return name.rfind(begin, 0) == 0; });
+    return name.rfind("out.", 0) == 0 ||
+           std::find(INTERMEDIATES.begin(), INTERMEDIATES.end(), name) != INTERMEDIATES.end();
 }
 
 } // namespace

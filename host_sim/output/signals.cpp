@@ -75,7 +75,7 @@ double voltage_of(const Tick &t, int32_t q15)
 
 ab_t current_ab(const Tick &t)
 {
-    const sample_t sample = measured(t).sample;
+    const sample_t sample = measured_sample(*t.sim);
     return transforms_clarke(sample.phase_a, sample.phase_b);
 }
 
@@ -203,15 +203,15 @@ std::vector<SignalInfo> run_signals()
     };
 }
 
-// What the tick does not keep.
+// Measured values that the drive does not store.
 std::vector<SignalInfo> measured_signals()
 {
     using Q = Quantity;
     return {
         derived("i_a_measured_a", Q::current_a,
-                [](const Tick &t) { return current_of(t, measured(t).sample.phase_a); }),
+                [](const Tick &t) { return current_of(t, measured_sample(*t.sim).phase_a); }),
         derived("i_b_measured_a", Q::current_a,
-                [](const Tick &t) { return current_of(t, measured(t).sample.phase_b); }),
+                [](const Tick &t) { return current_of(t, measured_sample(*t.sim).phase_b); }),
         of_vector(derived("i_d_vector_a", Q::current_a,
                           [](const Tick &t) { return current_of(t, measured(t).along_vector.d); })),
         of_vector(derived("i_q_vector_a", Q::current_a,

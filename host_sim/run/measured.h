@@ -12,18 +12,11 @@ extern "C" {
 namespace nf
 {
 
-// Per unit, as the drive has it.
-struct Measured {
-    sample_t sample;
-    dq_t along_rotor;  // turned with θ̂
-    dq_t along_vector; // turned with the angle of the imposed vector
-};
+// Of the tick that has ended. The currents in both frames count where drive_is_controlled().
+instant_t measured(const Tick &tick);
 
-// Of the tick that has ended.
-Measured measured(const Tick &tick);
-
-// The currents along the rotor, turned with the θ̂ that the drive had before it went on by its
-// speed: where nobody has kept the tick.
+sample_t measured_sample(const Simulation &sim);
+// In the frame of the current control, as drive.current_ref.
 dq_t measured_current(const Simulation &sim);
 
 } // namespace nf

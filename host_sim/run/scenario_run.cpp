@@ -134,7 +134,7 @@ void ScenarioRun::evaluate(const Tick &tick)
         runs_from_s_ = now.time_s;
     }
     if (now.running) {
-        result_.saturations.add(drive, instant_sample(&drive, &run_.sim().in()), run_.sim().out());
+        result_.saturations.add(drive, measured_sample(run_.sim()), run_.sim().out());
     }
 }
 
@@ -166,7 +166,7 @@ void ScenarioRun::one()
     }
     if (options_.estimate) {
         drive_t &drive = run_.sim().seam().drive;
-        options_.estimate(drive, instant_sample(&drive, &run_.sim().in()));
+        options_.estimate(drive, measured_sample(run_.sim()));
     }
     run_.advance();
 }

@@ -15,7 +15,6 @@ Tick believed_tick(const Simulation &sim, double time_s)
     tick.speed_estimate = drive_speed(&sim.drive());
     tick.position_estimate_q32 = drive_position_q32(&sim.drive());
     tick.position_zero_q32 = sim.drive().position_loop.zero_q32;
-    tick.vector_angle = rotor_position_angle(&sim.drive().vector.position);
     tick.observer_speed = sim.drive().observer.speed;
     tick.ratio_acted = sim.drive().ratio_acting;
     tick.bus_before = sim.drive().bus;

@@ -15,7 +15,6 @@ struct Tick {
     step_t speed_estimate;         // ω̂(k), from before control()
     int64_t position_estimate_q32; // θ̂(k), likewise
     int64_t position_zero_q32;     // where position targets count from, likewise
-    angle_t vector_angle;          // of the imposed vector, likewise
     step_t observer_speed;         // the weight's speed, likewise
     ab_t ratio_acted;              // since t_k-1, Q15 of the bus, likewise
     int32_t bus_before;            // at t_k-1, Q15 of U_b, likewise

@@ -29,7 +29,7 @@ FAULTS = {
         "phase <= SUPERVISION_PHASES; phase++) {\n        note_phase", "runtime error: index 3"),
     "a clamp that is gone": (
         "drive", "firmware/drive/instant.h", "fx_usat15((int32_t)bus),",
-        "(int32_t)bus,", "drive.bus|bus:"),
+        "(int32_t)bus,", r"\bbus\b"),
     "a text that the TOML reader does not survive": (
         "config", "host_sim/config/text_guard.cpp", "static_cast<unsigned char>(c) >= 0x80", "c == 0x7F", "unreachable program point"),
     "a recording whose state is not looked at": (

@@ -210,7 +210,7 @@ static void assert_imposed(int32_t expected, int32_t thermal, step_t reference)
     for (int32_t k = 0; k <= (cfg.startup.current_move / cfg.startup.current_slope); k++) {
         const int32_t before = drive.current_ref.d;
 
-        (void)open_loop_step(&drive, &now, now.current, &fault);
+        (void)open_loop_step(&drive, &now, &fault);
         TEST_ASSERT_INT32_WITHIN(cfg.startup.current_slope, before, drive.current_ref.d);
     }
     TEST_ASSERT_EQUAL_INT32(expected, drive.current_ref.d);
@@ -436,7 +436,7 @@ TEST(test_the_hand_back_begins_with_what_flows_and_nothing_older)
     enter(DRIVE_STATE_RUN);
     drive.position.turns_q32 = QUARTER / 2;
     drive.current_ref = (dq_t){cfg.startup.current_hold, 0};
-    now.current = (dq_t){3000, -4000};
+    now.along_rotor = (dq_t){3000, -4000};
     drive.vector.current_mean = (dq_t){2, 2};
     drive.supervision.absent = 1U;
     drive.supervision.absent_periods = STALE;
@@ -729,9 +729,9 @@ static void end_measurement(align_phase_t phase, int32_t swing, int32_t step_fal
     if (first) {
         drive.align.high = (align_point_t){.voltage = 1000 * before, .current = 2500 * before};
     }
-    now.current = (dq_t){first ? 2500 : 1500, 0};
+    now.along_vector = (dq_t){first ? 2500 : 1500, 0};
     drive.voltage.d = first ? 1000 : 800;
-    take(open_loop_step(&drive, &now, now.current, &fault));
+    take(open_loop_step(&drive, &now, &fault));
 }
 
 /* The next tick evaluates what was measured, and the one after it acts on that. */
@@ -739,7 +739,7 @@ static void end_alignment(int32_t swing, int32_t step_fall)
 {
     end_measurement(ALIGN_MEASURE_LOW, swing, step_fall);
     for (uint32_t k = 0U; (k < 2U) && (drive.state == DRIVE_STATE_ALIGN); k++) {
-        take(open_loop_step(&drive, &now, now.current, &fault));
+        take(open_loop_step(&drive, &now, &fault));
     }
 }
 
@@ -1074,7 +1074,7 @@ static void offer_voltage_drive(void)
     cfg.voltage_drive = example_voltage_drive_cfg();
     run_at(2 * cfg.voltage_drive.speed_min, 1000);
     in.command.target = drive.speed_reference;
-    now.current = (dq_t){0, 1000};
+    now.along_rotor = (dq_t){0, 1000};
     drive.current_ref = (dq_t){0, 1000};
     drive.voltage = (dq_t){0, 8000};
 }
@@ -1105,7 +1105,7 @@ TEST(test_the_voltage_drive_begins_with_the_voltage_that_acts_whatever_speed_is_
     pi_reset(&drive.current_loop.pi_q, 8000);
     drive.observer.speed -= drive.observer.speed / 50;
     for (uint32_t k = 0U; k < cfg.voltage_drive.settle_periods; k++) {
-        now.current = drive.current_ref;
+        now.along_rotor = drive.current_ref;
         slot(SLOT_SPEED);
     }
     TEST_ASSERT_TRUE(drive.voltage_drive.active);
@@ -1284,7 +1284,7 @@ static int32_t heat_after_one_look(drive_state_t state)
     drive.derating.heat_q24 = 1000000;
     state_guard_keep_heat(&drive);
     drive.supervision.step = 0U;
-    now.current = (dq_t){STALE_CURRENT, 0};
+    now.along_rotor = (dq_t){STALE_CURRENT, 0};
     now.sample.phase_a = 0;
     now.sample.phase_b = 0;
     slot(SLOT_CHECKS);
@@ -1298,7 +1298,7 @@ static int32_t heat_of_phases(drive_state_t state, int32_t a, int32_t b)
     drive.derating.heat_q24 = 1000000;
     state_guard_keep_heat(&drive);
     drive.supervision.step = 0U;
-    now.current = (dq_t){0, 0};
+    now.along_rotor = (dq_t){0, 0};
     now.sample.phase_a = a;
     now.sample.phase_b = b;
     slot(SLOT_CHECKS);
@@ -1312,7 +1312,7 @@ static dq_t held_error_with(dq_t current)
     drive.vector.step = 0;
     supervision_reset(&drive.supervision);
     drive.current_ref = (dq_t){5000, 0};
-    now.current = current;
+    now.along_vector = current;
     drive.supervision.step = 2U; /* the check of the current */
     slot(SLOT_CHECKS);
     return drive.supervision.off_current;
@@ -1344,7 +1344,7 @@ TEST(test_a_current_that_nothing_controls_heats_as_one_that_is_controlled)
     drive.derating.heat_q24 = 1000000;
     state_guard_keep_heat(&drive);
     drive.supervision.step = 0U;
-    now.current = (dq_t){0, 8000};
+    now.along_rotor = (dq_t){0, 8000};
     slot(SLOT_CHECKS);
     const int32_t controlled = drive.derating.heat_q24;
 

@@ -143,8 +143,8 @@ TEST(test_it_begins_with_no_word_no_current_and_nothing_that_a_run_has_left)
         {"current_ref.q", &drive.current_ref.q},
         {"voltage.d", &drive.voltage.d},
         {"voltage.q", &drive.voltage.q},
-        {"ratio_ab.alpha", &drive.ratio_next.alpha},
-        {"ratio_ab.beta", &drive.ratio_next.beta},
+        {"ratio_next.alpha", &drive.ratio_next.alpha},
+        {"ratio_next.beta", &drive.ratio_next.beta},
         {"constant.d", &drive.current_loop.constant.d},
         {"constant.q", &drive.current_loop.constant.q},
         {"reactance.d", &drive.current_loop.reactance_q14.d},
@@ -296,11 +296,15 @@ TEST(test_the_samples_of_a_window_are_what_the_drive_has_measured)
         const dq_t demanded = drive.voltage;
         const int32_t turns = (int32_t)(drive.vector.position.turns_q32 >> 16U);
         const sample_t before = instant_sample(&drive, &in);
+        const angle_t angle = rotor_position_angle(&drive.vector.position);
         sample_t sample;
 
         word(PROBE_WINDOW, ((int32_t)(k + 1U) << PROBE_WINDOW_BITS) | 1);
         assert_dq(demanded, drive.probe.sums.voltage);
         sample = instant_sample(&drive, &in);
+        assert_dq(
+            transforms_park(transforms_clarke(sample.phase_a, sample.phase_b), trig_sincos(angle)),
+            probing_current(&drive));
         assert_dq(probing_current(&drive), drive.probe.sums.current);
         TEST_ASSERT_EQUAL_INT32(abs(sample.phase_a - before.phase_a), drive.probe.sums.noise_a);
         TEST_ASSERT_EQUAL_INT32(abs(sample.phase_b - before.phase_b), drive.probe.sums.noise_b);
