@@ -17,23 +17,24 @@
 #include <stdint.h>
 
 typedef struct {
-    const char *name; /* of motor, board and tuning */
+    const char *name; /* names of motor, board and tuning */
     /*
-     * Build-id of the image, RECORDER_BUILD_WORDS words. NULL: it has none. Not part of
-     * DRIVE_ABOUT.
+     * Build-id of the image, RECORDER_BUILD_WORDS words. NULL: the image has no build-id. Not part
+     * of DRIVE_ABOUT.
      */
     const uint32_t *build;
-    config_identity_t identity; /* of the configuration blocks that this image takes */
+    config_identity_t identity; /* schema and board of the blocks that this image accepts */
     units_rotation_t rotation;
-    int32_t speed_max_rpm; /* of the shaft, either way */
-    uint32_t is_example;   /* as in config_about_t */
-    uint32_t baud;         /* bits a second of the serial line, 10 a byte */
-    /* reading of adc_ia and adc_ib at no current: half of the converter's range */
+    int32_t speed_max_rpm; /* highest speed of the shaft, for both directions */
+    /* 1: an example motor, so nobody has said which motor is connected; else 0 */
+    uint32_t is_example;
+    uint32_t baud; /* bits per second of the serial line; a byte takes 10 bits */
+    /* reading of adc_ia and adc_ib at zero current: half of the converter's range */
     uint16_t current_zero_count;
-    /* ±: current of a reading that is current_zero_count counts away from current_zero_count */
+    /* current at which a reading is current_zero_count counts above current_zero_count */
     uint32_t current_full_scale_ua;
     uint32_t bus_full_scale_uv;
-    temperature_line_t temperature; /* of adc_temperature */
+    temperature_line_t temperature; /* converts adc_temperature to °C */
 } about_t;
 
 #endif

@@ -15,9 +15,9 @@
 
 /* The background's cross-checks, cross_check.h. */
 typedef struct {
-    uint32_t tick;       /* of the last sample */
-    uint32_t begun;      /* the tick in which this window has begun */
-    drive_state_t state; /* at the last sample */
+    uint32_t tick;       /* tick that was checked last */
+    uint32_t begun;      /* tick in which the present window began */
+    drive_state_t state; /* state of the drive in the tick that was checked last */
     current_sum_t sum;
 } cross_check_t;
 
@@ -25,12 +25,12 @@ typedef struct {
     drive_t drive;
     command_mailbox_t mailbox; /* the background posts, the interrupt takes */
     hal_t *hal;
-    drive_in_t in; /* the frames of the last tick, for traces and recordings */
-    drive_out_t out;
-    recorder_t *recorder; /* NULL: none */
+    drive_in_t in;        /* input frame of the last tick */
+    drive_out_t out;      /* output frame of the last tick */
+    recorder_t *recorder; /* NULL: nothing is recorded */
     /*
      * a configuration that the background has posted and the interrupt has not taken yet; NULL:
-     * none
+     * there is none
      */
     const drive_cfg_t *volatile change;
     /* while `fails` is true the drive takes this in place of the user's command */
@@ -38,10 +38,10 @@ typedef struct {
     volatile bool fails; /* written by the background only */
     /* Background only: */
     cross_check_t check;
-    uint32_t ticket; /* of the next command of a PC, commander.h */
+    uint32_t ticket; /* ticket that the next command of a PC has to carry, see commander.h */
     bool failed;     /* the drive was in FAULT at the last commander_step() */
-    bool keeps_heat; /* kept_heat_restore() has run: the heat may be kept, kept_heat.h */
-    bool unlocked;   /* the next configuration may protect less, commander.h */
+    bool keeps_heat; /* kept_heat_restore() has run, so kept_heat_step() may keep the heat */
+    bool unlocked;   /* the next configuration of a PC may protect less, see commander.h */
 } app_t;
 
 /*
@@ -62,7 +62,7 @@ void app_record(app_t *app, recorder_t *recorder);
  */
 void app_change(app_t *app, const drive_cfg_t *cfg);
 
-/* Whether a posted configuration has not been taken yet. Context: background. */
+/* Returns true while the interrupt has not taken a posted configuration. Context: background. */
 bool app_changes(const app_t *app);
 
 /*

@@ -5,9 +5,12 @@
 #include "inlining.h"
 
 #define REQUEST_SHIFT (8U)
-#define SEED (0xA5A50000UL) /* memory of zeros is not a sound slot */
+#define SEED (0xA5A50000UL) /* with this seed, memory of zeros is not a sound slot */
 
-/* If a bit of the command flips, one bit of the computed check word flips. */
+/*
+ * Returns the check word of a command. If a bit of the command flips, one bit of the check word
+ * flips.
+ */
 static uint32_t check_of(const drive_command_t *command)
 {
     const uint32_t rest = command->mode | ((uint32_t)command->request << REQUEST_SHIFT);
@@ -48,7 +51,10 @@ void command_mailbox_post(command_mailbox_t *box, const drive_command_t *command
     box->slots[before] = slot;
 }
 
-/* The other slot in place of a damaged one. If it is damaged too: speed 0 without a request. */
+/*
+ * Returns the slot to take in place of a damaged one: the other slot. If that one is damaged too,
+ * returns speed 0 without a request.
+ */
 RARE static const command_slot_t *spare(const command_slot_t *other)
 {
     static const command_slot_t none = {

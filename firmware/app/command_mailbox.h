@@ -26,12 +26,13 @@
 
 typedef struct {
     drive_command_t command;
-    uint32_t check; /* of the command */
+    uint32_t check; /* check word of the command */
 } command_slot_t;
 
 typedef struct {
     command_slot_t slots[COMMAND_MAILBOX_SLOTS];
-    volatile uint32_t in_force; /* its lowest bit is an index; written by the background only */
+    /* the lowest bit is the index of the slot in force; written by the background only */
+    volatile uint32_t in_force;
 } command_mailbox_t;
 
 /*

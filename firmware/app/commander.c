@@ -29,7 +29,10 @@ bool commander_take_ticket(app_t *app, uint32_t ticket)
     return counts;
 }
 
-/* The zero request, if the drive has not taken it yet: the next command must not lose it. */
+/*
+ * Returns DRIVE_REQUEST_ZERO while the drive has not taken it, else 0. The next command must keep
+ * it.
+ */
 static uint8_t zero_to_come(const app_t *app)
 {
     return (uint8_t)(command_mailbox_take(&app->mailbox).request & DRIVE_REQUEST_ZERO);
@@ -136,7 +139,7 @@ static bool is_too_fast(const drive_command_t *command, step_t speed_max)
            ((command->target > speed_max) || (command->target < -speed_max));
 }
 
-/* Why this target is refused in this mode; NULL: it is not. */
+/* Returns why the target is refused in this mode; NULL: it is accepted. */
 static const char *target_refused(const app_t *app, const drive_command_t *command,
                                   step_t speed_max)
 {
@@ -154,7 +157,7 @@ static const char *target_refused(const app_t *app, const drive_command_t *comma
     return why;
 }
 
-/* Why this request is refused now; NULL: it is not. */
+/* Returns why the request is refused now; NULL: it is accepted. */
 static const char *request_refused(const app_t *app, uint8_t what, bool counts)
 {
     const bool failed = app->drive.state == DRIVE_STATE_FAULT;
@@ -169,7 +172,7 @@ static const char *request_refused(const app_t *app, uint8_t what, bool counts)
     } else if (!failed && (what == DRIVE_REQUEST_CLEAR)) {
         why = NO_FAULT;
     } else {
-        /* it is possible now; `why` stays if its ticket is old */
+        /* the request is possible now; `why` is set if its ticket is old */
     }
     return why;
 }
@@ -189,10 +192,10 @@ const char *commander_command(app_t *app, const drive_command_t *command, bool c
             commander_renew_ticket(app, 0U);
         }
     } else if (command->request == 0U) {
-        commander_stop(app); /* a motor that has to stop does so, whatever else the message says */
+        commander_stop(app); /* a stop is obeyed, whatever else the message says */
         why = NULL;
     } else {
-        /* that is the answer */
+        /* refused: `why` is the reason */
     }
     return why;
 }
@@ -233,7 +236,10 @@ void commander_lock(app_t *app)
     app->unlocked = false;
 }
 
-/* The requests that are over. The drive has taken a zero if its last frame had it. */
+/*
+ * Returns the requests that have to end now: run in FAULT, clear outside FAULT, and zero once the
+ * input frame of the last tick had it.
+ */
 static uint8_t requests_over(const app_t *app)
 {
     const bool failed = app->drive.state == DRIVE_STATE_FAULT;
@@ -251,7 +257,8 @@ void commander_step(app_t *app)
     command_mailbox_mend(&app->mailbox);
     command = command_mailbox_take(&app->mailbox);
     if ((command.request & over) != 0U) {
-        command.request &= (uint8_t)~over; /* the ticket stays: the PC that cleared uses it */
+        /* the ticket stays, because the PC that cleared the fault uses it next */
+        command.request &= (uint8_t)~over;
         command_mailbox_post(&app->mailbox, &command);
     }
     if (failed && !app->failed) {

@@ -11,7 +11,8 @@
  * A message of a PC may arrive late, twice, or out of order. So each message that may command
  * carries a ticket, a number that is valid once. Each such message, each request to run, stop or
  * clear, each fault and anything else that ends a request makes a new ticket. A message that was
- * sent before carries an old ticket and does not count, however late it arrives.
+ * sent before carries an old ticket, and its command is refused, however late it arrives. Only a
+ * stop is always carried out.
  */
 #ifndef COMMANDER_H
 #define COMMANDER_H
@@ -20,34 +21,38 @@
 
 #include <stdbool.h>
 
-/* Why a command does not count: its ticket is an old one. */
+/* The reason why a command with an old ticket is refused. */
 #define COMMANDER_STALE "the drive has been commanded or has stopped since; ask again"
 
-/* The ticket that counts now. */
+/* Returns the ticket that is valid now. */
 uint32_t commander_ticket(const app_t *app);
 
-/* Whether a ticket counts. A ticket that counts is spent by this call: it does not count again. */
+/*
+ * Returns whether a ticket is valid. This call uses up a valid ticket: it is not valid a second
+ * time.
+ */
 bool commander_take_ticket(app_t *app, uint32_t ticket);
 
 /*
- * Makes a new ticket: no earlier one counts from now on. salt: 0, or the number that a PC has drawn
- * for its session.
+ * Makes a new ticket: earlier tickets are not valid any more. salt: 0, or the number that a PC has
+ * drawn for its session.
  */
 void commander_renew_ticket(app_t *app, uint32_t salt);
 
-/* Close the loop. Returns NULL, or why it is refused: a fault is latched. */
+/* Requests a run. Returns NULL, or the reason for a refusal: a fault is latched. */
 const char *commander_run(app_t *app);
 
-/* Open the gates; the motor coasts. */
+/* Requests a stop: the gates open, and the motor coasts. */
 void commander_stop(app_t *app);
 
-/* Acknowledge the fault. Returns NULL, or why it is refused: there is none. */
+/* Requests to clear the fault. Returns NULL, or the reason for a refusal: there is no fault. */
 const char *commander_clear(app_t *app);
 
 /*
- * Counts positions from here. In position mode the target becomes 0, so the drive stays here. The
- * request stays in force until the drive has taken it. Returns NULL, or why it is refused: with
- * open gates and without a sensor nobody knows where the rotor is.
+ * Makes the present position of the rotor the zero from which positions are counted. In position
+ * mode the target becomes 0, so the rotor stays where it is. The request stays in force until the
+ * drive has taken it. Returns NULL, or the reason for a refusal: with open gates and without a
+ * sensor the position is unknown.
  */
 const char *commander_zero(app_t *app);
 
@@ -70,11 +75,12 @@ void commander_set_torque(app_t *app, int32_t torque_q28);
 int32_t commander_torque_max(const app_t *app);
 
 /*
- * A whole command of a PC. speed_max: the motor's limit, electrical, for both directions. Returns
- * NULL, or why it is refused; then the command in force stays. Refused are: an unknown request or
- * mode, a run in FAULT, a clear without a fault, a speed beyond speed_max, a torque beyond
- * commander_torque_max(), a ticket that does not count. A stop is never refused, whatever its
- * ticket. A stop with a wrong mode or target leaves the mode and target in force.
+ * Puts a whole command of a PC in force. counts: its ticket is valid. speed_max: the motor's limit,
+ * electrical, for both directions. Returns NULL, or the reason for a refusal; then the command in
+ * force stays. These commands are refused: an unknown request or mode, a run in FAULT, a clear
+ * without a fault, a speed beyond speed_max, a torque beyond commander_torque_max(), and a command
+ * whose ticket is not valid. A stop is never refused, whatever its ticket. A stop with a wrong mode
+ * or target leaves the mode and target in force.
  */
 const char *commander_command(app_t *app, const drive_command_t *command, bool counts,
                               step_t speed_max);
@@ -83,8 +89,8 @@ const char *commander_command(app_t *app, const drive_command_t *command, bool c
 void commander_limit_speed(app_t *app, step_t speed_max);
 
 /*
- * Puts speed 0 without a request in force, as at the start. For a change to another motor: the
- * target in force is in steps of the old one.
+ * Puts speed 0 without a request in force, as at the start. Call after a change to another motor,
+ * because the target in force is in steps of the old motor.
  */
 void commander_begin_anew(app_t *app);
 
@@ -93,13 +99,13 @@ bool commander_is_at_rest(const app_t *app);
 
 /*
  * Lets the next configuration of a PC protect less than the one in force (config_lock.h). The
- * unlocking ends with that configuration, taken or refused; as soon as the drive is not at rest;
- * and when a PC gives the line back or takes it anew. Returns NULL, or why it is refused: the drive
- * is not at rest.
+ * unlocking ends when that configuration is taken or refused, when the drive is no longer at rest,
+ * and when a PC gives the line back or takes it again. Returns NULL, or the reason for a refusal:
+ * the drive is not at rest.
  */
 const char *commander_unlock(app_t *app);
 
-/* Ends the unlocking. */
+/* Ends the unlocking by commander_unlock(). */
 void commander_lock(app_t *app);
 
 /*

@@ -14,7 +14,10 @@ void console_say(console_t *console, const char *line)
     text_end_line(&console->out);
 }
 
-/* why: the reason for a refusal; NULL: the command is done. Returns whether it is done. */
+/*
+ * Adds the answer to a command. why: the reason for a refusal; NULL: the command is done. Returns
+ * whether it is done.
+ */
 static bool answer(console_t *console, const char *why)
 {
     if (why != NULL) {
@@ -47,7 +50,7 @@ static bool set_speed(console_t *console, const char *argument)
     bool done = false;
 
     if (identify_is_busy(&console->identify)) {
-        done = answer(console, CONSOLE_MEASURING); /* the target is a word of the probe */
+        done = answer(console, CONSOLE_MEASURING); /* the target in force is a word of the probe */
     } else if (good && (rpm >= -max_rpm) && (rpm <= max_rpm)) {
         commander_set_speed(console->app, units_step(&console->about->rotation, rpm));
         done = answer(console, NULL);
@@ -86,7 +89,7 @@ static bool set_torque(console_t *console, const char *argument)
     return done;
 }
 
-/* Why the recorder cannot take a command now; NULL: it can. */
+/* Returns why the recorder cannot take a command now; NULL: it can. */
 static const char *why_not(const console_t *console)
 {
     const char *why = NULL;
@@ -96,12 +99,12 @@ static const char *why_not(const console_t *console)
     } else if (console->app->recorder == NULL) {
         why = "there is no recorder";
     } else {
-        /* it is free */
+        /* the recorder is free */
     }
     return why;
 }
 
-/* The tick freezes the recording: without ticks a dump would wait for ever. */
+/* Whether a dump would wait for ever: a tick has to freeze the recording, and no tick runs. */
 static bool never_freezes(const console_t *console)
 {
     const hal_t *const hal = console->hal;
@@ -109,16 +112,20 @@ static bool never_freezes(const console_t *console)
     return !console->app->recorder->frozen && (hal_health(hal).tick_lost || (hal_ticks(hal) == 0U));
 }
 
-/* The recorder freezes in the next ticks, if it has not done so after a fault. */
+/*
+ * Asks for a dump. The recorder freezes in the next ticks, unless a fault has frozen it already.
+ * Returns NULL, or the reason for a refusal.
+ */
 static const char *ask_for_dump(console_t *console)
 {
     app_t *const app = console->app;
     const char *why = why_not(console);
 
     if (why != NULL) {
-        /* that is the answer */
+        /* refused: `why` is the reason */
     } else if (identify_is_busy(&console->identify)) {
-        why = CONSOLE_MEASURING; /* with current it would wait for the dump's end */
+        /* the identification would wait for the dump's end, with current in the motor */
+        why = CONSOLE_MEASURING;
     } else if (never_freezes(console)) {
         why = "the control tick does not run, nothing is recorded";
     } else {
@@ -128,7 +135,10 @@ static const char *ask_for_dump(console_t *console)
     return why;
 }
 
-/* Gives up the recording of a fault. A recording that is not kept goes on. */
+/*
+ * Gives up the recording of a fault, so that a new one begins. If no recording is kept, recording
+ * goes on. Returns NULL, or the reason for a refusal.
+ */
 static const char *record_anew(console_t *console)
 {
     const char *const why = why_not(console);
@@ -159,7 +169,8 @@ static void start_dump(console_t *console)
 }
 
 /*
- * Adds the next line of the dump. It waits until `out` is sent, so other lines may come in between.
+ * Adds the next line of the dump, or ends the dump after its last line. Each line waits until `out`
+ * is sent, so other lines may come between the lines of a dump.
  */
 static void send_dump(console_t *console)
 {
@@ -232,7 +243,10 @@ static void do_other_line(console_t *console)
     }
 }
 
-/* Whether a line changes the command to the drive. `stop` is left out: it always counts. */
+/*
+ * Whether a line changes the command to the drive. `stop` is left out, because it is always carried
+ * out.
+ */
 static bool is_command(const char *line)
 {
     return (text_after(line, "speed ") != NULL) || (text_after(line, "torque ") != NULL) ||
@@ -240,7 +254,7 @@ static bool is_command(const char *line)
            same(line, "identify") || same(line, "unlock");
 }
 
-/* Carries out the line. Returns whether it commands the drive and was not refused. */
+/* Carries out the line. Returns whether the line commands the drive and was not refused. */
 static bool do_line(console_t *console, bool counts)
 {
     const char *const line = console->line;
@@ -286,7 +300,7 @@ bool console_take(console_t *console, uint8_t byte, bool counts)
         console->line[console->length] = (char)byte;
         console->length++;
     } else {
-        console->line[0] = '?'; /* too long: no command starts so */
+        console->line[0] = '?'; /* the line is too long: no command begins with "?" */
     }
     return commands;
 }

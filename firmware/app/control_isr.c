@@ -6,7 +6,7 @@
 
 #include <stddef.h>
 
-/* Withdraws the failure: none is posted then. */
+/* Withdraws the failure that app_fail() has posted. */
 static void clear_failure(app_t *app)
 {
     app->fails = false;
@@ -81,7 +81,9 @@ void app_fail(app_t *app, const fault_t *fault)
     app->fails = true;
 }
 
-/* If `fails` is true without a failure, a bit has flipped by itself: it is cleared too. */
+/*
+ * If `fails` is true but no failure is posted, a bit has flipped by itself: `fails` is cleared too.
+ */
 void app_forget_failure(app_t *app)
 {
     if (app->fails &&
@@ -91,8 +93,8 @@ void app_forget_failure(app_t *app)
 }
 
 /*
- * Both `fails` and the request must say so: a bit that flips by itself in one of them neither
- * causes a fault nor starts the drive.
+ * Whether the background has posted a failure. Both `fails` and the request must say so: a bit that
+ * flips by itself in one of them neither causes a fault nor starts the drive.
  */
 static bool is_told(const app_t *app)
 {

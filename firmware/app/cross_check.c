@@ -5,7 +5,7 @@
 #include "instant.h"
 #include "monitor.h"
 
-#define MIDDLE_Q15 (16384) /* half of a converter's scale */
+#define MIDDLE_Q15 (16384) /* half of a converter's range */
 
 /* The measurements of one tick. */
 typedef struct {
@@ -34,7 +34,7 @@ static measured_t measure_tick(const app_t *app)
     };
 }
 
-/* Window in ticks, the same as for the means of the supervision. */
+/* Returns the length of the window in ticks. The means of the supervision have the same window. */
 static uint32_t window_of(const drive_cfg_t *cfg)
 {
     return (cfg->slow_ticks * SUPERVISION_STEPS) << cfg->supervision.mean_shift;
@@ -70,14 +70,14 @@ static void check_sum(app_t *app, const measured_t *measured)
     } else if (judge_sum(app, measured, &fault) != FAULT_NONE) {
         app_fail(app, &fault);
     } else {
-        /* as it should be */
+        /* no fault */
     }
     check->state = measured->state;
 }
 
 /*
- * If a control interrupt comes meanwhile, the measurements are of two ticks and are discarded. The
- * barriers make the compiler read the tick a second time.
+ * If a control interrupt comes during the measurement, the values are of two ticks and are
+ * discarded. The barriers make the compiler read the tick a second time.
  */
 static void check_tick(app_t *app, uint32_t tick)
 {

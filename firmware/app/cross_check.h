@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The check of the measurements by the background, in addition to those by the control interrupt
- * (supervision.h): it checks the sum of the three phase currents (current_sum.h). It reports a
- * fault to the drive by app_fail().
+ * The background checks the measurements too, in addition to the control interrupt (supervision.h).
+ * It checks the sum of the three phase currents (current_sum.h), and reports a fault to the drive
+ * by app_fail().
  */
 #ifndef CROSS_CHECK_H
 #define CROSS_CHECK_H
@@ -10,8 +10,8 @@
 #include "app.h"
 
 /*
- * Call once per pass of the background. It checks once a tick. If a control interrupt comes during
- * a check, that check is discarded. Context: background.
+ * Call once per pass of the background. It checks at most once a tick. If a control interrupt comes
+ * during a check, that check is discarded. Context: background.
  */
 void cross_check_step(app_t *app);
 

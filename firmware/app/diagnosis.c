@@ -5,17 +5,25 @@
 
 #include <stddef.h>
 
-#define STEPS_IN_A_TURN (4294967296LL)
-#define NEAR_SHARE (12) /* two frequencies are the same within 1/12 */
-#define SIX (6)         /* the legs commute six times in an electrical turn */
-/* a swing by the lag of the loop: its period is 6/8 of the computed one at least … */
+#define STEPS_IN_A_TURN (4294967296LL) /* of an angle_t */
+#define NEAR_SHARE (12) /* two frequencies count as equal if they differ by at most 1/12 */
+#define SIX (6) /* in an electrical turn the three leg currents change their sign six times */
+/*
+ * The phase lag of the speed loop can cause a swing whose period is 6/8 to 12/8 of lag_periods_q4,
+ * the period at which this phase lag is 180°.
+ */
 #define LAG_EIGHTHS (6U)
-#define LAG_EIGHTHS_MOST (12U) /* … and 12/8 at most */
+#define LAG_EIGHTHS_MOST (12U)
 #define EIGHT (8U)
-#define HALVES_SEEN (4U) /* half-waves that are a swing, though not yet a fault */
-#define NOISE_SHARE (6)  /* noise above 1/6 of a limit is not small */
-#define WHOLE_SHARE (16) /* a swing that comes within 1/16 of the current limit is held by it */
-/* a rotor that turns with less than 1/2 of the vector's speed does not follow it */
+#define HALVES_SEEN (4U) /* so many half-waves are a sign of a swing, though not yet a fault */
+/* The noise at rest is a sign if it is above 1/6 of the residual that a start allows. */
+#define NOISE_SHARE (6)
+/* A swing reaches the current limit if its amplitude is less than 1/16 below this limit. */
+#define WHOLE_SHARE (16)
+/*
+ * The rotor does not follow the vector if the two speeds differ by more than 1/2 of the vector's
+ * speed.
+ */
 #define FOLLOW_SHARE (2)
 
 static uint32_t sign_if(fault_sign_t sign, bool is_there)
@@ -28,7 +36,9 @@ static bool was_running(const drive_t *drive)
     return drive->scene.state == DRIVE_STATE_RUN;
 }
 
-/* Whether one of these limits left less than 3/4 of the motoring current. */
+/*
+ * Whether in RUN one of `limits` was in force and less than 3/4 of the motoring current was left.
+ */
 static bool is_derated_by(const drive_t *drive, uint32_t limits)
 {
     const int32_t whole = drive->cfg->derating.current_max;
@@ -37,7 +47,7 @@ static bool is_derated_by(const drive_t *drive, uint32_t limits)
            (drive->scene.motoring < (whole - (whole / 4)));
 }
 
-/* Frequency of the swing in steps per tick; 0: there was none. */
+/* Returns the frequency of the last swing in steps per tick; 0: no swing was found. */
 static int64_t swing_step(const drive_t *drive)
 {
     const int64_t ticks = 2LL * (int64_t)drive->oscillation.span * (int64_t)drive->cfg->slow_ticks;
@@ -46,7 +56,7 @@ static int64_t swing_step(const drive_t *drive)
                         : ((STEPS_IN_A_TURN * (int64_t)drive->cfg->oscillation.halves_max) / ticks);
 }
 
-/* Whether a frequency is `times` as high as `turn`, both in steps per tick. */
+/* Whether `frequency` is about `times` · `turn`. Both are in steps per tick. */
 static bool is_times(int64_t frequency, int64_t turn, int64_t times)
 {
     const int64_t expected = turn * times;
@@ -56,8 +66,8 @@ static bool is_times(int64_t frequency, int64_t turn, int64_t times)
 }
 
 /*
- * Period of the swing, and the period at which the loop lags by half a turn, in sixteenths of a
- * slow period.
+ * Period of the swing, and the period at which the speed loop has a phase lag of 180°, both in
+ * sixteenths of a slow period.
  */
 typedef struct {
     uint64_t swing_q4;
@@ -84,7 +94,7 @@ static bool is_slower_than_lag(const periods_t *periods)
     return (EIGHT * periods->swing_q4) > (LAG_EIGHTHS_MOST * periods->lag_q4);
 }
 
-/* A loop that swings by itself reaches the limit of its current. */
+/* Whether the swing reaches the current limit. A loop that swings by itself does so. */
 static bool swings_at_limit(const drive_t *drive)
 {
     const int32_t whole = drive->cfg->derating.current_max;
@@ -93,12 +103,13 @@ static bool swings_at_limit(const drive_t *drive)
 }
 
 /*
- * The cause of a swing that is forced on the loop, by its frequency. With few pole pairs two causes
- * have the same frequency.
+ * Returns the signs of a swing that something outside the loop forces, by its frequency. shaft,
+ * electric: frequency of the shaft's turn and of the electrical turn. With few pole pairs two
+ * causes have the same frequency.
  */
 static uint32_t forced_signs(int64_t frequency, int64_t shaft, int64_t electric)
 {
-    /* half of the shaft's frequency: a four-stroke engine or a belt */
+    /* a four-stroke engine or a belt forces a swing at half of the shaft's frequency */
     const bool turns = is_times(2 * frequency, shaft, 1) || is_times(frequency, shaft, 1) ||
                        is_times(frequency, shaft, 2) || is_times(frequency, shaft, 3);
     const bool electrical = is_times(frequency, electric, 1) || is_times(frequency, electric, 2);
@@ -122,15 +133,15 @@ static uint32_t swing_signs(const drive_t *drive, uint32_t pole_pairs)
     const bool own = lags && swings_at_limit(drive);
     uint32_t signs = sign_if(FAULT_SIGN_LAG, lags);
 
-    if (!fast && !own) { /* the loop does not answer to a faster one */
+    if (!fast && !own) { /* the loop does not follow a faster swing, so nothing has forced it */
         signs |= forced_signs(swing_step(drive), electric / (int64_t)pole_pairs, electric);
     }
     return signs;
 }
 
 /*
- * Mean change from sample to sample by noise at rest, Q15 of I_b: 1.13 of the rms value of the
- * noise.
+ * Returns the mean change of a current sensor from sample to sample at rest, Q15 of I_b. It is 1.13
+ * times the rms value of the noise.
  */
 static int32_t noise_at_rest(const drive_t *drive)
 {
@@ -144,13 +155,18 @@ static int32_t noise_at_rest(const drive_t *drive)
     return (int32_t)mean;
 }
 
-/* Noise compared with the smallest current by which a start judges. */
+/*
+ * Whether the noise at rest is large compared with the residual that a start allows (residual_max).
+ */
 static bool is_noisy_at_rest(const drive_t *drive)
 {
     return (NOISE_SHARE * noise_at_rest(drive)) > drive->cfg->startup.residual_max;
 }
 
-/* If a start turns the vector without the rotor, the observer finds no speed, or a wrong one. */
+/*
+ * Whether the rotor did not follow the vector of a start. Then the observer finds no speed, or a
+ * wrong one.
+ */
 static bool is_not_followed(const drive_t *drive)
 {
     const step_t vector = drive->vector.step;
@@ -160,8 +176,9 @@ static bool is_not_followed(const drive_t *drive)
 }
 
 /*
- * Whether the braking torque is more than ripple. If a high bus has taken the braking torque away,
- * none is visible: then a torque that does not clearly drive counts too.
+ * Whether the drive was braking: the braking torque was larger than ripple. If a high bus had
+ * derated the braking torque, no braking torque is left to see. Then the drive was braking unless
+ * the torque was clearly motoring.
  */
 static bool brakes(const drive_t *drive)
 {
@@ -194,7 +211,10 @@ static uint32_t scene_signs(const drive_t *drive)
            sign_if(FAULT_SIGN_NOT_FOLLOWED, is_not_followed(drive));
 }
 
-/* Whether a phase has kept its value in the arc under way, while another one has moved. */
+/*
+ * Whether one of the two measured phase currents has stayed constant in the present arc
+ * (supervision.h), while the other has changed.
+ */
 static bool is_stuck(const drive_t *drive)
 {
     const supervision_t *const seen = &drive->supervision;
@@ -210,7 +230,10 @@ static bool is_stuck(const drive_t *drive)
     return (least <= 1) && (most > drive->cfg->supervision.phase_range_min);
 }
 
-/* A phase has no current at the instant of the fault, while others have one or should have. */
+/*
+ * Whether a phase had no current in the tick of the fault, although the drive controlled the
+ * current.
+ */
 static bool is_without_current(const drive_t *drive)
 {
     const int32_t a = drive->scene.phase_a;

@@ -13,12 +13,21 @@
 
 #define MS_PS (1000000000U)
 #define WINDOW_NUMBERS (0x7FFU)
-#define CURRENT_ONE (32768)     /* I_b in Q15 */
-#define NOISE_SHARE (16)        /* of the continuous current, mean change from sample to sample */
-#define LONGEST_MOVE_MS (5000U) /* of the first attempt, whose longest ramp takes 3 s */
+#define CURRENT_ONE (32768) /* I_b in Q15 */
+/*
+ * a measurement is accepted if the mean change of a current sensor from sample to sample is at most
+ * 1/16 of the continuous current
+ */
+#define NOISE_SHARE (16)
+/*
+ * a move of the vector that takes longer is given up; in the first attempt the longest ramp takes 3
+ * s
+ */
+#define LONGEST_MOVE_MS (5000U)
 #define BRAKING_HELP \
     ": a supply that takes power back or a brake resistor helps, or a lower max_speed_rpm"
-#define LONGEST_MS (120000U) /* of all experiments with their lines, which take 10 to 30 s */
+/* an identification that takes longer is ended; usually it takes 10 to 30 s, with its lines */
+#define LONGEST_MS (120000U)
 
 /* ---- the words of an experiment ---- */
 
@@ -61,7 +70,8 @@ static bool word_is_taken(const identify_t *identify)
 }
 
 /*
- * Posts the next word that is not in force, except the window's. Returns whether all are in force.
+ * Posts the next word that is not in force yet, except the word of the window. Returns true if no
+ * such word is left.
  */
 static bool ask(identify_t *identify)
 {
@@ -118,7 +128,7 @@ static void add_words(text_t *text, dq_t value)
     add_word(text, value.q);
 }
 
-/* Adds the end of a record. The text has nothing but this record. */
+/* Adds ` #` and the CRC to a record. `text` contains only this record. */
 static void end_record(identify_t *identify, text_t *text)
 {
     identify->crc = text_crc(identify->crc, text->characters, text->length);
@@ -194,12 +204,15 @@ static void say_end(identify_t *identify, text_t *text)
         }
     }
     if (identify->needed > 0) {
-        /* rounded up: a name plate with the current of this text has enough */
+        /* rounded up, so that a name plate with this current is accepted */
         add_amperes(text, milliamperes(identify, identify->needed) + 1);
     }
 }
 
-/* The speed of the vector, and a third more for the rotor's swings. */
+/*
+ * Adds the highest speed of the rotor: the highest speed of the vector, and a third more because
+ * the rotor swings.
+ */
 static void add_highest_speed(const identify_t *identify, text_t *text, const char *before)
 {
     const step_t speed = identify_turn_speed(identify);
@@ -209,7 +222,7 @@ static void add_highest_speed(const identify_t *identify, text_t *text, const ch
     text_add(text, " rpm");
 }
 
-/* Says before each phase what it will do, with which current and speed. */
+/* Adds the line before a phase: what the shaft will do, with which current and speed. */
 static void say_phase(identify_t *identify, text_t *text)
 {
     const int32_t continuous = milliamperes(identify, identify_aim_continuous(identify));
@@ -250,7 +263,7 @@ static void say_phase(identify_t *identify, text_t *text)
 
 static bool plan_in_phase(identify_t *identify)
 {
-    bool aims = true; /* nothing more is to be planned */
+    bool aims = true; /* true at the end: nothing is left to plan */
 
     switch (identify->phase) {
     case IDENTIFY_PULSE:
@@ -290,14 +303,15 @@ static void plan_next(identify_t *identify)
     }
 }
 
-/* Largest mean change of a sensor from sample to sample that still allows a result, Q15 of I_b. */
+/* Returns the largest accepted mean change of a sensor from sample to sample, Q15 of I_b. */
 static int32_t noise_most(const identify_t *identify)
 {
     return identify_aim_continuous(identify) / NOISE_SHARE;
 }
 
 /*
- * Judges the first pulses on each axis only: larger pulses and a turning vector change the current.
+ * Whether the current sensors are too noisy. Only the first pulses on each axis are judged: later,
+ * larger pulses and a turning vector change the current themselves.
  */
 static bool is_noisy(const identify_t *identify)
 {
@@ -319,15 +333,16 @@ static void end_experiment(identify_t *identify, text_t *text)
     }
 }
 
-/* All words are in force. */
+/* Goes on when all words are in force. */
 static void have_asked(identify_t *identify)
 {
     wait_for(identify, identify->aim.leads ? IDENTIFY_MEASURING : IDENTIFY_MOVING);
 }
 
 /*
- * The ramps of each further attempt take twice as long. The longest ramp leads from 1/4 of the
- * highest speed down to 1/16 of it.
+ * Returns the ticks after which a move of the vector is given up. The longest ramp belongs to SPIN:
+ * it goes from 1/4 of the highest speed down to 1/16 of it. The ramps of each further attempt take
+ * twice as long.
  */
 static uint32_t longest_move(const identify_t *identify)
 {
@@ -337,8 +352,8 @@ static uint32_t longest_move(const identify_t *identify)
 }
 
 /*
- * The vector waits for a rotor that is lost, or for a bus that its braking has raised and that does
- * not come down.
+ * Gives up a move of the vector that takes too long. The rotor is lost, or braking has raised the
+ * bus voltage and it does not fall.
  */
 static void give_up_moving(identify_t *identify)
 {
@@ -369,7 +384,7 @@ static void go_on(identify_t *identify, text_t *text)
             give_up_moving(identify);
             plan_next(identify);
         } else {
-            /* it moves */
+            /* the vector still moves */
         }
         break;
     case IDENTIFY_SETTLING:
@@ -392,8 +407,8 @@ void identify_init(identify_t *identify, app_t *app, const about_t *about)
 }
 
 /*
- * Starts from the words that probe_reset() leaves. Withdraws a run that the drive has not taken
- * yet.
+ * Begins an identification, from the words that probe_reset() sets. Withdraws a run that the drive
+ * has not taken yet.
  */
 static void begin_identifying(identify_t *identify)
 {
@@ -428,7 +443,7 @@ const char *identify_start(identify_t *identify)
     if (identify_is_busy(identify)) {
         why = "it is under way";
     } else if (app_changes(identify->app)) {
-        /* the plan takes its currents from the configuration */
+        /* the identification takes its currents from the configuration */
         why = "the configuration changes in this moment; ask again";
     } else if (identify->about->is_example != 0U) {
         why = "the configuration has an example motor: name the one that is connected, by "
@@ -442,8 +457,8 @@ const char *identify_start(identify_t *identify)
 }
 
 /*
- * Puts the user's command, without its request, in place of a word of the probe. Another request
- * that has come meanwhile stays.
+ * Puts the user's command, without its request, in place of a word of the probe. A request that has
+ * come in the meantime stays in force.
  */
 static void give_back(identify_t *identify)
 {
@@ -469,11 +484,14 @@ void identify_refuse(identify_t *identify, const char *why)
 {
     if (identify_is_busy(identify) && (identify->phase != IDENTIFY_ENDS)) {
         identify_aim_refusal(identify, why);
-        give_back(identify); /* now: the last line may have to wait */
+        give_back(identify); /* now, because the last line may have to wait */
     }
 }
 
-/* Says the scales and plans the first experiment. Its words are for a drive in PROBE. */
+/*
+ * Writes the scales, plans the first experiment, and posts a first word, which brings the drive to
+ * PROBE.
+ */
 static void start_probing(identify_t *identify, text_t *text)
 {
     say_scales(identify, text);
@@ -482,7 +500,10 @@ static void start_probing(identify_t *identify, text_t *text)
     post(identify, 0U);
 }
 
-/* A larger current than this is driven by a rotor. */
+/*
+ * Returns the largest current that the experiment itself can cause, Q15 of I_b. A larger current is
+ * driven by a turning rotor.
+ */
 static int32_t runaway_current(const identify_t *identify)
 {
     const int32_t pulses = (identify_aim_continuous(identify) * 5) / 4;
@@ -494,7 +515,7 @@ static int32_t runaway_current(const identify_t *identify)
     case IDENTIFY_PULSE: /* nothing turns, and no current control acts */
         largest = fx_min(pulses, middle);
         break;
-    case IDENTIFY_RAMP: /* a rotor that is lost is caught again */
+    case IDENTIFY_RAMP: /* a lost rotor is caught again */
     case IDENTIFY_COAST:
         largest = fault;
         break;
@@ -504,7 +525,7 @@ static int32_t runaway_current(const identify_t *identify)
     case IDENTIFY_SPIN:
         largest = identify_turn_seeks_speed(identify) ? middle : fault;
         break;
-    default: /* a rotor falls into the field */
+    default: /* STILL: a rotor falls into the field */
         largest = middle;
         break;
     }
@@ -537,7 +558,7 @@ static void refuse_runaway(identify_t *identify)
     }
 }
 
-/* A new phase is said before anything else. */
+/* Writes the line of a new phase before anything else. */
 static void say_or_go_on(identify_t *identify, text_t *text)
 {
     if (identify->said != identify->phase) {
@@ -595,8 +616,8 @@ static void take_turn(identify_t *identify, text_t *text)
 }
 
 /*
- * Whether it takes too long, whatever it waits for: the drive, a window, a rotor, or a line that
- * nobody reads.
+ * Whether the identification takes too long, whatever it waits for: the drive, a window, a rotor,
+ * or a line that nobody reads.
  */
 static bool lasts_too_long(const identify_t *identify)
 {
@@ -606,8 +627,9 @@ static bool lasts_too_long(const identify_t *identify)
 }
 
 /*
- * A rotor that is braked, that swings in the field or is caught by it gives power back. With a
- * rotor at rest, the bus is too high for another reason.
+ * Ends the identification because of a fault. OVERVOLTAGE is due to braking if the rotor moves: a
+ * rotor that is braked, swings in the field or is caught by it gives power back. If the rotor
+ * rests, the bus is too high for another reason.
  */
 static void refuse_fault(identify_t *identify, fault_id_t fault)
 {
@@ -622,8 +644,8 @@ static void refuse_fault(identify_t *identify, fault_id_t fault)
 }
 
 /*
- * Looks for a reason from outside to end it. The first phase is said in PROBE, so from then on the
- * drive has to be in PROBE.
+ * Ends the identification if a reason comes from outside. The line of the first phase is written in
+ * PROBE, so from then on the drive has to be in PROBE.
  */
 static void look_for_end(identify_t *identify)
 {
@@ -652,7 +674,7 @@ void identify_step(identify_t *identify, text_t *text)
             take_turn(identify, text);
         }
         if (identify->phase == IDENTIFY_ENDS) {
-            give_back(identify); /* at once: the last line may have to wait */
+            give_back(identify); /* at once, because the last line may have to wait */
         }
     }
 }

@@ -1,15 +1,21 @@
 /* SPDX-License-Identifier: MIT */
 #include "identify_aim.h"
 
-#define LOOP_SHARE (8U)       /* bandwidth of the current control: 1/8 a tick */
-#define SLOW_SHARE (40U)      /* its integral is 5 times slower, */
-#define QUICK_SHARE (10U)     /* or about as quick */
-#define SOFT_SHARE (256U)     /* and across a current at rest another 256 times slower */
-#define SOFT_GAIN_SHARE (16U) /* K_p across a current at rest: R and this damp the rotor */
-/* of the current's converter: a quarter of so many counts is still above its noise */
+/* K_p = L/8 per tick: the bandwidth of the current control is 1/8 per tick */
+#define LOOP_SHARE (8U)
+/* K_i = K_p/40 per tick: the integral is 5 times slower than the bandwidth */
+#define SLOW_SHARE (40U)
+/* K_i = K_p/10 per tick: the integral is about as quick as the bandwidth */
+#define QUICK_SHARE (10U)
+#define SOFT_SHARE (256U) /* across a current at rest K_i is another 256 times smaller */
+/* across a current at rest K_p is 16 times smaller; K_p and R damp the rotor */
+#define SOFT_GAIN_SHARE (16U)
+/*
+ * smallest continuous current in counts of its converter: a quarter of it is still above the noise
+ */
 #define COUNTS_LEAST (24)
-#define FULL_SCALE (16384)  /* of a current sensor, Q15 of I_b */
-#define INTEGRAL_BITS (11U) /* the integral has so many bits more, pi.h */
+#define FULL_SCALE (16384)  /* full scale of a current sensor, Q15 of I_b */
+#define INTEGRAL_BITS (11U) /* the integral is finer than the output by so many bits, pi.h */
 
 void identify_aim_current(identify_t *identify, int32_t current)
 {
@@ -26,8 +32,8 @@ void identify_aim_window(identify_t *identify, const char *kind, int32_t settle,
 }
 
 /*
- * A gain in Q32 as a word of PROBE_GAIN_D. A gain that is too large for the word becomes the
- * largest that it can hold.
+ * Converts a gain in Q32 to the format of PROBE_GAIN_D. A gain that is too large for this format
+ * becomes the largest that fits.
  */
 static int32_t gain_word(uint64_t gain_q32)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Functions with which a plan of the identification sets current, window and gains of the next
+ * With these functions a plan of the identification sets current, window and gains of the next
  * experiment, or ends its phase.
  */
 #ifndef IDENTIFY_AIM_H
@@ -8,12 +8,15 @@
 
 #include "identify_state.h"
 
-/* Four periods of a rectified mains of 100 Hz: its ripple does not change a mean. */
+/*
+ * Length of a window: four periods of the 100 Hz ripple of a rectified mains, so that the ripple
+ * does not change a mean.
+ */
 #define IDENTIFY_AIM_WINDOW_MS (40)
 
 /*
- * Continuous current of the name plate, Q15 of I_b. After the pulses it is also limited by the
- * rotor's saliency (stiff_current).
+ * Returns the continuous current of the name plate, Q15 of I_b. After the pulses it is limited to
+ * stiff_current, because of the rotor's saliency.
  */
 static inline int32_t identify_aim_continuous(const identify_t *identify)
 {
@@ -28,7 +31,7 @@ static inline const probe_sums_t *identify_aim_sums(const identify_t *identify)
     return &identify->app->drive.probe.sums;
 }
 
-/* value, limited to least…most. */
+/* Returns `value`, limited to least…most. */
 static inline int32_t identify_aim_bounded(int64_t value, int32_t least, int32_t most)
 {
     const int64_t above = (value > (int64_t)least) ? value : (int64_t)least;
@@ -37,50 +40,62 @@ static inline int32_t identify_aim_bounded(int64_t value, int32_t least, int32_t
     return (int32_t)bounded;
 }
 
-/* The current of the next experiment, or of the one that has ended. */
+/*
+ * Returns the current that was set last: of the next experiment, or, before that is planned, of the
+ * last one.
+ */
 static inline int32_t identify_aim_asked_current(const identify_t *identify)
 {
     return identify->aim.words[0];
 }
 
-/* A word of the next experiment, or of the one that has ended. */
+/*
+ * Returns the place of a word. Before the next experiment is planned, it holds the value of the
+ * last one.
+ */
 static inline int32_t *identify_aim_word(identify_t *identify, probe_word_t which)
 {
     return &identify->aim.words[(uint32_t)which - (uint32_t)PROBE_CURRENT];
 }
 
-/* The current of the next experiment, without pulses. */
+/* Sets the current of the next experiment, without pulses. */
 void identify_aim_current(identify_t *identify, int32_t current);
 
-/* First word of the next experiment's record, ticks to settle, and ticks of its window. */
+/*
+ * Sets the first word of the next experiment's record, its ticks to settle, and the ticks of its
+ * window.
+ */
 void identify_aim_window(identify_t *identify, const char *kind, int32_t settle, int32_t ticks);
 
 typedef enum {
     IDENTIFY_GAINS_FIRM = 0,
-    /* weak across the current: the winding's resistance damps a rotor that swings */
+    /* weak across the current, so that the winding's resistance damps a rotor that swings */
     IDENTIFY_GAINS_SOFT,
     /*
-     * with a quick integral: the frame turns to a rotor that lags, and so the EMF changes in the
-     * frame
+     * with a quick integral, because the EMF changes in the frame while the frame turns towards a
+     * rotor that lags
      */
     IDENTIFY_GAINS_QUICK
 } identify_gains_t;
 
-/* Gains of the current control for the measured L. */
+/* Sets the gains of the current control for the measured L. */
 void identify_aim_gains(identify_t *identify, identify_gains_t gains);
 
 void identify_aim_phase(identify_t *identify, identify_phase_t phase);
 
 /*
- * Whether the continuous current is large enough for the sensors. If not, ends the identification.
- * why: the reason, a text that outlives it; the last line adds the current that is needed.
+ * Returns whether the continuous current is large enough for the sensors. If it is not, ends the
+ * identification. why: the reason, a constant text; the last line adds the current that is needed.
  */
 bool identify_aim_is_enough(identify_t *identify, const char *why);
 
-/* Ends the identification. why: the reason, a text that outlives it. */
+/* Ends the identification. why: the reason, a constant text. */
 void identify_aim_refusal(identify_t *identify, const char *why);
 
-/* The same; after the reason the last line says `detail`, the name of a phase or a fault. */
+/*
+ * Ends the identification; after the reason the last line says `detail`, the name of a phase or a
+ * fault.
+ */
 void identify_aim_refusal_of(identify_t *identify, const char *why, const char *detail);
 
 #endif

@@ -4,12 +4,13 @@
 #include "identify_aim.h"
 #include "identify_rest.h"
 
-#define LARGEST_MS (8000U)     /* of STILL's largest currents, all axes together */
-#define TENTH_Q24 (0x19999A)   /* of the steady heat */
-#define LEAST_Q24 (0x400000)   /* 0.25 */
-#define RISE_MAX (0x40000000U) /* more than any limit */
+#define LARGEST_MS (8000U) /* time in which STILL imposes its largest currents, all axes together \
+                            */
+#define TENTH_Q24 (0x19999A)   /* 0.1 of the steady heat of the continuous current */
+#define LEAST_Q24 (0x400000)   /* 0.25 of the steady heat of the continuous current */
+#define RISE_MAX (0x40000000U) /* bound for the rise of the heat, above any limit */
 
-/* The steady heat of STILL's largest current, Q8. */
+/* Returns the steady heat of STILL's largest current, Q8. */
 static uint64_t steady_q8(const identify_t *identify)
 {
     const uint64_t largest = fx_unsigned(identify_rest_largest(identify));
@@ -18,7 +19,10 @@ static uint64_t steady_q8(const identify_t *identify)
     return (largest * largest * 256U) / (continuous * continuous);
 }
 
-/* T/τ for LARGEST_MS, Q16: supervision periods times the rate of one. */
+/*
+ * Returns LARGEST_MS over the winding's time constant, Q16: the number of supervision periods times
+ * the heat rate per period.
+ */
 static uint64_t share_q16(const identify_t *identify)
 {
     const drive_cfg_t *const cfg = identify->app->drive.cfg;

@@ -15,10 +15,11 @@
 #include <stdint.h>
 
 /*
- * Returns the largest heat at which it may begin, Q24: 1 is the steady heat of the continuous
- * current. From there, LARGEST_MS of the largest current lead to 0.1 below the limit, with no
- * cooling counted. Never below 0.25: cooling from 0.9 to 0.25 takes 1.3 time constants. At that
- * floor OVERLOAD remains possible. Pure.
+ * Returns the largest heat at which an identification may begin, Q24: 1 is the steady heat of the
+ * continuous current. From this heat, the largest current during LARGEST_MS leads to 0.1 below the
+ * limit, if cooling is not counted. The result is at least 0.25, because cooling from 0.9 to 0.25
+ * already takes 1.3 time constants. If 0.25 is more than the heat computed in this way, OVERLOAD
+ * remains possible. Pure.
  */
 int32_t identify_heat_most_q24(const identify_t *identify);
 

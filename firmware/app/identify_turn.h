@@ -3,8 +3,8 @@
  * Experiments on a rotor that turns: SPIN, RAMP, COAST.
  *
  * A plan looks at the sums of the experiment that has ended, and sets up the next one. It returns
- * whether it did: if not, it has changed the phase, and the plan of the new phase is next. Context:
- * background.
+ * true if it has set one up. Otherwise it has changed the phase, and the plan of the new phase has
+ * to be called. Context: background.
  */
 #ifndef IDENTIFY_TURN_H
 #define IDENTIFY_TURN_H
