@@ -19,10 +19,7 @@
  * 1/16 of the continuous current
  */
 #define NOISE_SHARE (16)
-/*
- * a move of the vector that takes longer is given up; in the first attempt the longest ramp takes 3
- * s
- */
+/* a longer move of the vector is given up; the longest ramp of the first attempt takes 3 s */
 #define LONGEST_MOVE_MS (5000U)
 #define BRAKING_HELP \
     ": a supply that takes power back or a brake resistor helps, or a lower max_speed_rpm"

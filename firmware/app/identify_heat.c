@@ -4,8 +4,8 @@
 #include "identify_aim.h"
 #include "identify_rest.h"
 
-#define LARGEST_MS (8000U) /* time in which STILL imposes its largest currents, all axes together \
-                            */
+/* time in which STILL imposes its largest currents, all axes together */
+#define LARGEST_MS (8000U)
 #define TENTH_Q24 (0x19999A)   /* 0.1 of the steady heat of the continuous current */
 #define LEAST_Q24 (0x400000)   /* 0.25 of the steady heat of the continuous current */
 #define RISE_MAX (0x40000000U) /* bound for the rise of the heat, above any limit */

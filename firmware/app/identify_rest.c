@@ -10,7 +10,8 @@
 #define THIRD_TURN (0x55555555U)
 #define HALF_TURN (0x80000000U)
 #define ONE_Q16 (65536)
-#define FASTEST (0x20000000) /* the vector is there in a few ticks */
+/* rate or ramp with which the vector gets to its angle or speed in a few ticks */
+#define FASTEST (0x20000000)
 #define QUARTERS (4)
 
 /* ---- PULSE ---- */
@@ -18,16 +19,18 @@
 #define PULSE_PATTERNS (16)
 #define PULSE_TICKS_MOST (64)
 /*
- * With an open phase, a pulse on its axis has no current, and pulses on the two other axes have
- * 3/4. With saliency, the current on one axis is at least 0.4 of that on another.
+ * A phase is open if its current is below 1/8 of the largest current. With an open phase, a pulse
+ * on its axis causes no current, and pulses on the two other axes cause 3/4 of the usual current.
+ * With saliency, the smallest current of the three axes is at least 0.4 of the largest.
  */
 #define OPEN_SHARE (8)
 /*
- * A pulse of twice the time with 5/8 of the voltage has 5/4 of the current. 13/8 is more than
- * saturating iron can cause.
+ * The current sensors follow late if pulses of twice the time with 5/8 of the voltage have more
+ * than 13/8 of the current. Without a lag they have 5/4 of the current. Saturating iron alone
+ * cannot cause 13/8.
  */
 #define LAG_EIGHTHS (13)
-/* of the continuous current: an answer above the converter's noise */
+/* peaks of at least 1/64 of the continuous current are above the converter's noise */
 #define LAG_LEAST_SHARE (64)
 #define TWO_PI_Q16 (411775)
 #define TOO_SALIENT \
@@ -56,7 +59,7 @@ static void aim_pulse(identify_t *identify)
                         QUARTERS * rest->quarter * PULSE_PATTERNS);
 }
 
-/* The current at the peak of the pulses that have ended. */
+/* Notes the peak current of the pulses that have ended. */
 static void note_peak(identify_t *identify)
 {
     const dq_t change = identify_aim_sums(identify)->change;
@@ -70,7 +73,10 @@ static int32_t largest_peak(const identify_rest_t *rest)
     return fx_max(fx_max(rest->peaks[0].d, rest->peaks[1].d), rest->peaks[2].d);
 }
 
-/* In any direction: exchanged wires turn the current away from the pulse. */
+/*
+ * Returns the largest peak current in any direction, because exchanged wires turn the current away
+ * from the pulse.
+ */
 static int32_t largest_answer(const identify_rest_t *rest)
 {
     int32_t largest = 0;
@@ -81,7 +87,10 @@ static int32_t largest_answer(const identify_rest_t *rest)
     return largest;
 }
 
-/* The voltage that the legs lose is the same in two pulses: it cancels in their difference. */
+/*
+ * Computes L from the difference between two pulses: the voltage that the legs lose is the same in
+ * both, so it cancels.
+ */
 static void find_inductance(identify_rest_t *rest)
 {
     const int64_t more = fx_max(largest_peak(rest) - rest->before, 1);
@@ -96,9 +105,10 @@ static void find_inductance(identify_rest_t *rest)
 }
 
 /*
- * The currents of pulses on the three axes are m + b·cos(2·(angle − rotor)). Returns b, which says
- * how far they are apart. m + b is the answer along the flux, by 1/L_d, and m − b the answer across
- * it. The voltage that the legs lose is the same on each axis: it takes the same share of m and b.
+ * The currents of pulses on the three axes are m + b·cos(2·(angle − rotor)). Returns b, a measure
+ * of how different they are. m + b is the current of a pulse along the flux, in proportion to
+ * 1/L_d, and m − b the current of a pulse across it. The voltage that the legs lose is the same on
+ * each axis, so it reduces m and b by the same share.
  */
 static int32_t unlike_peaks(const identify_rest_t *rest)
 {
@@ -113,11 +123,11 @@ static int32_t unlike_peaks(const identify_rest_t *rest)
 }
 
 /*
- * Returns half of φ/(L_q − L_d): a current of φ/(L_q − L_d) or more does not hold the rotor. L was
- * found on the axis with the largest answer p, so L_d = L·p/(m + b), L_q = L·p/(m − b). φ comes
- * from the configuration; for a name plate it is the usual φ for its speed and the bus. emf_q13 is
- * Ω_b·φ/U_b and Ω_b is 2^(15 + shift) steps a tick, of 2^32 a turn: φ in volt-ticks is
- * emf·2^(4−shift)/2π.
+ * Returns half of φ/(L_q − L_d): a current of φ/(L_q − L_d) or more does not hold the rotor. L
+ * comes from the axis with the largest peak current p, so L_d = L·p/(m + b), L_q = L·p/(m − b). φ
+ * comes from the configuration; for a name plate it is the usual φ for its speed and the bus.
+ * emf_q13 is Ω_b·φ/U_b, Ω_b is 2^(15 + shift) steps per tick, and a turn has 2^32 steps. So φ in
+ * volt-ticks is emf·2^(4−shift)/2π.
  */
 static int32_t find_stiff_current(const identify_t *identify)
 {
@@ -141,15 +151,18 @@ static int32_t find_stiff_current(const identify_t *identify)
 }
 
 /*
- * Whether the current is large enough to show which phases are connected. The drive would find a
- * lost phase much later.
+ * Whether the pulses cause enough current to show which phases are connected. The drive itself
+ * would find a lost phase much later.
  */
 static bool shows_current(const identify_t *identify)
 {
     return largest_answer(&identify->rest) >= (identify_aim_continuous(identify) / 16);
 }
 
-/* After a low pass, a short pulse seems smaller than a long one. */
+/*
+ * Notes whether the current sensors follow late: behind a low pass, a short pulse seems smaller
+ * than a long one.
+ */
 static void note_lag(identify_t *identify)
 {
     identify_rest_t *const rest = &identify->rest;
@@ -162,8 +175,8 @@ static void note_lag(identify_t *identify)
 }
 
 /*
- * Enlarges the pulses in small steps once a current shows. Before that it doubles them: first the
- * voltage, then the time.
+ * Enlarges the pulses in small steps once they cause a visible current. Before that it doubles
+ * them: first the voltage, then the time.
  */
 static void enlarge_pulse(identify_t *identify)
 {
@@ -186,8 +199,9 @@ static void enlarge_pulse(identify_t *identify)
 }
 
 /*
- * Why the answers of the three axes are not those of a motor; NULL: they may be. One turned axis is
- * not a reason here: STILL judges an unlike phase by its resistance.
+ * Returns why the peak currents of the three axes cannot be those of a motor; NULL: they can. If
+ * the current is turned on one axis only, this is not a reason here: STILL judges an unlike phase
+ * by its resistance.
  */
 static const char *find_wrong_phase(const identify_rest_t *rest)
 {
@@ -212,7 +226,10 @@ static const char *find_wrong_phase(const identify_rest_t *rest)
             straight = axis;
         }
     }
-    /* An open phase turns the current of the others: where there is one, it is the reason. */
+    /*
+     * An open phase also turns the currents on the other axes. So if a phase is open, this is the
+     * reason.
+     */
     if ((why == NULL) && (turned == IDENTIFY_AXES)) {
         why =
             "a current sensor is reversed, or the wires or the sensors of all three phases are exchanged";
@@ -223,7 +240,7 @@ static const char *find_wrong_phase(const identify_rest_t *rest)
     return why;
 }
 
-/* All three axes have answered to pulses of this size. */
+/* Judges the pulses of one size on all three axes. Returns whether PULSE goes on. */
 static bool judge_pulses(identify_t *identify)
 {
     identify_rest_t *const rest = &identify->rest;
@@ -273,20 +290,21 @@ bool identify_rest_plan_pulse(identify_t *identify)
 
 /* ---- CATCH ---- */
 
-#define CATCH_MOVES (10U)
-#define CATCH_HALFWAY (2U)  /* the move in which the vector begins to turn */
-#define CATCH_LOOKS (40U)   /* of 100 ms each: 4 s for a swing to calm down */
-#define CATCH_RISE_MS (30)  /* of each move */
-#define CATCH_TURN_MS (400) /* half a turn */
+#define CATCH_MOVES (10U)  /* steps of current and angle before the first look */
+#define CATCH_HALFWAY (2U) /* the move in which the vector begins to turn */
+/* largest number of looks of 100 ms each: a swing has 4 s to calm down */
+#define CATCH_LOOKS (40U)
+#define CATCH_RISE_MS (30)  /* settling time of each move */
+#define CATCH_TURN_MS (400) /* time in which the vector turns by half a turn */
 #define CATCH_LOOK_MS (100)
-#define CALM_SHARE (16)
+#define CALM_SHARE (16) /* a calm rotor has |i_q| below 1/16 of the current plus the noise */
 #define TRY_MS (500)
 #define TRY_PATTERNS (16)
 #define TRY_DOUBT (3)
-#define TRIES_MOST (4U)
+#define TRIES_MOST (4U) /* after at most so many tries the current is lowered */
 #define TRY_UNLIKE_SHARE (8)
 #define STEADY_LOOKS (5U)
-/* largest of some thousand samples, over the mean change from one to the next */
+/* largest noise of some thousand samples, over the mean change from one sample to the next */
 #define NOISE_PEAK (5)
 
 static step_t turn_rate(const identify_t *identify, int32_t half_turn_ms)
@@ -295,8 +313,9 @@ static step_t turn_rate(const identify_t *identify, int32_t half_turn_ms)
 }
 
 /*
- * A rotor that swings or slips has an |i_q| above the largest sample of the noise. Unlike windings
- * cause a mean of i_q: if it stays for STEADY_LOOKS, the rotor does not swing.
+ * Whether the rotor has come to rest. If it swings or slips, |i_q| rises above the largest sample
+ * of the noise. Unlike windings cause a constant i_q: if the mean of i_q stays the same for
+ * STEADY_LOOKS looks, the rotor is at rest too.
  */
 static bool swings_no_more(identify_t *identify)
 {
@@ -323,9 +342,10 @@ static void refuse_restless(identify_t *identify)
 }
 
 /*
- * A small current rises opposite to the angle where the rotor is to be. The vector turns to that
- * angle in two quarters of a turn, and the rest of the current follows. So a rotor that falls into
- * the field falls into a small one: its EMF drives no over-current.
+ * Sets up the next move or look. First a small current rises at the angle opposite to the target
+ * angle of the rotor. Then the vector turns to the target angle in two quarter turns. Then the
+ * current rises to its full value. So the rotor falls into a weak field, and its EMF does not drive
+ * an over-current.
  */
 static void aim_catch(identify_t *identify)
 {
@@ -340,7 +360,7 @@ static void aim_catch(identify_t *identify)
     } else if (step == CATCH_HALFWAY) {
         angle = HALF_TURN / 2U;
     } else {
-        /* the angle where the rotor is to be */
+        /* the target angle of the rotor */
     }
     identify_aim_current(identify, (identify_aim_continuous(identify) * share) / 8);
     identify_aim_gains(identify, IDENTIFY_GAINS_SOFT);
@@ -359,9 +379,10 @@ static void aim_catch(identify_t *identify)
 }
 
 /*
- * φ of a name plate may be wrong by a factor. So a salient rotor is tried with 1.5 times
- * stiff_current: if this current does not hold it, it turns away from the vector. No try is needed
- * if three times the current of the experiments would hold it, or if L_q/L_d is below 9/7.
+ * Whether a try is needed. φ of a name plate may be wrong by a factor. So a salient rotor is tried
+ * with 1.5 times stiff_current: a rotor that this current does not hold turns away from the vector.
+ * No try is needed if three times the current of the experiments would hold it, or if L_q/L_d is
+ * below 9/7.
  */
 static bool is_to_be_tried(const identify_t *identify)
 {
@@ -389,8 +410,8 @@ static void aim_try(identify_t *identify)
 }
 
 /*
- * Whether the rotor is off the vector by δ of more than 15 degrees. A pulse along the vector
- * changes i_q by b·sin 2δ and i_d by m + b·cos 2δ.
+ * Whether the rotor is off the vector by an angle δ of more than 15 degrees. A pulse along the
+ * vector changes i_q by b·sin 2δ and i_d by m + b·cos 2δ.
  */
 static bool lies_beside(identify_t *identify)
 {
@@ -402,9 +423,10 @@ static bool lies_beside(identify_t *identify)
 }
 
 /*
- * A rotor off the vector is caught again with 3/4 of the current; otherwise the experiments begin.
- * If the rotor lies off the vector with each current, the cause is another one, such as unlike
- * windings. The experiments find it, with the current that follows from the pulses.
+ * Judges a try. A rotor that lies off the vector is caught again with 3/4 of the current; otherwise
+ * STILL begins. If the rotor lies off the vector in every try, there is another cause, such as
+ * unlike windings. STILL finds it, with the current that follows from the pulses. Returns whether
+ * the rotor is caught again.
  */
 static bool judge_try(identify_t *identify)
 {
@@ -464,23 +486,29 @@ bool identify_rest_plan_catch(identify_t *identify)
 /* ---- STILL ---- */
 
 #define LEVELS (14U)
-#define LEVEL_FOR_R (5U) /* with the first level it gives R: 0.41 of that level's current */
-/* 1/8 of R·i is more than the warming of a winding adds, and less than what tells phases apart */
+/* R comes from the first level and this one, which has 0.41 of the first level's current */
+#define LEVEL_FOR_R (5U)
+/*
+ * The rotor moves if the voltage of a level changes by more than 1/8 of R·i until the level comes
+ * again. A winding that gets warm adds less than that. UNLIKE_SHARE is more.
+ */
 #define UNSTEADY_SHARE (8)
 #define UNSTEADY_ONE (256)
 /*
- * The two levels are 0.59 of the current apart, so a voltage that is off by a share makes R of an
- * axis off by 1.7 times that share, and R of a phase by twice as much.
+ * If a voltage is wrong by a share, R of a phase is wrong by at most 4 times this share. The two
+ * levels for R are 0.59 of the current apart, so R of an axis is wrong by 1.7 times the share. R of
+ * a phase is wrong by twice as much as R of an axis.
  */
 #define UNSTEADY_TIMES (4)
 #define TOO_HEAVY \
     "the rotor swings too slowly for this current: take inertia off, or allow more continuous current"
 #define LEVEL_SETTLE_MS (20)
-#define AXIS_SETTLE_MS (100) /* and then one look or more */
+/* settling time after the vector has come to an axis; then follow one look or more */
+#define AXIS_SETTLE_MS (100)
 #define BURSTS (10U)
 #define BURST_ROUNDS (2U)
-#define BURST_TICKS (256)
-/* R of a phase may be 1/4 off the middle one: mismatch of sensors, unlike wires */
+#define BURST_TICKS (256) /* ticks of all pulse patterns of a burst, about */
+/* R of a phase may differ by 1/4 from the middle R, because sensors or wires are not alike */
 #define UNLIKE_SHARE (4)
 
 int32_t identify_rest_largest(const identify_t *identify)
@@ -494,8 +522,8 @@ int32_t identify_rest_largest(const identify_t *identify)
 }
 
 /*
- * Which phase is open, as a text; NULL: each phase has some current. Along the axis of an open
- * phase no current flows; along another axis it flows in the other two phases.
+ * Returns the text that names an open phase; NULL: each phase has some current. Along the axis of
+ * an open phase no current flows; along another axis it flows in the other two phases.
  */
 static const char *find_open_phase(const identify_t *identify)
 {
@@ -526,8 +554,8 @@ void identify_rest_refuse(identify_t *identify, const char *why)
 }
 
 /*
- * The levels go down, and three of them come again on the way up: that shows a winding that gets
- * warm.
+ * Sets up the next level. The levels go down, and three of them come again on the way up: this
+ * shows whether the winding gets warm.
  */
 static void aim_level(identify_t *identify)
 {
@@ -541,16 +569,16 @@ static void aim_level(identify_t *identify)
 }
 
 typedef struct {
-    uint8_t bias; /* in 1/16 of the continuous current */
+    uint8_t bias; /* imposed current, in 1/16 of the continuous current */
     uint8_t along;
     uint8_t across;
-    bool slow; /* the burst before with half of the voltage, for twice as many ticks */
+    bool slow; /* repeats the burst before with half of the voltage and twice as many ticks */
 } burst_t;
 
 /*
- * A slow burst has the current of the burst before, so the iron is equally saturated in both. Their
- * difference shows sensors that follow late along the current, and the rotor's motion during the
- * pulses across it.
+ * Returns the burst of a step. A slow burst has the same current as the burst before it, so the
+ * iron is equally saturated in both. Along the imposed current, their difference shows sensors that
+ * follow late. Across it, their difference shows the rotor's motion during the pulses.
  */
 static const burst_t *burst_of(uint32_t step)
 {
@@ -563,9 +591,9 @@ static const burst_t *burst_of(uint32_t step)
 }
 
 /*
- * Volt-ticks for pulses of this current. Across the imposed current, the voltage that the legs lose
- * changes its sign with the current and is a large part of a small pulse. So the volt-ticks of the
- * pulses before are taken, and L gives the volt-ticks for the difference in current.
+ * Returns the volt-ticks for pulses of this current. Across the imposed current, the voltage that
+ * the legs lose changes its sign with the current and is a large part of a small pulse. So there
+ * the result is the volt-ticks of the pulses before, plus L times the difference in current.
  */
 static int64_t volts_for(const identify_rest_t *rest, bool along, int64_t current)
 {
@@ -584,7 +612,7 @@ static void aim_patterns(identify_t *identify, int32_t quarter)
                         patterns * QUARTERS * quarter);
 }
 
-/* Pulses that cannot take longer are repeated as they are. */
+/* Sets up the slow burst. If the pulses cannot be made longer, they are repeated as they are. */
 static void aim_slow_burst(identify_t *identify)
 {
     const int32_t quarter = 2 * *identify_aim_word(identify, PROBE_PULSE_TICKS);
@@ -597,9 +625,10 @@ static void aim_slow_burst(identify_t *identify)
 }
 
 /*
- * Pulses of this current, as short as the voltage allows: 3/8 of the bus. Pulses along the imposed
- * current and this current are together at most 7/8 of the largest current: the current control
- * holds its voltage along the pulses, so a ripple of the bus changes the mean current.
+ * Sets up pulses that are as short as a voltage of 3/8 of the bus allows. If they lie along the
+ * imposed current, pulses and imposed current together are at most 7/8 of the largest current: the
+ * current control holds its voltage along the pulses, so ripple of the bus changes the mean
+ * current.
  */
 static void aim_fast_burst(identify_t *identify)
 {
@@ -633,8 +662,9 @@ static void aim_burst(identify_t *identify)
 }
 
 /*
- * L across the imposed current, from two pulses of unlike current. The smaller pulse may hardly
- * overcome the voltage that the legs lose.
+ * Notes L across the imposed current, from the difference between two pulses of unlike current. One
+ * pulse alone is not enough, because a small one may hardly overcome the voltage that the legs
+ * lose.
  */
 static void note_across(identify_rest_t *rest, int32_t volts, int32_t current)
 {
@@ -650,8 +680,8 @@ static void note_across(identify_rest_t *rest, int32_t volts, int32_t current)
 }
 
 /*
- * Notes L from the pulses that have ended: it falls with the current. Slow bursts are not noted,
- * because no plan needs their L.
+ * Notes L from the pulses that have ended, because L falls as the current rises. Slow bursts are
+ * not noted, because no plan needs their L.
  */
 static void note_burst(identify_t *identify)
 {
@@ -696,8 +726,8 @@ static void note_level(identify_t *identify)
 }
 
 /*
- * A rotor may swing too slowly for the looks to see it. It induces another voltage when a level
- * comes again.
+ * Notes how much the voltage changes until a level comes again. A rotor that swings too slowly for
+ * the looks induces such a change.
  */
 static void note_twice(identify_t *identify)
 {
@@ -729,14 +759,14 @@ static void note_still(identify_t *identify)
     } else if ((identify->step > LEVELS) && !burst_of(identify->step - 1U)->slow) {
         note_burst(identify);
     } else {
-        /* the vector has come to this axis */
+        /* a look at the axis, or a slow burst */
     }
 }
 
 /*
- * R of a phase, Q13. On the axis of a phase the whole current flows through this phase, and half of
- * it back through each other phase: R_axis = 2/3·R_phase + 1/6·(both others) = (R_phase + mean of
- * the three axes)/2.
+ * Returns R of a phase, Q13 of U_b/I_b. On the axis of a phase the whole current flows through this
+ * phase, and half of it back through each other phase: R_axis = 2/3·R_phase + 1/6·(both others) =
+ * (R_phase + mean of the three axes)/2.
  */
 static int32_t phase_resistance(const identify_rest_t *rest, uint32_t phase)
 {
@@ -746,8 +776,8 @@ static int32_t phase_resistance(const identify_rest_t *rest, uint32_t phase)
 }
 
 /*
- * Whether a rotor that moves during the levels explains that a phase is off by so much. A shorted
- * phase moves it too, but by less.
+ * Whether the rotor moves enough during the levels to explain the difference `off` between R of a
+ * phase and the middle R. A shorted phase moves the rotor too, but less.
  */
 static bool is_by_motion(const identify_rest_t *rest, int32_t middle, int32_t off)
 {
@@ -756,7 +786,10 @@ static bool is_by_motion(const identify_rest_t *rest, int32_t middle, int32_t of
     return (rest->unsteady > (UNSTEADY_ONE / UNSTEADY_SHARE)) && (explained >= off);
 }
 
-/* Refuses a phase whose R is far from the middle one. */
+/*
+ * Returns whether the three phases are alike. If R of one is far from the middle R, ends the
+ * identification.
+ */
 static bool are_alike(identify_t *identify)
 {
     static const char *const names[IDENTIFY_AXES] = {"a", "b", "c"};
@@ -776,7 +809,7 @@ static bool are_alike(identify_t *identify)
     most = (middle / UNLIKE_SHARE) + 1;
     off = fx_max(middle - r[low], r[high] - middle);
     if (off <= most) {
-        /* three windings of a kind */
+        /* the three phases are alike */
     } else if (is_by_motion(&identify->rest, middle, off)) {
         identify_rest_refuse(identify, TOO_HEAVY);
     } else if ((middle - r[low]) > most) {
@@ -793,7 +826,10 @@ static bool are_alike(identify_t *identify)
     return identify->phase != IDENTIFY_ENDS;
 }
 
-/* The levels and pulses of an axis have ended. */
+/*
+ * Goes to the next axis when levels and pulses of an axis have ended, after the last axis to SPIN.
+ * Returns whether STILL goes on.
+ */
 static bool leave_axis(identify_t *identify)
 {
     identify_rest_t *const rest = &identify->rest;
@@ -814,7 +850,10 @@ static bool leave_axis(identify_t *identify)
     return identify->phase == IDENTIFY_STILL;
 }
 
-/* The vector has come to the next axis, and the rotor swings there for a while. */
+/*
+ * Judges a look on a new axis, where the rotor swings for a while, and sets up another look if
+ * needed.
+ */
 static void look_again(identify_t *identify)
 {
     identify_rest_t *const rest = &identify->rest;
@@ -841,7 +880,7 @@ bool identify_rest_plan_still(identify_t *identify)
     if (identify->phase == IDENTIFY_ENDS) {
         aims = false;
     } else if (rest->looks > 0U) {
-        /* it is looked at once more */
+        /* the rotor is looked at once more */
     } else if (identify->step < LEVELS) {
         aim_level(identify);
         identify->step++;

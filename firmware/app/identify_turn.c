@@ -9,26 +9,31 @@
 #define ONE_Q20 (1048576)
 #define TWO_PI_Q16 (411775)
 #define STEPS_PER_RADIAN (683565276) /* 2^32/(2π) */
-#define STEPS_PER_Q16 (65536)        /* of a turn: steps in 2^-16 of it */
+#define STEPS_PER_Q16 (65536)        /* steps of an angle_t in 2^-16 of a turn */
 #define SWING_TICKS_LEAST (8)
-#define SPEED_SHARE (2) /* of the highest speed of the name plate */
+#define SPEED_SHARE (2) /* the vector turns with at most 1/2 of the name plate's highest speed */
 
 /* ---- ramps ---- */
 
-#define RAMP_MS_FIRST (1000) /* from half of the speed to the whole */
-#define RAMP_MS_ALL (2500)   /* of all pairs of ramps */
+/* time of the first ramp, from half of the highest speed to all of it */
+#define RAMP_MS_FIRST (1000)
+#define RAMP_MS_ALL (2500) /* time for all pairs of the steepest ramps */
 #define RAMP_TICKS_LEAST (64)
-#define RAMP_MS_MOST (400)                     /* a longer one goes less far down */
-#define RAMP_TICKS_MOST (PROBE_WINDOW_MAX / 2) /* a ramp and two edges fit a window */
-#define EDGE_TICKS (1024)                      /* before and after a ramp in its window, at least */
+#define RAMP_MS_MOST (400) /* longest ramp; a ramp that needs more time goes less far down */
+#define RAMP_TICKS_MOST (PROBE_WINDOW_MAX / 2) /* a ramp and its two edges fit into a window */
+#define EDGE_TICKS (1024) /* shortest edge: time before and after a ramp in its window */
 #define EDGE_MS_MOST (450)
 #define EDGE_TICKS_MOST (PROBE_WINDOW_MAX / 4)
-#define EDGE_SWINGS (8) /* 1/ω_n: a swing that the ramp has begun is damped by then */
-/* K = 0.03 a tick: a quarter of the bandwidth of the current control */
+/* an edge lasts 8/ω_n: then a swing that the ramp has started is damped */
+#define EDGE_SWINGS (8)
+/*
+ * largest 2·K in steps per tick: K = 0.03 per tick, a quarter of the bandwidth of the current
+ * control
+ */
 #define DAMPING_MOST (41000000)
-#define TORQUE_MOST (65536)
-#define TORQUE_ENOUGH \
-    (4915) /* 0.3 of the torque that the current can pull: the rotor lags by 17 degrees */
+#define TORQUE_MOST (65536) /* 4, Q14 */
+/* 0.3 of the torque that the current can pull, Q14: with it the rotor lags by 17 degrees */
+#define TORQUE_ENOUGH (4915)
 
 int32_t identify_turn_current(const identify_t *identify)
 {
@@ -46,7 +51,10 @@ static void aim_speed(identify_t *identify, step_t speed, step_t ramp)
     *identify_aim_word(identify, PROBE_RAMP) = fx_max(ramp, 1);
 }
 
-/* Ticks before and after a ramp. For a first ramp no swing is known yet: a quarter of its time. */
+/*
+ * Returns the ticks of the edges before and after a ramp. For the first ramp swing_ticks is not
+ * known yet: an edge is a quarter of its time.
+ */
 static int32_t edge_ticks(const identify_t *identify)
 {
     const int32_t most = fx_clamp(EDGE_MS_MOST * identify->ms_ticks, EDGE_TICKS, EDGE_TICKS_MOST);
@@ -75,7 +83,7 @@ static void aim_hold(identify_t *identify)
     identify->aim.leads = false;
 }
 
-/* Steps in 1 LSB of a speed in Q15 of Ω_b. */
+/* Returns the steps per tick in 1 LSB of a speed in Q15 of Ω_b. */
 static int64_t one_of_q15(const identify_t *identify)
 {
     const uint32_t one = (uint32_t)1U << identify->app->drive.cfg->speed_shift;
@@ -84,8 +92,9 @@ static int64_t one_of_q15(const identify_t *identify)
 }
 
 /*
- * Voltage across the current over ω, of the window that has ended, Q14 of U_b/Ω_b, at least 1: it
- * contains the part of |e| that lies across the current, and ωL·i.
+ * Returns the voltage across the current divided by ω, for the window that has ended, Q14 of
+ * U_b/Ω_b, at least 1. This voltage is the sum of the part of |e| that lies across the current, and
+ * ωL·i.
  */
 static int32_t flux_q14(const identify_t *identify)
 {
@@ -98,9 +107,9 @@ static int32_t flux_q14(const identify_t *identify)
 }
 
 /*
- * Mean torque of a ramp over the torque that the current can pull, Q14: the sum over the window
- * divided by the ticks of the ramp. ±4 at most: no motor gives more, and the computations that
- * follow have no room for more.
+ * Returns the mean torque of a ramp over the torque that the current can pull, Q14. The mean is the
+ * sum over the window divided by the ticks of the ramp. The result is limited to ±4: no motor gives
+ * more, and later computations would overflow.
  */
 static int32_t mean_torque(const identify_t *identify)
 {
@@ -113,9 +122,10 @@ static int32_t mean_torque(const identify_t *identify)
 }
 
 /*
- * The EMF of a ramp drives a current across, and the current control answers in proportion to it:
- * the sum of this current is the same in every ramp. Its mean is to stay below 1/8 of the current.
- * And a ramp has to end within its window.
+ * Returns the ticks of the shortest ramp that is allowed. In a ramp the EMF drives a current across
+ * the imposed one, and the current control acts against it in proportion. So the sum of this
+ * current is the same in every ramp, and a short ramp has a large mean. The mean has to stay below
+ * 1/8 of the imposed current. A ramp also has to end within its window.
  */
 static int32_t shortest_ramp(const identify_t *identify)
 {
@@ -126,8 +136,8 @@ static int32_t shortest_ramp(const identify_t *identify)
 }
 
 /*
- * The next ramps, from the speed `low` to the highest. One that would take longer than `longest`
- * goes less far down.
+ * Sets the next ramps: between the speed `low` and the highest speed, in `ramp` ticks. If `ramp` is
+ * more than `longest`, they take `longest` ticks and go less far down.
  */
 static void take_ramp(identify_t *identify, step_t low, int32_t ramp, int32_t longest)
 {
@@ -141,7 +151,7 @@ static void take_ramp(identify_t *identify, step_t low, int32_t ramp, int32_t lo
     }
 }
 
-/* √square, which saturates at 32 bits. square: 0 and above. */
+/* Returns √square, where `square` is limited to 32 bits. square: 0 and above. */
 static int32_t root_of(int64_t square)
 {
     const int64_t bounded = (square < (int64_t)UINT32_MAX) ? square : (int64_t)UINT32_MAX;
@@ -150,9 +160,9 @@ static int32_t root_of(int64_t square)
 }
 
 /*
- * Makes the next ramps so steep that the rotor lags by TORQUE_ENOUGH. The rotor's swing has ω_n² =
- * α/sin δ, and the frame damps it with K = ω_n: with a larger K, the lag would hold back the speed
- * of the frame.
+ * Makes the next ramps so steep that they take the torque TORQUE_ENOUGH. With the lag δ at the
+ * acceleration α, the rotor's swing has ω_n² = α/sin δ. The frame damps the swing with K = ω_n.
+ * With a larger K, the lag would hold back the speed of the frame.
  */
 static void steepen(identify_t *identify, int32_t torque)
 {
@@ -171,27 +181,33 @@ static void steepen(identify_t *identify, int32_t torque)
 
 /* ---- SPIN ---- */
 
-/* Its experiments. While one is under way, and when it is noted, `step` is one more. */
+/*
+ * The experiments of SPIN. While an experiment is under way, and when its result is noted, `step`
+ * is this number plus one.
+ */
 #define SPIN_QUARTER (0U)
 #define SPIN_LOW (1U)
 #define SPIN_RAMP (2U)
 #define SPIN_WHOLE (3U)
 #define SPIN_OTHER_CURRENT (4U)
 
-#define ATTEMPTS (2U)  /* further ones, after the rotor was lost */
-#define SPIN_MS (2000) /* from rest to the highest speed */
+#define ATTEMPTS (2U)  /* further attempts after the rotor was lost */
+#define SPIN_MS (2000) /* time from rest to the highest speed */
 #define SPIN_SETTLE_MS (150)
-#define VOLTAGE_SHARE (12) /* of 16: share of the voltage that the highest speed uses */
-#define VOLTAGE_LEFT (32)  /* all of it is used when less than 1/32 is left */
+#define VOLTAGE_SHARE (12) /* the highest speed uses at most 12/16 of the voltage */
+#define VOLTAGE_LEFT (32)  /* all of the voltage counts as used when less than 1/32 is left */
 #define SPEED_SHARE_LEAST (16)
-/* 1/cos of 20 degrees, Q10: with half of the current the rotor would lag by 43 */
+/*
+ * 1/cos of a lag of 20 degrees, Q10. A rotor that lags by more is loaded: with half of the current
+ * it would lag by 43 degrees.
+ */
 #define LAG_OF_LOAD (1093)
-/* if the EMF at the highest speed is below 1/20 of the voltage, the rotor stands */
+/* the rotor stands still if its EMF at the highest speed would be below 1/20 of the voltage */
 #define FLUX_SHARE_LEAST (20)
 
 /*
- * Ω_b·L, Q13 of U_b/I_b: L in volt-ticks times Ω_b, which is 2^(15 + speed_shift) steps a tick, of
- * 2π/2^32 rad each.
+ * Returns Ω_b·L, Q13 of U_b/I_b: L in volt-ticks times Ω_b. Ω_b is 2^(15 + speed_shift) steps per
+ * tick, and a step is 2π/2^32 rad.
  */
 static int32_t reactance_q13(const identify_t *identify)
 {
@@ -218,7 +234,10 @@ static void begin_spin(identify_t *identify)
     identify_aim_current(identify, current);
 }
 
-/* 1, 2, 4: the more often the rotor was lost, the slower the next attempt. */
+/*
+ * Returns 1, 2 or 4, the factor by which ramps take longer: it doubles each time that the rotor was
+ * lost.
+ */
 static int32_t slowness(const identify_t *identify)
 {
     const uint32_t factor = (uint32_t)1U << identify->turn.slower;
@@ -231,7 +250,7 @@ static step_t spin_ramp(const identify_t *identify)
     return identify->turn.top / (SPIN_MS * identify->ms_ticks * slowness(identify));
 }
 
-/* Largest voltage, Q15 of U_b. */
+/* Returns the largest voltage that the bus allows, Q15 of U_b. */
 static int32_t largest_voltage(const identify_t *identify)
 {
     const drive_t *const drive = &identify->app->drive;
@@ -240,9 +259,9 @@ static int32_t largest_voltage(const identify_t *identify)
 }
 
 /*
- * Whether a rotor turns with the vector: a standing rotor has no EMF, only ωL·i. With unlike L_d
- * and L_q it has up to twice the L that the pulses have shown, and may pass here: has_stood() finds
- * it at half of the current.
+ * Whether the rotor turns with the vector. A standing rotor has no EMF: the voltage is only ωL·i.
+ * With unlike L_d and L_q, L is up to twice the L that the pulses have shown, so a standing rotor
+ * may seem to turn: has_stood() finds it at half of the current.
  */
 static bool turns_along(const identify_t *identify)
 {
@@ -258,8 +277,8 @@ static bool turns_along(const identify_t *identify)
 }
 
 /*
- * |e| over the voltage across the current, of the window that has ended, Q10, at least 1.0: a rotor
- * that lags has an EMF along the current too.
+ * Returns |e| over the voltage across the current, for the window that has ended, Q10, at least
+ * 1.0. It is larger for a rotor that lags, because its EMF has a part along the current too.
  */
 static int32_t lag_q10(const identify_t *identify)
 {
@@ -277,8 +296,9 @@ static int32_t lag_q10(const identify_t *identify)
 }
 
 /*
- * Whether the rotor has stood. The EMF of a turning rotor does not depend on the current, but ωL·i
- * is halved by half of the current. A rotor that lags has an EMF, so it turns.
+ * Whether the rotor has stood still. The EMF of a turning rotor does not depend on the current, but
+ * with half of the current ωL·i is halved. A loaded rotor lags, so it has an EMF along the current
+ * and turns.
  */
 static bool has_stood(const identify_t *identify)
 {
@@ -307,7 +327,10 @@ void identify_turn_refuse_voltage(identify_t *identify)
         identify, "the bus voltage is too low to turn the motor at 1/8 of its highest speed");
 }
 
-/* A heavy rotor may not have followed the ramp to this speed, but may follow a slower one. */
+/*
+ * Begins a slower attempt with a rotor that has stood still, or ends the identification. A heavy
+ * rotor that has not followed the ramp to this speed may follow a slower one.
+ */
 static void retry_standing(identify_t *identify)
 {
     if (identify->turn.slower < ATTEMPTS) {
@@ -320,8 +343,8 @@ static void retry_standing(identify_t *identify)
 }
 
 /*
- * Limits the highest speed to the speed that the voltage allows, by the voltage that a quarter of
- * the speed has taken.
+ * Limits the highest speed to the speed that the voltage allows, computed from the voltage at a
+ * quarter of the highest speed.
  */
 static void bound_speed(identify_t *identify)
 {
@@ -346,7 +369,7 @@ static void bound_speed(identify_t *identify)
     }
 }
 
-/* Out of step: the voltage across is ωL·i alone. */
+/* Whether the rotor is out of step: then the voltage across the current is ωL·i alone. */
 static bool is_lost(const identify_t *identify)
 {
     return flux_q14(identify) < (identify->turn.flux_q14 / 2);
@@ -370,7 +393,10 @@ void identify_turn_catch_again(identify_t *identify)
     }
 }
 
-/* The first ramp begins at half of the speed, or above it where it would not fit its window. */
+/*
+ * Plans the first ramp. It begins at half of the highest speed, or higher if it would not fit into
+ * its window.
+ */
 static void plan_first_ramp(identify_t *identify)
 {
     const int32_t ramp = RAMP_MS_FIRST * identify->ms_ticks * slowness(identify);
@@ -379,16 +405,19 @@ static void plan_first_ramp(identify_t *identify)
     take_ramp(identify, identify->turn.top / 2, ramp, RAMP_TICKS_MOST);
 }
 
-/* A change of the current lets the rotor swing too. */
+/*
+ * Returns the ticks to settle. They include the time of the rotor's swing, because a change of the
+ * current also starts a swing.
+ */
 static int32_t spin_settle(const identify_t *identify)
 {
     return (SPIN_SETTLE_MS * identify->ms_ticks) + (EDGE_SWINGS * identify->turn.swing_ticks);
 }
 
 /*
- * L·i takes another part of the voltage with another current. That is half of the current, or the
- * whole continuous current if the rotor lags so much by friction that half would lose it. Then the
- * ramps have the continuous current too.
+ * Sets another current, with which L·i takes another part of the voltage. Usually this is half of
+ * the current. If the rotor lags so much by friction that it would be lost with half of the
+ * current, it is the continuous current. Then the ramps have the continuous current too.
  */
 static void aim_other_current(identify_t *identify)
 {
@@ -400,8 +429,8 @@ static void aim_other_current(identify_t *identify)
 }
 
 /*
- * The way from half of the speed to the whole is a first ramp: its torque, friction included, says
- * how steep the next ones may be.
+ * Sets up the next experiment of SPIN. The first ramp leads from half of the highest speed to all
+ * of it: its torque, friction included, shows how steep the next ramps may be.
  */
 static void aim_spin(identify_t *identify)
 {
@@ -432,7 +461,10 @@ static void aim_spin(identify_t *identify)
     }
 }
 
-/* Notes what an experiment of SPIN has shown. Half of the speed shows φ with ωL·i. */
+/*
+ * Notes the result of an experiment of SPIN. The experiment at half of the highest speed gives φ +
+ * L·i.
+ */
 static void note_spin(identify_t *identify)
 {
     if (identify->step == (SPIN_QUARTER + 1U)) {
@@ -467,8 +499,8 @@ bool identify_turn_plan_spin(identify_t *identify)
 
 /* ---- RAMP ---- */
 
-#define RAMP_PARTS (4U) /* of a pair: down, hold, up, hold */
-#define PAIRS_MOST (9)  /* of the steepest ramps */
+#define RAMP_PARTS (4U) /* parts of a pair of ramps: down, hold, up, hold */
+#define PAIRS_MOST (9)  /* largest number of pairs of the steepest ramps */
 
 /* Whether the torque is large enough, or the ramps cannot be shorter. */
 static bool is_steep(const identify_t *identify, int32_t torque)
@@ -479,8 +511,8 @@ static bool is_steep(const identify_t *identify, int32_t torque)
 }
 
 /*
- * A ramp down waits while the bus bears no more braking (probe.h): then the next ramps take twice
- * as long.
+ * Notes whether a ramp down has waited. It waits while the bus cannot take the energy of more
+ * braking (probe.h). Then the next ramps take at least twice as long.
  */
 static void note_wait(identify_t *identify)
 {
@@ -493,7 +525,10 @@ static void note_wait(identify_t *identify)
     }
 }
 
-/* The effect of friction and R is the same up and down: it cancels in the difference. */
+/*
+ * Judges a pair of ramps by half of the difference of their torques. The effect of friction and R
+ * is the same up and down, so it cancels.
+ */
 static void judge_pair(identify_t *identify)
 {
     identify_turn_t *const turn = &identify->turn;
@@ -550,13 +585,13 @@ bool identify_turn_plan_ramp(identify_t *identify)
 /* ---- COAST ---- */
 
 #define COAST_WINDOWS (18U)
-#define COAST_SETTLE_TICKS (60) /* the current falls in 8 of them */
+#define COAST_SETTLE_TICKS (60) /* the current falls with a time constant of 8 ticks */
 #define COAST_MS_FIRST (5)
 #define COAST_MS_MOST (60)
-/* 2·k: K²/4 is the double pole of the frame that follows the rotor */
+/* 2·k in steps per tick; with k = K²/4 the frame that follows the rotor has a double pole */
 #define COAST_TRACKING (300000)
 
-/* Speed in 2^-20 turns a tick. */
+/* Returns the mean speed in the window that has ended, 2^-20 turns per tick. */
 static int32_t mean_speed(const identify_t *identify)
 {
     const int64_t speed =
@@ -566,8 +601,9 @@ static int32_t mean_speed(const identify_t *identify)
 }
 
 /*
- * The windows grow while the speed hardly falls: the third window is the first whose speed can be
- * compared with an earlier one. The first window is one electrical turn long, and at least 5 ms.
+ * Sets the length of the next window. The windows grow while the speed hardly falls: the third
+ * window is the first whose speed can be compared with an earlier one. The first window is one
+ * electrical turn long, and at least 5 ms.
  */
 static void size_coast(identify_t *identify)
 {
@@ -583,11 +619,11 @@ static void size_coast(identify_t *identify)
                (mean_speed(identify) > (turn->coast_speed - (turn->coast_speed / 64)))) {
         turn->coast_ticks *= 2;
     } else {
-        /* as long as before */
+        /* the next window is as long as the last one */
     }
 }
 
-/* At half of the speed, or after all windows. */
+/* Whether COAST ends: the speed has fallen to half, or all windows are done. */
 static bool has_coasted(const identify_t *identify)
 {
     const bool slow = mean_speed(identify) < (identify->turn.coast_speed / 2);

@@ -14,28 +14,32 @@
 #include <stdbool.h>
 
 /*
- * Current of SPIN and its highest speed, Q15 of I_b and steps per tick. Under load the current is
- * the continuous one.
+ * identify_turn_current() returns the current of SPIN, Q15 of I_b; under load the continuous
+ * current replaces it. identify_turn_speed() returns the highest speed of the vector in steps per
+ * tick, before the bus voltage limits it.
  */
 int32_t identify_turn_current(const identify_t *identify);
 step_t identify_turn_speed(const identify_t *identify);
 
-/* Whether it is on the way to the first speed, or measures there. */
+/* Whether SPIN is on the way to its first speed, or measures there. */
 bool identify_turn_seeks_speed(const identify_t *identify);
 
 /*
- * Whether the way to the first speed takes all of the voltage: then current and rotor are about to
- * be lost.
+ * Whether SPIN takes all of the voltage already for its first speed: then current and rotor are
+ * about to be lost.
  */
 bool identify_turn_lacks_voltage(const identify_t *identify);
 
-/* End the identification: the voltage is too low; the rotor falls out of step again and again. */
+/*
+ * Both end the identification. Reason of identify_turn_refuse_voltage(): the voltage is too low.
+ * Reason of identify_turn_refuse_lost(): the rotor falls out of step again and again.
+ */
 void identify_turn_refuse_voltage(identify_t *identify);
 void identify_turn_refuse_lost(identify_t *identify);
 
 /*
- * The rotor has fallen out of step: catches it again, for a slower attempt. The third time it ends
- * the identification.
+ * Catches a rotor that has fallen out of step, for a slower attempt. The third call ends the
+ * identification.
  */
 void identify_turn_catch_again(identify_t *identify);
 

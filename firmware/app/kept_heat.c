@@ -8,16 +8,16 @@
 #define GAIN_MAX (0x7FFFU)
 #define SHIFT_MAX (27U)
 
-/* A copy's words. */
+/* Words of a copy. */
 #define HEAT (0U)
-#define SCALE (1U) /* heat_gain, and heat_shift above it */
+#define SCALE (1U) /* heat_gain in bits 0…15, heat_shift above them */
 #define SEAL (2U)
 #define COPY_WORDS (3U)
 
 /* Two copies: a reset while one is written leaves the other. */
 #define COPIES (HAL_KEPT_WORDS / COPY_WORDS)
 
-/* With this seal, words that are all 0, or all 1, are not valid. */
+/* Returns the check word of a copy. With it a copy whose words are all 0 or all 1 is not valid. */
 static uint32_t seal_of(uint32_t heat, uint32_t scale)
 {
     return ~(heat + scale);
@@ -39,7 +39,9 @@ static int32_t in_scale_of(uint32_t heat, uint32_t scale, const derating_cfg_t *
     return kept.heat_q24;
 }
 
-/* Reads the heat of a copy. Returns false, and leaves *heat_q24, if the copy is not valid. */
+/*
+ * Reads the heat of a copy. If the copy is not valid, returns false and leaves *heat_q24 as it is.
+ */
 static bool copy_holds(const app_t *app, uint32_t first, int32_t *heat_q24)
 {
     const uint32_t heat = hal_kept(app->hal, first + HEAT);
@@ -68,9 +70,9 @@ void kept_heat_restore(app_t *app)
 }
 
 /*
- * While a change is posted, the tick may take it at any instruction, and with it another scale: the
- * heat is kept in a later pass then. Only the background posts changes, so the configuration stays
- * the same after this check.
+ * While a change is posted, the tick may take it at any instruction, and with it another scale. So
+ * the heat is not kept in this pass, but in a later one. Only the background posts changes, so the
+ * configuration stays the same after this check.
  */
 void kept_heat_step(app_t *app)
 {

@@ -16,7 +16,7 @@
 /*
  * 0.9 of the steady heat of the continuous current. Derating holds a winding at 1, so the winding
  * is hardly hotter, except after an OVERLOAD. Up to 0.9 derating allows the largest current
- * (derating_units.cpp): a drive starts as always, and has little reserve.
+ * (derating_units.cpp). So a drive starts as usual, but the winding has little thermal reserve.
  */
 #define KEPT_HEAT_UNKNOWN_Q24 (0xE66666)
 
@@ -27,8 +27,8 @@
 void kept_heat_restore(app_t *app);
 
 /*
- * Keep the heat. Before kept_heat_restore() it leaves the words as they are. Context: background,
- * once per pass.
+ * Keep the drive's heat in the kept words. Does nothing before kept_heat_restore() has run.
+ * Context: background, once per pass.
  */
 void kept_heat_step(app_t *app);
 

@@ -12,9 +12,9 @@
 #define ALONE_US (100000U) /* a frame without a new byte for so long is given up */
 
 /*
- * The same times in passes, for a board whose ticks stand still, such as one that cannot start. A
- * pass without work takes some µs. While ticks run, there are never so many passes between two of
- * them.
+ * The same times in passes of link_step(), for a board whose ticks stand still, such as one that
+ * cannot start. A pass without work takes some µs. While ticks run, there are never so many passes
+ * between two ticks.
  */
 #define ALONE_PASSES (100000U)
 #define PAUSE_PASSES (LINK_PAUSE_MS * 1000U)
@@ -40,7 +40,7 @@ static uint32_t now(const link_t *link)
     return hal_ticks(link->live->hal);
 }
 
-/* Counts the passes in which the ticks stand still. When the PC is heard, the count begins anew. */
+/* Counts the passes in which the ticks stand still. The count begins again when the PC is heard. */
 static void count_still(link_t *link)
 {
     const uint32_t tick = now(link);
@@ -61,7 +61,7 @@ static void end_session(link_t *link)
     commander_lock(link->live->app);
 }
 
-/* The line is a person's again. */
+/* Gives the line back to the person. */
 static void return_line(link_t *link)
 {
     end_session(link);
@@ -71,7 +71,8 @@ static void return_line(link_t *link)
 }
 
 /*
- * Takes a whole message: from the PC that has the line, or the hello that gives the line to a PC.
+ * Takes a whole message as a question if a PC has the line. Otherwise only a hello is taken, which
+ * gives the line to a PC.
  */
 static void take_message(link_t *link, uint32_t length)
 {
@@ -100,11 +101,14 @@ static void take_byte(link_t *link, uint8_t byte)
     } else if (console_take(&link->console, byte, true)) {
         link_guard_leave(&link->guard); /* from now on that person commands the motor */
     } else {
-        /* the line goes on, or it does not command the drive */
+        /* the typed line goes on, or it does not command the drive */
     }
 }
 
-/* A 0x00 without a frame, as when a cable is plugged in, must not lock a person out. */
+/*
+ * Gives up a frame that does not go on: a single 0x00, as when a cable is plugged in, must not lock
+ * a person out.
+ */
 static void give_up_frame(link_t *link)
 {
     const uint32_t alone = units_ticks(&link->live->about.rotation, ALONE_US);
@@ -116,7 +120,7 @@ static void give_up_frame(link_t *link)
     }
 }
 
-/* Receives bytes up to a whole question, which stays in the buffer until it is answered. */
+/* Receives bytes up to the end of a question, which stays in the buffer until it is answered. */
 static void link_receive(link_t *link)
 {
     uint8_t byte = 0U;
@@ -180,7 +184,7 @@ static void text_is_sent(link_t *link, uint32_t count)
     }
 }
 
-/* Sends text of the console in a message of its own. */
+/* Sends text of the console in a message LINK_TEXT. */
 static void frame_text(link_t *link)
 {
     const text_t *const text = &link->console.out;
@@ -195,11 +199,11 @@ static void frame_text(link_t *link)
     text_is_sent(link, count);
 }
 
-/* Sends unasked messages: text before frames of the stream. */
+/* Sends messages for which the PC has not asked: first text, then frames of the stream. */
 static void speak(link_t *link)
 {
     if (!link->is_linked || !link_out_is_free(&link->out)) {
-        /* the line is a person's, or has something to send */
+        /* a person has the line, or a frame is still being sent */
     } else if (link->console.out.length > 0U) {
         frame_text(link);
     } else {
@@ -228,7 +232,7 @@ static void send_text(link_t *link)
     }
 }
 
-/* A frame is sent to its end, whoever has the line by then. */
+/* Sends bytes. A frame is sent to its end, even if the line has changed its owner. */
 static void link_send(link_t *link)
 {
     send_frame(link);
@@ -242,7 +246,8 @@ void link_step(link_t *link)
     count_still(link);
     cross_check_step(link->live->app);
     kept_heat_step(link->live->app);
-    commander_step(link->live->app); /* first: a fault is older than the bytes that come in now */
+    /* before link_receive(), because a fault is older than the bytes that come in now */
+    commander_step(link->live->app);
     link_receive(link);
     answer_waiting(link);
     live_config_step(link->live);

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The owner of the serial line: a person's console, or the link of a PC (link_messages.h,
- * docs/link.md).
+ * Shares the serial line between two owners: the console of a person, and the link of a PC
+ * (link_messages.h, docs/link.md).
  *
- * It begins as a console. A person never types a 0x00, so a 0x00 begins a frame. LINK_HELLO gives
- * the line to the PC: the console's text then travels in frames. LINK_BYE, or LINK_PAUSE_MS without
- * a good frame, gives the line back to the person. If no tick runs, passes are counted instead, for
- * about as long.
+ * At the start the console has the line. A person never types a 0x00, so a 0x00 begins a frame.
+ * LINK_HELLO gives the line to the PC: the console's text then travels in frames. LINK_BYE, or
+ * LINK_PAUSE_MS without a good frame, gives the line back to the person. If no tick runs, passes of
+ * link_step() are counted instead, for about the same time.
  *
- * It needs only the functions of hal.h, and no chip. It runs in the background and never waits: a
- * frame goes out in as many passes as the line needs.
+ * The link uses only the functions of hal.h, and is the same for every chip. It runs in the
+ * background and never waits: a frame goes out in as many passes as the line needs.
  */
 #ifndef LINK_H
 #define LINK_H
@@ -20,9 +20,9 @@
 
 /*
  * Call once, when the serial line works and live_config_init() has chosen the configuration. The
- * application of `live` may be all zero: it may be initialised later, or never if that fails. So
- * the console can say why it failed. The recorder, if there is one, comes from app_record(). `live`
- * must outlive the link.
+ * application of `live` may be all zero, because app_init() may follow later, or may fail. So the
+ * console can say why app_init() failed. The recorder, if there is one, comes from app_record().
+ * `live` must outlive the link.
  */
 void link_init(link_t *link, live_config_t *live);
 
@@ -32,9 +32,9 @@ void link_init(link_t *link, live_config_t *live);
 void link_say(link_t *link, const char *line);
 
 /*
- * One pass of the background: bytes in and out, a question, an announcement. Call as often as
- * possible, once a tick or more, between two calls of recorder_service(). A pass takes at most some
- * 20000 instructions.
+ * One pass of the background: receives and sends bytes, answers a question, shows a new state. Call
+ * as often as possible, once a tick or more, between two calls of recorder_service(). A pass takes
+ * at most some 20000 instructions.
  */
 void link_step(link_t *link);
 

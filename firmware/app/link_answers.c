@@ -10,8 +10,8 @@
 
 #define LOAD_MAX (100U)
 #define DUMP_FIRST "a dump is under way; ask again when it has ended"
-#define TAKES_WORDS (3U) /* bytes before the words of LINK_WRITE */
-#define TAKES_LINE (4U)  /* bytes before the characters of LINK_LINE */
+#define TAKES_WORDS (3U) /* bytes of the body before the words of LINK_WRITE */
+#define TAKES_LINE (4U)  /* bytes of the body before the characters of LINK_LINE */
 
 /* A question in the buffer of incoming bytes. */
 typedef struct {
@@ -33,8 +33,8 @@ static uint32_t smaller(uint32_t a, uint32_t b)
 }
 
 /*
- * The length that the body of this question has to have. The body of LINK_WRITE gives its own
- * number of words; a line may have any length.
+ * Returns the length that the body of this question has to have. The body of LINK_WRITE contains
+ * its number of words; the line of LINK_LINE may have any length.
  */
 static uint32_t length_of(const question_t *question)
 {
@@ -133,8 +133,8 @@ static void put_health(link_t *link)
 }
 
 /*
- * A stop ends a measurement of the motor. Meanwhile no other command is taken, because the
- * command's target is a word of the probe.
+ * Carries out LINK_COMMAND. A stop ends a measurement of the motor. During a measurement every
+ * other command is refused, because the target in force is a word of the probe.
  */
 static const char *do_command(link_t *link, const uint8_t *body)
 {
@@ -176,7 +176,10 @@ static void take_line(link_t *link, const question_t *question)
     take_character(link, (uint8_t)'\n', counts);
 }
 
-/* How many words there are from `first` on, at most `count` and LINK_READ_WORDS_MAX. */
+/*
+ * Returns how many of `total` words exist from `first` on, limited to `count` and
+ * LINK_READ_WORDS_MAX.
+ */
 static uint32_t words_there(uint32_t first, uint32_t count, uint32_t total)
 {
     const uint32_t left = (first < total) ? (total - first) : 0U;
@@ -211,8 +214,8 @@ static live_config_verdict_t write_block(link_t *link, const uint8_t *body)
 }
 
 /*
- * Writes words of the state before a segment; none if the recorder does not have it. The recorder
- * keeps this state while the PC asks for its words.
+ * Writes words of the state before a segment. If the recorder does not have this state, writes no
+ * words. The recorder keeps the state while the PC asks for its words.
  */
 static void put_state(link_t *link, const uint8_t *body)
 {
@@ -236,7 +239,7 @@ static void put_state(link_t *link, const uint8_t *body)
     }
 }
 
-/* on: as in link_messages.h. */
+/* Starts or ends the stream. on: as for LINK_STREAM. Returns NULL, or the reason for a refusal. */
 static const char *turn_stream(link_t *link, uint32_t on)
 {
     recorder_t *const recorder = link->live->app->recorder;
@@ -244,7 +247,7 @@ static const char *turn_stream(link_t *link, uint32_t on)
 
     link_stream_end(&link->stream);
     if (on == 0U) {
-        /* that was all */
+        /* the stream has ended */
     } else if (recorder == NULL) {
         why = "there is no recorder";
     } else if (link->console.dump_phase != CONSOLE_DUMP_NONE) {
@@ -280,9 +283,9 @@ static live_config_verdict_t do_block(link_t *link, const question_t *question)
 }
 
 /*
- * The questions about the block. A dump reads the block that is not in force: nothing is written
- * there meanwhile. What is measured, and whether it may be measured, depends on the block in force:
- * it stays the same meanwhile.
+ * Answers a question about the block. A dump reads the block that is not in force, so nothing may
+ * be written there during a dump. A measurement of the motor depends on the block in force, so this
+ * block has to stay the same during a measurement.
  */
 static live_config_verdict_t judge_block(link_t *link, const question_t *question)
 {
@@ -299,7 +302,7 @@ static live_config_verdict_t judge_block(link_t *link, const question_t *questio
     return verdict;
 }
 
-/* The questions that get a verdict. */
+/* Carries out a question that is answered with a verdict. */
 static live_config_verdict_t judge_question(link_t *link, const question_t *question)
 {
     live_config_verdict_t verdict = {NULL, NULL};
@@ -342,12 +345,15 @@ static bool is_stop(const question_t *question)
     } else if (question->type == (uint8_t)LINK_LINE) {
         stop = is_typed_stop(question);
     } else {
-        /* it changes something else */
+        /* the question changes something else */
     }
     return stop;
 }
 
-/* A repeated hello does not begin another session: the first answer may be on its way. */
+/*
+ * A repeated hello does not begin another session, because the first answer may still be on its
+ * way.
+ */
 static void answer_hello(link_t *link, const question_t *question)
 {
     if (link->last.crc != question->crc) {
@@ -357,9 +363,9 @@ static void answer_hello(link_t *link, const question_t *question)
 }
 
 /*
- * A PC repeats a question whose answer was lost: the question is carried out only once. The CRC of
- * the whole message recognises it; by the tag alone, a stop could pass for the run before it. A
- * stop is obeyed each time.
+ * A PC repeats a question whose answer was lost. A repeated question is answered with the last
+ * verdict, but not carried out again. It is recognised by the CRC of the whole message: by the tag
+ * alone, a stop could be taken for a repeated run. A stop is obeyed each time.
  */
 static void answer_verdict(link_t *link, const question_t *question)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The questions of link_messages.h and their answers. link.h handles what HELLO and BYE do to the
+ * Answers the questions of link_messages.h. After HELLO and BYE, link.c changes the owner of the
  * line.
  *
  * Context: background, between two calls of recorder_service().

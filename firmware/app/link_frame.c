@@ -140,7 +140,8 @@ void link_out_end(link_out_t *out)
 }
 
 /*
- * A frame is a delimiter, the code, which is one byte longer than message and CRC, and a delimiter.
+ * A frame has three parts: a delimiter; the COBS code, which is one byte longer than message and
+ * CRC; another delimiter.
  */
 bool link_out_next(const link_out_t *out, uint8_t *byte)
 {

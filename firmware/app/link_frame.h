@@ -22,13 +22,16 @@
 /* A frame that comes in. */
 typedef struct {
     cobs_decoder_t cobs;
-    /* of the message and its CRC so far; more than LINK_FRAME_BYTES_MAX: too long */
+    /*
+     * bytes of the message and its CRC so far; more than LINK_FRAME_BYTES_MAX: the frame is too
+     * long
+     */
     uint32_t length;
     bool is_open; /* a byte has come since the last delimiter */
     uint8_t bytes[LINK_FRAME_BYTES_MAX];
 } link_in_t;
 
-/* Waits for a frame. */
+/* Forgets a frame that has begun, and waits for a new one. */
 void link_in_start(link_in_t *in);
 
 /*
@@ -43,16 +46,17 @@ bool link_in_is_open(const link_in_t *in);
 
 /* A frame that goes out. */
 typedef struct {
-    uint32_t length; /* of the message; from link_out_end() on with its CRC. 0: there is none */
-    uint32_t sent;   /* bytes of the frame that are on the line */
-    bool ready;      /* it is whole and may be sent */
+    /* bytes of the message, from link_out_end() on with its CRC; 0: there is no message */
+    uint32_t length;
+    uint32_t sent; /* bytes of the frame that are on the line */
+    bool ready;    /* the frame is whole and may be sent */
     uint8_t bytes[LINK_FRAME_BYTES_MAX];
 } link_out_t;
 
-/* No frame. */
+/* Sets `out` to no frame. */
 void link_out_start(link_out_t *out);
 
-/* Whether a message can be written. */
+/* Whether a message can be begun: the last frame has been sent. */
 bool link_out_is_free(const link_out_t *out);
 
 /* Begins a message. The frame before must have been sent. */
@@ -71,10 +75,13 @@ void link_out_text(link_out_t *out, const char *text);
 uint8_t *link_out_room(link_out_t *out, uint32_t *room);
 void link_out_add(link_out_t *out, uint32_t count);
 
-/* The message is whole: its CRC is appended, and it may be sent. */
+/* Ends the message: appends its CRC. From now on the frame may be sent. */
 void link_out_end(link_out_t *out);
 
-/* The next byte for the line; false when there is none. link_out_sent(): the line has taken it. */
+/*
+ * link_out_next() gets the next byte for the line; it returns false if there is none. Call
+ * link_out_sent() when the line has taken this byte.
+ */
 bool link_out_next(const link_out_t *out, uint8_t *byte);
 void link_out_sent(link_out_t *out);
 

@@ -3,7 +3,7 @@
 
 #include "commander.h"
 
-#define REST_FRACTION (256) /* of the highest speed: below this the motor is at rest */
+#define REST_FRACTION (256) /* below 1/256 of the highest speed the motor is at rest */
 
 void link_guard_heard(link_guard_t *guard, uint32_t tick)
 {
@@ -42,7 +42,7 @@ static void go_on_stopping(link_guard_t *guard, app_t *app)
         commander_stop(app);
         guard->stopping = false;
     } else {
-        /* it slows down */
+        /* the motor still slows down */
     }
 }
 

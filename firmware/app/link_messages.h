@@ -23,18 +23,18 @@
 #define LINK_CRC_BYTES (4U)
 
 #define LINK_ANSWER (0x80U)
-#define LINK_READ_WORDS_MAX (32U) /* of a block or a state, in one message */
-#define LINK_TEXT_MAX (120U)      /* characters in one message */
+#define LINK_READ_WORDS_MAX (32U) /* words of a block or a state in one message */
+#define LINK_TEXT_MAX (120U)      /* characters of a LINK_TEXT */
 
 /* Questions. */
 typedef enum {
     /*
-     * version u8, salt u32: another number for each session of a PC. Switches the line from the
-     * console to the link. Answer: identity, below
+     * version u8, salt u32 (the PC takes another number for each session). Switches the line from
+     * the console to the link. Answer: identity, below
      */
     LINK_HELLO = 1,
     LINK_BYE,  /* switches back to the console. Answer: nothing after type and tag */
-    LINK_PING, /* keeps link and command alive. Answer: health, below */
+    LINK_PING, /* keeps the link and the command in force. Answer: health, below */
     /* request u8, mode u8, target s32: as drive_command_t; ticket u32. Answer: verdict */
     LINK_COMMAND,
     /*
@@ -43,45 +43,52 @@ typedef enum {
      */
     LINK_LINE,
     /*
-     * first word u16, words u8: of the block in force. Answer: first u16, words u8, words u32 each
+     * first word u16, number of words u8: reads the block in force. Answer: first u16, number u8,
+     * each word u32
      */
     LINK_READ,
-    /* first word u16, words u8, words u32 each: into the block that is prepared. Answer: verdict */
+    /*
+     * first word u16, number of words u8, each word u32: writes the prepared block. Answer: verdict
+     */
     LINK_WRITE,
     /*
-     * crc u32 of the configuration in the block that is prepared: it becomes the one in force.
-     * Answer: verdict
+     * crc u32: CRC of the configuration in the prepared block. This block becomes the block in
+     * force. Answer: verdict
      */
     LINK_APPLY,
-    LINK_STORE,    /* the block in force is stored in flash. Answer: verdict */
-    LINK_DEFAULTS, /* the block of the image becomes the one in force. Answer: verdict */
+    LINK_STORE,    /* stores the block in force in flash. Answer: verdict */
+    LINK_DEFAULTS, /* the block of the image becomes the block in force. Answer: verdict */
     /*
-     * on u8: 0 ends the stream, else it starts with the newest segment. 1: a message takes as many
-     * entries as fit; above 1: at most so many entries, for a line that spoils long messages.
-     * Answer: verdict
+     * on u8: 0 ends the stream; any other value starts it, with the newest segment. 1: a message
+     * takes as many entries as fit. Above 1: a message takes at most so many entries, for a line
+     * that spoils long messages. Answer: verdict
      */
     LINK_STREAM,
     /*
-     * segment u32, first word u16, words u8: of the state before it. Answer: segment u32, first
-     * u16, words u8, words u32 each
+     * segment u32, first word u16, number of words u8: reads the state of the drive before this
+     * segment. Answer: segment u32, first u16, number u8, each word u32
      */
     LINK_STATE,
-    /* segment u32, first entry u16, entries u8. Answer: as LINK_FRAMES, those entries or fewer */
+    /*
+     * segment u32, first entry u16, number of entries u8: asks for these entries again. Answer: as
+     * LINK_FRAMES, with these entries or fewer
+     */
     LINK_AGAIN
 } link_question_t;
 
 /*
- * A verdict is ticket u32 and a text: empty when the question is carried out, else the reason why
- * not, for a person to read. The next command has to carry this ticket (commander.h).
+ * A verdict is ticket u32 and a text for a person. The text is empty if the question was carried
+ * out, else it is the reason for the refusal. The next command has to carry this ticket
+ * (commander.h).
  */
 
 /* Messages that the board sends unasked, and LINK_REFUSED. */
 typedef enum {
-    LINK_TEXT = 0xC0,    /* characters of the console */
+    LINK_TEXT = 0xC0,    /* text of the console */
     LINK_SEGMENT = 0xC1, /* a segment of the ring begins, below */
     /* segment u32, first entry u16, entries u8, then their code (frame_code.h) */
     LINK_FRAMES = 0xC2,
-    /* answer to a message that the board does not know, or of a wrong length: its type u8 */
+    /* type u8 of the refused message: the board does not know this type, or the length is wrong */
     LINK_REFUSED = 0xFF
 } link_notice_t;
 
@@ -92,8 +99,8 @@ typedef enum {
  *     baud rate u32, current full scale u32 in µA, bus full scale u32 in µV,
  *     build-id 20 bytes, ticket u32
  */
-#define LINK_CAN_STREAM (0x01U) /* it has a recorder */
-#define LINK_CAN_STORE (0x02U)
+#define LINK_CAN_STREAM (0x01U) /* the board has a recorder */
+#define LINK_CAN_STORE (0x02U)  /* the board has a store */
 #define LINK_IDENTITY_BYTES (56U)
 
 /*
@@ -106,7 +113,7 @@ typedef enum {
 /*
  * A segment (LINK_SEGMENT): number u32, tick of its first frame u32, hash of the state before it
  * u32 (drive_words_hash), CRC of its configuration u32, entries of the segment before it u16,
- * follows u8: 1 when nothing is missing between the segment before it and this one.
+ * follows u8 (1 if nothing is missing between the segment before it and this one, else 0).
  */
 #define LINK_SEGMENT_BYTES (19U)
 

@@ -12,22 +12,23 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* The last question, by the CRC of its whole message, and the last verdict. */
+/* Kept to recognise a question that the PC repeats. */
 typedef struct {
-    uint32_t crc;
-    live_config_verdict_t verdict;
+    uint32_t crc;                  /* CRC of the whole message of the last question */
+    live_config_verdict_t verdict; /* the last verdict */
 } link_answered_t;
 
 typedef struct {
     live_config_t *live;
     console_t console;
-    uint32_t said;      /* characters of the console's text that are on their way */
-    bool is_linked;     /* the line is the PC's */
-    bool is_framing;    /* the line is a person's, and a frame has begun */
-    uint32_t byte_tick; /* when the last byte of that frame came in */
-    uint32_t tick;      /* of the last pass */
-    uint32_t still;     /* passes since the tick has changed or the PC was heard */
-    uint32_t question;  /* bytes of a message in `in` that waits for its answer; 0: none */
+    uint32_t said;      /* characters of the console's text that have been passed on already */
+    bool is_linked;     /* the PC has the line */
+    bool is_framing;    /* a frame has begun; used only while a person has the line */
+    uint32_t byte_tick; /* tick in which the last byte of a frame came in */
+    uint32_t tick;      /* tick at the last pass */
+    uint32_t still;     /* passes since the tick last changed or the PC was last heard */
+    /* bytes of a message in `in` that waits for its answer; 0: no message waits */
+    uint32_t question;
     link_answered_t last;
     link_in_t in;
     link_out_t out;

@@ -6,8 +6,9 @@
 
 #include <stddef.h>
 
-#define WAIT_US (8000U)            /* 64 entries at 10 kHz take 6.4 ms */
-#define HASH_WORDS_OF_A_PASS (32U) /* some 1500 instructions */
+#define WAIT_US (8000U) /* see wait_ticks; 64 entries at 10 kHz take 6.4 ms */
+/* words that are hashed in one pass, in some 1500 instructions */
+#define HASH_WORDS_OF_A_PASS (32U)
 #define CHANGE_MARK (0x8000U)
 #define MARK_WORD (2U)
 
@@ -72,7 +73,7 @@ static uint32_t frames_of(const recorder_entry_t *entries, uint32_t count)
     return frames;
 }
 
-/* Appends entries of a segment: their number and their code. Returns how many. */
+/* Appends entries of a segment: their number and their code. Returns their number. */
 static uint32_t put_from(const recorder_view_t *view, link_out_t *out, uint32_t first,
                          uint32_t count)
 {
@@ -107,8 +108,8 @@ uint32_t link_stream_put_entries(const recorder_t *recorder, link_out_t *out, ui
 }
 
 /*
- * The segment is not in the ring any more, or none of that number will come: goes on with the
- * newest one.
+ * Goes on with the newest segment, because the segment that was to be sent is not in the ring any
+ * more, or will never come.
  */
 static void skip_to_newest(link_stream_t *stream)
 {
@@ -178,13 +179,13 @@ static void go_on_sending(link_stream_t *stream, const recorder_view_t *view, li
         stream->before_entries = stream->next;
         start_segment(stream, number_behind(stream->segment));
     } else {
-        /* there will be more */
+        /* more entries will come */
     }
 }
 
 /*
- * Whether the segment will come: it has not begun yet if the segment before it is still the newest
- * in the ring. Otherwise it will not come: the ring was begun anew, or has overwritten it.
+ * Whether the segment to be sent will still come. It will if the segment before it is the newest in
+ * the ring. Otherwise it will not: the ring was begun anew, or has overwritten it.
  */
 static bool will_come(const link_stream_t *stream)
 {
@@ -196,7 +197,7 @@ void link_stream_step(link_stream_t *stream, link_out_t *out, uint32_t tick)
     recorder_view_t view = {0};
 
     if (!stream->on) {
-        /* nobody listens */
+        /* the stream is off */
     } else if (!recorder_find(stream->recorder, stream->segment, &view)) {
         if (!will_come(stream)) {
             skip_to_newest(stream);
