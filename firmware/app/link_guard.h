@@ -4,8 +4,8 @@
  * motor is brought to rest after cfg->link.timeout_ticks.
  *
  * The guard watches from a command of the PC until the PC says goodbye or a person commands. It
- * goes on when the line has gone back to the console after a pause. A PC that only reads is not
- * watched. When no frame has come for timeout_ticks and a run is requested, the target speed
+ * keeps watching when the line has gone back to the console after a pause. A PC that only reads is
+ * not watched. When no frame has come for timeout_ticks and a run is requested, the target speed
  * becomes 0, and the request ends when the motor is at rest. A measurement of the motor ends at
  * once. Then the guard watches nothing until the next command.
  *

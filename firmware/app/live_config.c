@@ -33,7 +33,7 @@ static bool lacks_ticks(const live_config_t *live)
     return (hal_ticks(live->hal) == 0U) || hal_health(live->hal).tick_lost;
 }
 
-/* Why no other block can be prepared now. */
+/* Returns why no other block can be prepared now; DONE: one can be prepared. */
 static live_config_verdict_t pending_verdict(const live_config_t *live)
 {
     live_config_verdict_t verdict = DONE;
@@ -59,7 +59,7 @@ live_config_verdict_t live_config_write(live_config_t *live, uint32_t at, uint32
     live_config_verdict_t verdict = pending_verdict(live);
 
     if (verdict.why != NULL) {
-        /* that is the answer */
+        /* refused: `verdict` has the reason */
     } else if (at >= CONFIG_BLOCK_WORDS) {
         verdict.why = "the block has no such word";
     } else {
@@ -112,7 +112,8 @@ static live_config_verdict_t lock_verdict(const live_config_t *live)
 }
 
 /*
- * Checks the prepared block, and hands it to the control interrupt. unlocked: it may protect less.
+ * Checks the prepared block, and hands it to the control interrupt. unlocked: the block may protect
+ * less.
  */
 static live_config_verdict_t change_to_prepared(live_config_t *live, bool unlocked)
 {
@@ -137,7 +138,9 @@ static live_config_verdict_t change_to_prepared(live_config_t *live, bool unlock
     return verdict;
 }
 
-/* An unlocking is for one block, taken or refused. */
+/*
+ * Applies the prepared block, and ends the unlocking: it is for one block only, taken or refused.
+ */
 static live_config_verdict_t apply_prepared(live_config_t *live)
 {
     const live_config_verdict_t verdict = change_to_prepared(live, live->app->unlocked);
@@ -151,7 +154,7 @@ live_config_verdict_t live_config_apply(live_config_t *live, uint32_t crc)
     live_config_verdict_t verdict = pending_verdict(live);
 
     if (verdict.why != NULL) {
-        /* that is the answer */
+        /* refused: `verdict` has the reason */
     } else if (live->preparing) {
         live->preparing = false;
         live->applied =
@@ -215,8 +218,8 @@ live_config_verdict_t live_config_store(live_config_t *live)
 }
 
 /*
- * A target is in steps of the motor for which it was given. If the drive has begun anew, the motor
- * may be another one.
+ * A target is in steps of the motor for which it was given. If the change has made the drive begin
+ * anew, the motor may be another one.
  */
 static void adapt_command(const live_config_t *live, const drive_cfg_t *before)
 {

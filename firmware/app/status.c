@@ -11,7 +11,7 @@
 #define Q14_ONE (16384)
 #define Q15_ONE (32768)
 #define Q32_TO_Q16_SHIFT (16U)
-#define HEAT_BASE (1000000U)    /* makes units_thousandths() give tenths of a per cent */
+#define HEAT_BASE (1000000U)    /* base with which units_thousandths() gives tenths of a per cent */
 #define CURRENT_BASE_RATIO (2U) /* I_b is twice the converter's full scale */
 
 static void add_quantity(text_t *text, const char *name, int32_t value, uint32_t decimals)
@@ -43,7 +43,7 @@ static void add_bus(text_t *text, const char *name, const about_t *about, int32_
     add_thousandths(text, name, bus_q15, Q15_ONE, about->bus_full_scale_uv);
 }
 
-/* Nothing is measured before the first tick. */
+/* Returns the temperature in °C; 0 before the first tick, because nothing is measured yet. */
 static int32_t celsius(const app_t *app, const hal_t *hal, const about_t *about)
 {
     return (hal_ticks(hal) == 0U)
@@ -51,7 +51,7 @@ static int32_t celsius(const app_t *app, const hal_t *hal, const about_t *about)
                : temperature_celsius(&about->temperature, app->in.adc_temperature);
 }
 
-/* Value or limit of a fault with its unit. */
+/* Adds value or limit of a fault with its unit. */
 static void add_measure(text_t *text, const char *name, const about_t *about, fault_unit_t unit,
                         int32_t value)
 {
@@ -84,7 +84,7 @@ static void add_measure(text_t *text, const char *name, const about_t *about, fa
     }
 }
 
-/* Frequency of the last swing since the start; there must have been one. */
+/* Adds the frequency of the last swing since the start. There must have been a swing. */
 static void add_frequency(text_t *text, const char *name, const drive_t *drive,
                           const about_t *about)
 {
@@ -117,7 +117,10 @@ static void add_fault(text_t *text, const drive_t *drive, const about_t *about)
     text_add(text, ")");
 }
 
-/* A swing that was not a fault, and whether a swing has lowered the bandwidth. */
+/*
+ * Adds the frequency of a swing that was not a fault, and says if a swing has lowered the bandwidth
+ * of the speed loop.
+ */
 static void add_swing(text_t *text, const drive_t *drive, const about_t *about)
 {
     if ((drive->oscillation.span != 0U) && !is_swing(drive)) {
@@ -143,7 +146,7 @@ static void add_state(text_t *text, const drive_t *drive, const about_t *about)
     }
 }
 
-/* Says that the motor is shorted, because its rotor is too fast for open gates. */
+/* Says it if the motor is shorted because its rotor is too fast for open gates. */
 static void add_short(text_t *text, const drive_t *drive)
 {
     if (safe_state_is_short(&drive->safe_state)) {
@@ -151,7 +154,7 @@ static void add_short(text_t *text, const drive_t *drive)
     }
 }
 
-/* Says what keeps the gates open until a reset. */
+/* Adds the reason why the gates stay open until a reset, if there is one. */
 static void add_bar(text_t *text, const char *why)
 {
     if (why != NULL) {
@@ -160,7 +163,7 @@ static void add_bar(text_t *text, const char *why)
     }
 }
 
-/* Where the rotor is, once position control counts it, and where it is to go. */
+/* Adds the position of the rotor, if position control counts it, and the target position. */
 static void add_position(text_t *text, const app_t *app, const about_t *about, bool known,
                          int32_t target)
 {
@@ -183,7 +186,9 @@ static void add_torque(text_t *text, const app_t *app, const about_t *about, int
     text_add(text, " N m");
 }
 
-/* Speed of the rotor. drive: NULL if the speed is unknown, so that no old number is shown. */
+/*
+ * Adds the speed of the rotor. drive: NULL if the speed is unknown, so that no old number is shown.
+ */
 static void add_speed_now(text_t *text, const drive_t *drive, const about_t *about)
 {
     if (drive != NULL) {
@@ -193,7 +198,10 @@ static void add_speed_now(text_t *text, const drive_t *drive, const about_t *abo
     }
 }
 
-/* While the motor is measured, the command's target is a word of the probe, not a speed. */
+/*
+ * Adds speed and target. While the motor is measured, the target in force is a word of the probe,
+ * so it is not shown.
+ */
 static void add_speed(text_t *text, const app_t *app, const about_t *about)
 {
     const drive_command_t command = command_mailbox_take(&app->mailbox);

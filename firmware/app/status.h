@@ -7,10 +7,10 @@
  * With open gates and without a sensor the speed is unknown: "READY, speed unknown, asked 1500 rpm,
  * …". In position mode the line has "speed 1500 rpm, turn 2.75, to turn 3.00", and in torque mode
  * "speed 1500 rpm, torque 2.500000 N m". While the motor is measured, "measuring the motor" takes
- * the place of the target speed. A fault follows the state's name, with value, limit and what to
- * check, and OSCILLATION also with its frequency. Then comes the frequency of a swing since the
- * start that was not a fault (oscillation.h), and whether the bandwidth of the speed loop is
- * lowered.
+ * the place of the target speed. In FAULT, the fault follows the state's name, with value, limit
+ * and what to check; OSCILLATION also has its frequency. If there was a swing since the start that
+ * was not a fault (oscillation.h), its frequency comes next. Then the line says if the bandwidth of
+ * the speed loop is lowered.
  */
 #ifndef STATUS_H
 #define STATUS_H
@@ -21,9 +21,9 @@
 
 /*
  * Append the status, without the end of a line. The currents are as measured, with the amplifiers'
- * offset: that is worth a look at the first power-up. `hal` gives its health; app->hal is the same
- * one once app_init() has been called. Context: background. The tick may come in between, so two
- * quantities may be of two ticks.
+ * offset: check this offset at the first power-up. `hal` gives its health; it is the same as
+ * app->hal, which app_init() sets. Context: background. A tick may come in between, so the
+ * quantities may be of different ticks.
  */
 void status_add(text_t *text, const app_t *app, const hal_t *hal, const about_t *about);
 

@@ -9,13 +9,13 @@
 
 #define UNIT_WORDS (HAL_STORE_UNIT_BYTES / WORDS_BYTES)
 #define BLOCK_WORDS_MAX (STORE_BLOCK_UNITS * UNIT_WORDS)
-#define LENGTH_WORD (2U) /* config_block_t.words */
+#define LENGTH_WORD (2U) /* index of config_block_t.words */
 #define ERASED (0xFFU)
 
 /* Numbers of stamps, see store.h. */
-#define ONE_MORE (1U)
-#define BEYOND_A_WRITE (4U)
-#define STAMPS_TO_KEEP (2U)
+#define ONE_MORE (1U)       /* bit that is set in the numbers of later stamps */
+#define BEYOND_A_WRITE (4U) /* added if a write may have reached step 4 */
+#define STAMPS_TO_KEEP (2U) /* stamps that step 1 writes */
 
 _Static_assert((CONFIG_BLOCK_WORDS <= BLOCK_WORDS_MAX),
                "a block does not fit into its part of a slot");
@@ -27,7 +27,7 @@ typedef struct {
     uint32_t sequence;
 } slot_content_t;
 
-/* Reads the words of a slot, one after the other. bad: a unit could not be read. */
+/* Place from which read_word() reads. bad: a unit could not be read. */
 typedef struct {
     hal_t *hal;
     uint32_t slot;
@@ -82,7 +82,7 @@ static uint32_t stamp_crc(uint32_t sequence, uint32_t block_crc)
     return ~crc_of_word_too(crc_of_word_too(CRC32_START, sequence), block_crc);
 }
 
-/* The last good stamp of a block counts; a unit that cannot be read is not a stamp. */
+/* Finds the last good stamp of a block. A unit that cannot be read is not a stamp. */
 static void find_stamp(hal_t *hal, uint32_t slot, uint32_t block_crc, slot_content_t *found)
 {
     for (uint32_t unit = STORE_BLOCK_UNITS; unit < HAL_STORE_UNITS; unit++) {
@@ -162,7 +162,10 @@ static bool is_erased(hal_t *hal, uint32_t slot, uint32_t unit)
     return reads_back(hal, slot, unit, erased);
 }
 
-/* Programs `count` stamps into the first units that take them. Returns false when too few do. */
+/*
+ * Programs `count` stamps into the first units that take them. Returns false if fewer units take a
+ * stamp.
+ */
 static bool put_stamps(hal_t *hal, uint32_t slot, uint32_t count, uint32_t sequence,
                        uint32_t block_crc)
 {
@@ -177,7 +180,7 @@ static bool put_stamps(hal_t *hal, uint32_t slot, uint32_t count, uint32_t seque
     return left == 0U;
 }
 
-/* The slot that does not have the newest block. */
+/* Returns the slot that does not have the newest block. */
 static uint32_t other_slot(const store_t *store)
 {
     return store->found ? (HAL_STORE_SLOTS - 1U - store->slot) : 0U;
@@ -195,8 +198,8 @@ static uint32_t number_of_one_more(const store_t *store)
 }
 
 /*
- * Step 1. The number counts even if only one stamp finds a unit: the new block's number has to be
- * higher than the number of that stamp.
+ * Step 1 of a write. The sequence number goes up even if only one stamp finds a unit, because the
+ * new block's number has to be higher than the number of that stamp.
  */
 static void keep(store_t *store)
 {
@@ -208,7 +211,7 @@ static void keep(store_t *store)
     }
 }
 
-/* Step 3, in whole units. */
+/* Step 3 of a write, in whole units. */
 static bool program_block(hal_t *hal, uint32_t slot, const config_block_t *block)
 {
     bool good = true;

@@ -9,9 +9,9 @@
  *     units 192…255   stamps, one after the other, the rest erased
  *
  * A stamp is a sequence number, and the CRC-32 of this number and of the CRC of the block. A slot
- * is whole when the CRC of its block is right and one of its stamps is good. The slot's sequence
- * number is the number of its last good stamp. The whole slot with the higher number has the newest
- * block.
+ * is whole if the CRC of its block is right and at least one of its stamps is good. The sequence
+ * number of a slot is the number of its last good stamp. If both slots are whole, the slot with the
+ * higher number has the newest block.
  *
  * Writing takes four steps. Power may fail in each of them; the right column says which block a
  * start finds then:
@@ -22,20 +22,22 @@
  *     4. it gets its stamp                              old block, or new block
  *
  * Step 1 protects against a loss of power in this write or an earlier one. A unit whose programming
- * was cut may read well at one start and badly at the next, and an erase that was cut may leave a
- * slot that still reads as it was. So the kept slot gets a stamp that is programmed to its end and
- * has a higher number than any stamp that the other slot can have: the kept slot stays the newest,
- * whatever the other slot reads as. There are two stamps, because a unit that reads as erased may
- * be one whose programming was cut: the first stamp may meet such a unit, the second does not.
+ * was interrupted may read well at one start and badly at the next, and a slot whose erasing was
+ * interrupted may still read as before. So the kept slot gets a stamp that is programmed to its end
+ * and has a higher number than any stamp that the other slot can have: the kept slot stays the
+ * newest, whatever is read from the other slot. There are two stamps, because a unit that reads as
+ * erased may be one whose programming was interrupted. The first stamp may be written into such a
+ * unit, the second is not.
  *
  * The first stamp of a block has an even number, one above the number of the kept slot. Its later
- * stamps have the odd number that follows. This number stays as long as the other slot is whole:
- * then no write has gone beyond step 1. If the other slot is not whole, a write may have come to
- * step 4, and the block of that write may have got more stamps: the number goes up by 4.
+ * stamps have the odd number that follows. As long as the other slot is whole, no write has gone
+ * beyond step 1, and later stamps get the same odd number. If the other slot is not whole, a write
+ * may have reached step 4, and its block may have got more stamps. Then the number of the next
+ * stamps is higher by 4.
  *
  * Each write takes two units of the kept slot for stamps, and a write that succeeds exchanges the
- * slots. So the units run out after 31 writes in a row that were cut. Step 1 then writes one stamp,
- * later none; its number counts all the same.
+ * slots. So the units run out after 31 interrupted writes in a row. Then step 1 writes one stamp,
+ * later none, but the sequence number goes up as if it had written both.
  */
 #ifndef STORE_H
 #define STORE_H
@@ -50,9 +52,9 @@
 
 typedef struct {
     hal_t *hal;
-    bool found;        /* a whole block */
-    uint32_t slot;     /* of the newest one */
-    uint32_t sequence; /* its number, wrapping */
+    bool found;        /* there is a whole block */
+    uint32_t slot;     /* slot of the newest block */
+    uint32_t sequence; /* sequence number of the newest block, wraps */
 } store_t;
 
 /*
@@ -68,9 +70,9 @@ void store_find(store_t *store, hal_t *hal);
 bool store_read(const store_t *store, config_block_t *block);
 
 /*
- * Writes a block, which becomes the newest. Returns NULL, or why it failed; the old block is kept
- * then. Context: as for the binding's hal_store_erase(); the caller has to make sure that the drive
- * is at rest.
+ * Writes a block, which becomes the newest. Returns NULL, or the reason for a failure; after a
+ * failure the old block is still the newest. Context: as for the binding's hal_store_erase(); the
+ * caller has to make sure that the drive is at rest.
  */
 const char *store_write(store_t *store, const config_block_t *block);
 

@@ -7,8 +7,8 @@
 #include <stddef.h>
 
 /*
- * With an example motor in the image, the motor's limits do not count: nobody has said what the
- * connected motor bears.
+ * If the image has an example motor, its motor's limits are not ceilings for the block, because
+ * nobody has said which limits the connected motor has.
  */
 config_block_verdict_t stored_config_check(const config_block_t *block, const about_t *about,
                                            const drive_cfg_t *cfg)

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The configuration that the drive runs with: the stored block if it is good for this image, else
- * the image's own.
+ * The configuration that the drive runs with: the stored block if this image may run with it, else
+ * the block of the image.
  *
  * A start takes a block that is whole, is of this schema and this board, has settings that pass
  * config_check.h, and protects no less than the image (config_ceiling.h). The start copies the
- * block to the RAM. So a block that is stored later acts from the next start on; the running drive
- * keeps its own.
+ * block to the RAM. So a block that is stored later is used from the next start on; the running
+ * drive keeps its configuration.
  */
 #ifndef STORED_CONFIG_H
 #define STORED_CONFIG_H
@@ -21,21 +21,21 @@
 
 typedef struct {
     store_t store;
-    config_block_t block;           /* the drive is started with it */
-    bool is_stored;                 /* it is the stored one */
-    config_block_verdict_t verdict; /* of the stored one, where there is one */
+    config_block_t block;           /* the block with which the drive is started */
+    bool is_stored;                 /* `block` is the stored block, not the block of the image */
+    config_block_verdict_t verdict; /* verdict on the stored block, if there is one */
 } stored_config_t;
 
 /*
- * Chooses the block. `cfg` is the configuration of the image. `about` has the facts of the image;
- * it gets the name and the motor's facts of the chosen block. Then start the drive with
- * stored->block.cfg. Context: background, before the control interrupt is enabled. All arguments
- * must outlive the drive.
+ * Chooses the block. `cfg` is the configuration of the image. `about` contains the facts of the
+ * image; the name and the motor's facts are replaced by those of the chosen block. Then start the
+ * drive with stored->block.cfg. Context: background, before the control interrupt is enabled. All
+ * arguments must outlive the drive.
  */
 void stored_config_load(stored_config_t *stored, hal_t *hal, const drive_cfg_t *cfg,
                         about_t *about);
 
-/* Makes the block of the configuration of an image. Context: background. */
+/* Makes a block from the configuration of an image. Context: background. */
 void stored_config_of_image(config_block_t *block, const about_t *about, const drive_cfg_t *cfg);
 
 /*
@@ -51,7 +51,10 @@ void stored_config_about(const config_block_t *block, about_t *about);
 config_block_verdict_t stored_config_check(const config_block_t *block, const about_t *about,
                                            const drive_cfg_t *cfg);
 
-/* Why an image does not take a block, as a constant text; NULL for CONFIG_BLOCK_GOOD. */
+/*
+ * Returns the reason why an image does not accept a block, a constant text; NULL for
+ * CONFIG_BLOCK_GOOD.
+ */
 const char *stored_config_reason(config_block_fault_t fault);
 
 /*
@@ -61,10 +64,10 @@ const char *stored_config_reason(config_block_fault_t fault);
 void stored_config_tell(text_t *text, const stored_config_t *stored);
 
 /*
- * Stores a block; the next start takes it. Returns NULL, or why it is refused, a constant text: the
- * drive is not at rest with open gates, the block is not for this image, or the flash does not
- * work. identity: of this image. The control interrupt stands still meanwhile, some 35 ms on an
- * STM32G431. Context: background.
+ * Stores a block; the next start takes it. Returns NULL, or the reason for a refusal, a constant
+ * text: the drive is not at rest with open gates, the block is not for this image, or the flash
+ * does not work. identity: of this image. The control interrupt stands still meanwhile, some 35 ms
+ * on an STM32G431. Context: background.
  */
 const char *stored_config_save(stored_config_t *stored, const app_t *app,
                                const config_identity_t *identity, const config_block_t *block);

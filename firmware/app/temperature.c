@@ -6,8 +6,8 @@
 #define MC_PER_C (1000)
 
 /*
- * Whether a count lies beyond a point, on the hot side. The ends of the line say whether counts
- * rise or fall with the temperature, because two neighbours may round to one count.
+ * Whether a count lies beyond a point, on the point's hot side. The ends of the line say whether
+ * counts rise or fall with the temperature, because two neighbours may round to one count.
  */
 static bool is_beyond(const temperature_line_t *line, const temperature_point_t *point,
                       int32_t count)
@@ -48,7 +48,7 @@ int32_t temperature_celsius(const temperature_line_t *line, uint16_t count)
     } else if (k > 0U) {
         mc = between(&line->at[k - 1U], &line->at[k], counts);
     } else {
-        /* the temperature of the first point */
+        /* colder than the first point: the temperature of this point */
     }
     return rounded(mc);
 }

@@ -5,9 +5,9 @@
 
 #include <stddef.h>
 
-#define DIGITS_MAX (10U) /* of 2^32 − 1 */
+#define DIGITS_MAX (10U) /* digits of 2^32 − 1 */
 #define INPUT_DIGITS (9U)
-#define WHOLE_DIGITS (3U) /* with six decimals it fits 32 bits */
+#define WHOLE_DIGITS (3U) /* three digits and six decimals fit in 32 bits */
 #define MILLIONTHS_DIGITS (6U)
 /* characters that text_add() always leaves free */
 #define LINE_END (2U)
@@ -96,7 +96,10 @@ const char *text_after(const char *string, const char *start)
     return (start[k] == '\0') ? &string[k] : NULL;
 }
 
-/* Appends digits from `from` on, at most `most`, to *sum. Returns where they end. */
+/*
+ * Reads at most `most` decimal digits of `string`, from index `from` on, and appends them to *sum:
+ * *sum = 10 · *sum + digit. Returns the index after the last digit.
+ */
 static uint32_t add_digits(const char *string, uint32_t from, uint32_t most, int32_t *sum)
 {
     uint32_t k = from;

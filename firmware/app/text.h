@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Text of the console: words and numbers into a buffer of fixed size. Text that does not fit is cut
- * off; a line that is cut keeps its end.
+ * off; a line that is cut still ends with CR and LF.
  */
 #ifndef TEXT_H
 #define TEXT_H
@@ -20,8 +20,8 @@ typedef struct {
 void text_add(text_t *text, const char *string);
 
 /*
- * Append CR and LF. text_add() always leaves room for them. After a full line a second end does not
- * fit, and is left out.
+ * Append CR and LF. text_add() always leaves room for them. If the text is full, a second CR and LF
+ * do not fit, and are left out.
  */
 void text_end_line(text_t *text);
 
@@ -32,9 +32,9 @@ void text_number(text_t *text, int32_t value, uint32_t decimals);
 void text_hex(text_t *text, uint32_t value);
 
 /*
- * Continues the CRC-32 (crc32.h) `before` over `length` characters, and returns it. before:
- * CRC32_START for the first characters. Complement the result where it is shown, as with
- * crc32_byte(). For the sender and the reader of lines.
+ * Returns the CRC-32 (crc32.h) of `before`, continued over `length` characters. before: CRC32_START
+ * for the first characters. Complement the result where it is shown, as with crc32_byte(). Sender
+ * and reader of lines use this function.
  */
 uint32_t text_crc(uint32_t before, const char *characters, uint32_t length);
 
@@ -42,14 +42,14 @@ uint32_t text_crc(uint32_t before, const char *characters, uint32_t length);
 const char *text_after(const char *string, const char *start);
 
 /*
- * Reads a whole decimal number, with a sign or without, and nothing after it. Returns false, and
- * leaves *value, for anything else and beyond ±999999999.
+ * Reads a whole decimal number with or without a sign. Returns false and leaves *value as it is if
+ * the string is anything else, or has more than nine digits.
  */
 bool text_to_number(const char *string, int32_t *value);
 
 /*
- * Reads a decimal number in millionths: with a sign or without, up to three digits, and up to six
- * more after a point. Returns false, and leaves *value, for anything else.
+ * Reads a decimal number in millionths: with or without a sign, one to three digits, and up to six
+ * more after a point. Returns false and leaves *value as it is if the string is anything else.
  */
 bool text_to_millionths(const char *string, int32_t *value);
 

@@ -31,7 +31,7 @@ static int64_t clamped(int64_t value, int64_t end)
     return result;
 }
 
-/* The nearest; half is rounded away from zero. `divisor` > 0. */
+/* Returns value/divisor, rounded to nearest, halves away from zero. `divisor` > 0. */
 static int64_t divided(int64_t value, int64_t divisor)
 {
     const int64_t half = (value < 0) ? -(divisor / 2) : (divisor / 2);
@@ -64,8 +64,8 @@ int32_t units_hundredth_turns(const units_rotation_t *rotation, int32_t position
 }
 
 /*
- * 10^12 ps a second, two half-waves a period, ten tenths: halves · 5·10^12 stays below 2^53, ticks
- * · tick_ps below 2^61.
+ * f = (halves/2)/(ticks·tick_ps·10^-12 s). In tenths of Hz this is halves·5·10^12/(ticks·tick_ps).
+ * halves·5·10^12 stays below 2^53, ticks·tick_ps below 2^61.
  */
 int32_t units_decihertz(const units_rotation_t *rotation, uint32_t halves, uint32_t ticks)
 {
@@ -85,8 +85,8 @@ int32_t units_thousandths(int32_t value, int32_t one, uint32_t base_millionths)
 
 /*
  * Ω_b = 2π·2^(15 + shift)/2^32/tick and I_b is twice the full scale, so T_b =
- * 3/(2π)·P·U·I·tick·2^(17 − shift). The power of U·I in mW is below 2^32, the tick times the pole
- * pairs in ns below 2^25. 3/(2π)·2^17 of their product, 10^-12 J, is 0.062582 µN·m.
+ * 3/(2π)·P·U·I·tick·2^(17 − shift). U·I in mW is below 2^32, and tick·P in ns is below 2^25. The
+ * unit of their product is 10^-12 J: times 3/(2π)·2^17 this is 0.062582 µN·m.
  */
 int64_t units_torque_base(const units_rotation_t *rotation, uint32_t current_full_scale_ua,
                           uint32_t bus_full_scale_uv, uint32_t speed_shift)
