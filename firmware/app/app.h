@@ -13,7 +13,7 @@
 
 #include <stdbool.h>
 
-/* The background's cross-checks, cross_check.h. */
+/* State of the background's check of the measurements, cross_check.h. */
 typedef struct {
     uint32_t tick;       /* tick that was checked last */
     uint32_t begun;      /* tick in which the present window began */
@@ -68,7 +68,7 @@ bool app_changes(const app_t *app);
 /*
  * Tell the drive of a fault that the background has found. The drive latches it within a slow
  * period, in any state but FAULT, and opens the gates in that tick. Value and limit are clamped to
- * 0…65535. A recording shows it as a command. Context: background.
+ * 0…65535. A recording shows the fault as a command. Context: background.
  */
 void app_fail(app_t *app, const fault_t *fault);
 
@@ -78,7 +78,10 @@ void app_fail(app_t *app, const fault_t *fault);
  */
 void app_forget_failure(app_t *app);
 
-/* The control interrupt: sample, step, apply, record. Call once a PWM period, never re-entered. */
+/*
+ * The control interrupt: takes the samples, steps the drive, applies and records the outputs. Call
+ * once per PWM period; it must not interrupt itself.
+ */
 void control_isr(app_t *app);
 
 #endif

@@ -57,20 +57,20 @@ const char *commander_clear(app_t *app);
 const char *commander_zero(app_t *app);
 
 /*
- * Speed mode with this electrical speed from now on, also while the drive runs. The caller must
- * keep the speed within the motor's limit.
+ * Sets speed mode with this electrical speed. Allowed while the drive runs. The caller must keep
+ * the speed within the motor's limit.
  */
 void commander_set_speed(app_t *app, step_t speed);
 
 /*
- * Torque mode with this torque from now on, Q28 of T_b. The caller must keep it within
+ * Sets torque mode with this torque, Q28 of T_b. The caller must keep the torque within
  * ±commander_torque_max().
  */
 void commander_set_torque(app_t *app, int32_t torque_q28);
 
 /*
- * The torque that the motor's largest current gives by the configuration, Q28 of T_b; 0 before the
- * drive is initialised.
+ * Returns the torque of the motor at its largest current, computed from the configuration, Q28 of
+ * T_b; 0 before the drive is initialised.
  */
 int32_t commander_torque_max(const app_t *app);
 
@@ -109,10 +109,10 @@ const char *commander_unlock(app_t *app);
 void commander_lock(app_t *app);
 
 /*
- * Locks again when the drive is not at rest. Withdraws a clear once the drive has left FAULT:
- * otherwise it would clear the next fault unseen. Withdraws a run once there is a fault: otherwise
- * the motor would start when the drive leaves FAULT. Withdraws a zero once the drive has taken it.
- * Call once per pass of the background.
+ * Ends the unlocking when the drive is not at rest. Withdraws a clear once the drive has left
+ * FAULT: otherwise it would clear the next fault unseen. Withdraws a run once there is a fault:
+ * otherwise the motor would start when the drive leaves FAULT. Withdraws a zero once the drive has
+ * taken it. Call once per pass of the background.
  */
 void commander_step(app_t *app);
 

@@ -27,7 +27,10 @@ static bool answer(console_t *console, const char *why)
     return why == NULL;
 }
 
-/* Whether a recording is kept: until it is dumped or given up, nothing else is recorded. */
+/*
+ * Whether the recording of a fault is kept: nothing else is recorded until it is dumped or given
+ * up.
+ */
 static bool keeps_recording(const console_t *console)
 {
     const recorder_t *const recorder = console->app->recorder;

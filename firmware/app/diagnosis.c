@@ -5,7 +5,7 @@
 
 #include <stddef.h>
 
-#define STEPS_IN_A_TURN (4294967296LL) /* of an angle_t */
+#define STEPS_IN_A_TURN (4294967296LL) /* 2^32 */
 #define NEAR_SHARE (12) /* two frequencies count as equal if they differ by at most 1/12 */
 #define SIX (6) /* in an electrical turn the three leg currents change their sign six times */
 /*
@@ -103,9 +103,9 @@ static bool swings_at_limit(const drive_t *drive)
 }
 
 /*
- * Returns the signs of a swing that something outside the loop forces, by its frequency. shaft,
- * electric: frequency of the shaft's turn and of the electrical turn. With few pole pairs two
- * causes have the same frequency.
+ * Returns the signs of a swing that something outside the speed loop forces. They follow from its
+ * frequency. shaft: frequency of the shaft's turns; electric: frequency of the electrical turns.
+ * With few pole pairs two causes have the same frequency.
  */
 static uint32_t forced_signs(int64_t frequency, int64_t shaft, int64_t electric)
 {

@@ -83,7 +83,10 @@ static bool ask(identify_t *identify)
     return complete;
 }
 
-/* The number of the window makes its word differ from the words of earlier windows. */
+/*
+ * Posts the word of the window. It contains the number of the window, so it differs from the words
+ * of earlier windows.
+ */
 static void ask_for_window(identify_t *identify)
 {
     const uint32_t number = identify->windows & WINDOW_NUMBERS;
@@ -290,7 +293,7 @@ static bool plan_in_phase(identify_t *identify)
 static void plan_next(identify_t *identify)
 {
     while (!plan_in_phase(identify)) {
-        /* the next phase plans */
+        /* the phase has changed: its plan is next */
     }
     if (identify->aim.leads) {
         ask_for_window(identify);

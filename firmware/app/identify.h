@@ -26,15 +26,16 @@
  * measured L. The highest speed is half of the name plate's speed, and less where the bus voltage
  * is too low for that.
  *
- * Records. `= KIND` and 19 numbers: axis, current, speed, pulse along, pulse across, quarter,
- * ticks; the sums of probe_sums_t in their order. KIND: pulse, catch, still, burst (pulses on a
- * current), spin, ramp, hold (constant speed after a ramp), coast. A first line gives their scales:
- * `identify 2`, tick in ps, full scale of the current in µA and of the bus in µV, pole pairs, and
- * the shift of speeds (drive_cfg_t.speed_shift). The last line is `identify done`. Each of these
- * lines ends with ` #` and eight hexadecimal digits: the CRC-32 of the characters before ` #` in
- * this line and in all earlier lines of these kinds. So a changed, lost or exchanged line shows at
- * the next line at the latest, and a reader can recognise a line that a log contains twice. Other
- * lines may come between them. Records of `identify 1` had no CRC and no end.
+ * A record is `= KIND` and 19 numbers: axis, current, speed, pulse along, pulse across, quarter,
+ * ticks; the sums of probe_sums_t in their order. KIND is one of pulse, catch, still, burst (pulses
+ * on a current), spin, ramp, hold (constant speed after a ramp), coast. A first line gives the
+ * scales of the records: `identify 2`, tick in ps, full scale of the current in µA and of the bus
+ * in µV, pole pairs, and the shift of speeds (drive_cfg_t.speed_shift). The last line is `identify
+ * done`. Each of these lines ends with ` #` and eight hexadecimal digits: the CRC-32 of the
+ * characters before ` #` in this line and in all earlier lines of these kinds. So the CRC of the
+ * next line at the latest shows that a line was changed, lost or exchanged, and a reader can
+ * recognise a line that a log contains twice. Other lines may come between these lines. Records of
+ * `identify 1` had no CRC and no end.
  *
  * Context: background.
  */

@@ -41,8 +41,8 @@ static inline int32_t identify_aim_bounded(int64_t value, int32_t least, int32_t
 }
 
 /*
- * Returns the current that was set last: of the next experiment, or, before that is planned, of the
- * last one.
+ * Returns the current that was set last. Before the plan sets the current of the next experiment,
+ * this is the current of the last one.
  */
 static inline int32_t identify_aim_asked_current(const identify_t *identify)
 {
@@ -50,8 +50,8 @@ static inline int32_t identify_aim_asked_current(const identify_t *identify)
 }
 
 /*
- * Returns the place of a word. Before the next experiment is planned, it holds the value of the
- * last one.
+ * Returns a pointer to a word of the next experiment. Before the plan sets the word, it has the
+ * value of the last experiment.
  */
 static inline int32_t *identify_aim_word(identify_t *identify, probe_word_t which)
 {

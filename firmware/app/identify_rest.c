@@ -381,8 +381,8 @@ static void aim_catch(identify_t *identify)
 /*
  * Whether a try is needed. φ of a name plate may be wrong by a factor. So a salient rotor is tried
  * with 1.5 times stiff_current: a rotor that this current does not hold turns away from the vector.
- * No try is needed if three times the current of the experiments would hold it, or if L_q/L_d is
- * below 9/7.
+ * No try is needed if three times the current of the experiments would still hold the rotor, or if
+ * L_q/L_d is below 9/7.
  */
 static bool is_to_be_tried(const identify_t *identify)
 {
@@ -490,7 +490,8 @@ bool identify_rest_plan_catch(identify_t *identify)
 #define LEVEL_FOR_R (5U)
 /*
  * The rotor moves if the voltage of a level changes by more than 1/8 of R·i until the level comes
- * again. A winding that gets warm adds less than that. UNLIKE_SHARE is more.
+ * again. A winding that gets warm changes it by less. A phase is found unlike by more
+ * (UNLIKE_SHARE).
  */
 #define UNSTEADY_SHARE (8)
 #define UNSTEADY_ONE (256)
@@ -827,8 +828,8 @@ static bool are_alike(identify_t *identify)
 }
 
 /*
- * Goes to the next axis when levels and pulses of an axis have ended, after the last axis to SPIN.
- * Returns whether STILL goes on.
+ * Leaves an axis whose levels and pulses have ended. SPIN follows after the last axis. Returns
+ * whether STILL goes on.
  */
 static bool leave_axis(identify_t *identify)
 {

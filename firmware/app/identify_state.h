@@ -35,10 +35,10 @@ typedef enum {
 /* One experiment. */
 typedef struct {
     int32_t words[IDENTIFY_WORDS]; /* values of the words of probe.h, from PROBE_CURRENT on */
-    const char *kind;              /* first word of its record */
+    const char *kind;              /* first word of the record of this experiment */
     /*
-     * ticks from the vector's arrival to the begin of the window; with `leads`: ticks from the
-     * begin of the window until the words are posted
+     * ticks from the vector's arrival to the start of the window; with `leads`: ticks from the
+     * start of the window until the words are posted
      */
     int32_t settle;
     int32_t ticks; /* ticks of the window */
@@ -127,7 +127,7 @@ typedef struct {
     int32_t torque_down;
     int32_t torque_up;   /* the same for the last ramp up */
     bool steep;          /* the ramps are not made steeper any more */
-    int32_t pairs_left;  /* number of pairs of such ramps that still follow */
+    int32_t pairs_left;  /* number of pairs of these steepest ramps that still follow */
     int32_t coast_ticks; /* length of a window of COAST */
     int32_t coast_speed; /* mean speed in the second window, 2^-20 turns per tick */
 } identify_turn_t;
@@ -136,14 +136,16 @@ typedef struct {
     app_t *app;
     const about_t *about;
     identify_phase_t phase;
-    bool wait_is_said;     /* the line that says that it waits for the winding has been written */
+    bool wait_is_said;     /* the line about waiting for a cool winding has been written */
     uint32_t step;         /* number of experiments in this phase so far */
     identify_phase_t said; /* last phase whose line was written */
     const char *why;       /* reason for a refusal; NULL: there is none */
     const char *detail;    /* said after `why`: the name of a phase or a fault */
     int32_t needed;        /* current that the refusal names, Q15 of I_b; 0: none */
     identify_aim_t aim;    /* the experiment under way */
-    /* the user's command from before, without its request; it is in force again at the end */
+    /*
+     * the user's command before the identification, without its request; in force again at the end
+     */
     drive_command_t before;
     uint32_t began;                   /* tick in which the identification began */
     uint32_t crc;                     /* CRC of the records so far, see text_crc() */

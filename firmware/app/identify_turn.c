@@ -24,7 +24,7 @@
 #define EDGE_TICKS (1024) /* shortest edge: time before and after a ramp in its window */
 #define EDGE_MS_MOST (450)
 #define EDGE_TICKS_MOST (PROBE_WINDOW_MAX / 4)
-/* an edge lasts 8/ω_n: then a swing that the ramp has started is damped */
+/* an edge lasts 8/ω_n: by then a swing that the ramp has started is damped */
 #define EDGE_SWINGS (8)
 /*
  * largest 2·K in steps per tick: K = 0.03 per tick, a quarter of the bandwidth of the current
@@ -52,8 +52,8 @@ static void aim_speed(identify_t *identify, step_t speed, step_t ramp)
 }
 
 /*
- * Returns the ticks of the edges before and after a ramp. For the first ramp swing_ticks is not
- * known yet: an edge is a quarter of its time.
+ * Returns the ticks of the edges before and after a ramp. Before the first ramp swing_ticks is not
+ * known: then an edge is a quarter of the ramp's ticks.
  */
 static int32_t edge_ticks(const identify_t *identify)
 {
@@ -64,7 +64,9 @@ static int32_t edge_ticks(const identify_t *identify)
     return fx_clamp(unknown + swings, EDGE_TICKS, most);
 }
 
-/* The window begins before the ramp and ends after it, at a constant speed. */
+/*
+ * Sets up a ramp. The window begins before the ramp and ends after it; there the speed is constant.
+ */
 static void aim_ramp(identify_t *identify, bool down)
 {
     const step_t low = identify->turn.low;
@@ -198,8 +200,8 @@ static void steepen(identify_t *identify, int32_t torque)
 #define VOLTAGE_LEFT (32)  /* all of the voltage counts as used when less than 1/32 is left */
 #define SPEED_SHARE_LEAST (16)
 /*
- * 1/cos of a lag of 20 degrees, Q10. A rotor that lags by more is loaded: with half of the current
- * it would lag by 43 degrees.
+ * 1/cos of a lag of 20 degrees, Q10. A rotor with a larger lag is loaded: with half of the current
+ * it would lag by more than 43 degrees.
  */
 #define LAG_OF_LOAD (1093)
 /* the rotor stands still if its EMF at the highest speed would be below 1/20 of the voltage */
@@ -394,8 +396,8 @@ void identify_turn_catch_again(identify_t *identify)
 }
 
 /*
- * Plans the first ramp. It begins at half of the highest speed, or higher if it would not fit into
- * its window.
+ * Plans the first ramp. It begins at half of the highest speed, or at a higher speed if the ramp
+ * would not fit into its window.
  */
 static void plan_first_ramp(identify_t *identify)
 {
@@ -526,8 +528,8 @@ static void note_wait(identify_t *identify)
 }
 
 /*
- * Judges a pair of ramps by half of the difference of their torques. The effect of friction and R
- * is the same up and down, so it cancels.
+ * Judges a pair of ramps by half of the difference between their torques. The effect of friction
+ * and R is the same up and down, so it cancels.
  */
 static void judge_pair(identify_t *identify)
 {

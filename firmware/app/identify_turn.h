@@ -25,7 +25,7 @@ step_t identify_turn_speed(const identify_t *identify);
 bool identify_turn_seeks_speed(const identify_t *identify);
 
 /*
- * Whether SPIN takes all of the voltage already for its first speed: then current and rotor are
+ * Whether SPIN already needs all of the voltage for its first speed: then current and rotor are
  * about to be lost.
  */
 bool identify_turn_lacks_voltage(const identify_t *identify);

@@ -21,7 +21,7 @@
 #define KEPT_HEAT_UNKNOWN_Q24 (0xE66666)
 
 /*
- * Set the drive's heat to the kept one. Context: after app_init() has accepted the configuration,
+ * Set the drive's heat to the kept heat. Context: after app_init() has accepted the configuration,
  * before the control interrupt is enabled.
  */
 void kept_heat_restore(app_t *app);

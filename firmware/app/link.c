@@ -53,7 +53,10 @@ static void count_still(link_t *link)
     link->tick = tick;
 }
 
-/* Ends what a PC has begun or unlocked: the next PC must not inherit it. */
+/*
+ * Ends the stream, the preparation of a block and the unlocking, because the next PC must not
+ * inherit them.
+ */
 static void end_session(link_t *link)
 {
     link_stream_end(&link->stream);

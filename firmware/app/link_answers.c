@@ -18,8 +18,8 @@ typedef struct {
     uint8_t type;
     uint8_t tag;
     const uint8_t *body;
-    uint32_t length; /* of the body */
-    uint32_t crc;    /* of type, tag and body */
+    uint32_t length; /* bytes of the body */
+    uint32_t crc;    /* CRC of type, tag and body */
 } question_t;
 
 static uint32_t half_at(const uint8_t *bytes)
@@ -351,8 +351,8 @@ static bool is_stop(const question_t *question)
 }
 
 /*
- * A repeated hello does not begin another session, because the first answer may still be on its
- * way.
+ * Answers a hello. A repeated hello does not begin another session, because the first answer may
+ * still be on its way.
  */
 static void answer_hello(link_t *link, const question_t *question)
 {

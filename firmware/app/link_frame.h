@@ -53,7 +53,7 @@ typedef struct {
     uint8_t bytes[LINK_FRAME_BYTES_MAX];
 } link_out_t;
 
-/* Sets `out` to no frame. */
+/* Makes `out` free: it has no frame. */
 void link_out_start(link_out_t *out);
 
 /* Whether a message can be begun: the last frame has been sent. */
@@ -69,8 +69,8 @@ void link_out_word(link_out_t *out, uint32_t value);
 void link_out_text(link_out_t *out, const char *text);
 
 /*
- * Returns where to write the next bytes of the body; *room: how many fit there. link_out_add() then
- * appends the `count` bytes that were written.
+ * link_out_room() returns the place for the next bytes of the body; *room gets the number of bytes
+ * that fit. Then link_out_add() appends the `count` bytes that were written there.
  */
 uint8_t *link_out_room(link_out_t *out, uint32_t *room);
 void link_out_add(link_out_t *out, uint32_t count);

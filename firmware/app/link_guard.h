@@ -23,7 +23,7 @@
 
 typedef struct {
     uint32_t heard; /* tick of the last good frame */
-    bool watching;  /* the PC has commanded the drive */
+    bool watching;  /* the PC has commanded the drive, so the guard watches */
     bool stopping;  /* the target speed is 0 because the PC was not heard */
 } link_guard_t;
 

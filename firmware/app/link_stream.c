@@ -62,7 +62,10 @@ static uint32_t number_behind(uint32_t number)
     return (number == UINT32_MAX) ? 1U : (number + 1U);
 }
 
-/* Number of frames among the entries; a frame is a tick, and the other entries are changes. */
+/*
+ * Returns the number of frames among the entries. A frame is one tick; the other entries are
+ * changes.
+ */
 static uint32_t frames_of(const recorder_entry_t *entries, uint32_t count)
 {
     uint32_t frames = 0U;

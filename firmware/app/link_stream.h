@@ -36,8 +36,8 @@ typedef struct {
     uint32_t before_entries;
     uint32_t before;    /* number of that segment */
     uint32_t next_tick; /* the tick after the last frame that was sent */
-    uint32_t sent_tick; /* when the last entries were sent */
-    uint32_t lost;      /* ticks that a stream has left out, since the start */
+    uint32_t sent_tick; /* tick in which the last entries were sent */
+    uint32_t lost;      /* ticks that the stream has left out since link_stream_init() */
 } link_stream_t;
 
 /* Sets the stream off. */

@@ -170,9 +170,9 @@ live_config_verdict_t live_config_apply(live_config_t *live, uint32_t crc)
 }
 
 /*
- * In the block, the CRC of the configuration follows the configuration. A CRC over data and their
- * own CRC is constant, so the CRC of the block does not depend on the configuration: both CRCs have
- * to agree.
+ * Whether two blocks are the same. In a block, the CRC of the configuration follows the
+ * configuration. A CRC over data and their own CRC is constant, so the CRC of the block does not
+ * depend on the configuration: both CRCs have to agree.
  */
 static bool is_same(const config_block_t *one, const config_block_t *other)
 {
@@ -218,8 +218,8 @@ live_config_verdict_t live_config_store(live_config_t *live)
 }
 
 /*
- * A target is in steps of the motor for which it was given. If the change has made the drive begin
- * anew, the motor may be another one.
+ * Adapts the command to the new configuration. A target is in steps of the motor for which it was
+ * given. If the change has made the drive begin anew, the motor may be another one.
  */
 static void adapt_command(const live_config_t *live, const drive_cfg_t *before)
 {

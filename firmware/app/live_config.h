@@ -37,7 +37,7 @@ typedef struct {
     const drive_cfg_t *cfg_of_image;
     const about_t *about_of_image;
     about_t about;          /* facts of motor and board for the block in force */
-    stored_config_t stored; /* its block is the first one in force */
+    stored_config_t stored; /* stored.block is the first block in force */
     config_block_t other;   /* the second block */
     config_block_t *in_force;
     config_block_t *prepared;      /* the block that is not in force */

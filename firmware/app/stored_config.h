@@ -46,7 +46,7 @@ void stored_config_about(const config_block_t *block, about_t *about);
 
 /*
  * Whether this image may run with a block: config_block_check(), then the ceilings of the image.
- * `about` and `cfg` are the image's.
+ * `about` and `cfg` belong to the image.
  */
 config_block_verdict_t stored_config_check(const config_block_t *block, const about_t *about,
                                            const drive_cfg_t *cfg);
@@ -66,8 +66,8 @@ void stored_config_tell(text_t *text, const stored_config_t *stored);
 /*
  * Stores a block; the next start takes it. Returns NULL, or the reason for a refusal, a constant
  * text: the drive is not at rest with open gates, the block is not for this image, or the flash
- * does not work. identity: of this image. The control interrupt stands still meanwhile, some 35 ms
- * on an STM32G431. Context: background.
+ * does not work. identity: schema and board of this image. While the flash is written the control
+ * interrupt stands still, some 35 ms on an STM32G431. Context: background.
  */
 const char *stored_config_save(stored_config_t *stored, const app_t *app,
                                const config_identity_t *identity, const config_block_t *block);

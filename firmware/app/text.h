@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Text of the console: words and numbers into a buffer of fixed size. Text that does not fit is cut
- * off; a line that is cut still ends with CR and LF.
+ * Writes words and numbers for the console as text into a buffer of fixed size. Text that does not
+ * fit is cut off; a line that is cut still ends with CR and LF.
  */
 #ifndef TEXT_H
 #define TEXT_H

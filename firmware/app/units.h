@@ -19,7 +19,7 @@
 /* Scale of speeds. Range: pole_pairs · tick_ps is 10^7…2.5·10^10. */
 typedef struct {
     uint32_t pole_pairs;
-    uint32_t tick_ps; /* a control tick, which is a PWM period */
+    uint32_t tick_ps; /* length of a control tick, which is a PWM period */
 } units_rotation_t;
 
 /* Converts electrical speed to mechanical rpm, rounded to nearest. Range: any step. */
