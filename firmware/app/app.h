@@ -55,8 +55,8 @@ void app_record(app_t *app, recorder_t *recorder);
 
 /*
  * Post another configuration. The control interrupt takes it with the command, within a slow
- * period, as a whole and at one tick boundary: drive_change() says what that means. A second post
- * before the interrupt has taken the first one replaces it. `cfg` must outlive its use. The
+ * period, as a whole and at one tick boundary, see drive_change(). A second post before the
+ * interrupt has taken the first one replaces it. `cfg` must stay valid as long as it is used. The
  * configuration that was in force before must stay valid until app_changes() is false, and for the
  * recorder as long as recorder_change() says. Context: background.
  */

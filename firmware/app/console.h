@@ -34,7 +34,7 @@ typedef struct {
     app_t *app; /* without a recorder, dump and record are refused */
     hal_t *hal;
     const about_t *about;
-    drive_state_t announced; /* state of the drive that was shown last */
+    drive_state_t announced; /* state of the drive that was announced last */
     char line[CONSOLE_LINE_MAX + 1U];
     uint32_t length; /* characters of the line so far */
     text_t out;      /* text to be sent; the sender sets its length to 0 when all is sent */

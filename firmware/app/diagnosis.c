@@ -15,7 +15,7 @@
 #define LAG_EIGHTHS (6U)
 #define LAG_EIGHTHS_MOST (12U)
 #define EIGHT (8U)
-#define HALVES_SEEN (4U) /* so many half-waves are a sign of a swing, though not yet a fault */
+#define HALVES_SEEN (4U) /* 4 half-waves in a run are a sign of a swing, though not yet a fault */
 /* The noise at rest is a sign if it is above 1/6 of the residual that a start allows. */
 #define NOISE_SHARE (6)
 /* A swing reaches the current limit if its amplitude is less than 1/16 below this limit. */

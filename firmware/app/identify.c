@@ -222,7 +222,7 @@ static void add_highest_speed(const identify_t *identify, text_t *text, const ch
     text_add(text, " rpm");
 }
 
-/* Adds the line before a phase: what the shaft will do, with which current and speed. */
+/* Adds the line before a phase. It says how the shaft will move, with which current and speed. */
 static void say_phase(identify_t *identify, text_t *text)
 {
     const int32_t continuous = milliamperes(identify, identify_aim_continuous(identify));
@@ -284,7 +284,7 @@ static bool plan_in_phase(identify_t *identify)
     case IDENTIFY_COAST:
         aims = identify_turn_plan_coast(identify);
         break;
-    default: /* it ends */
+    default: /* nothing is planned at the end */
         break;
     }
     return aims;
@@ -660,7 +660,7 @@ static void look_for_end(identify_t *identify)
     } else if (lasts_too_long(identify)) {
         identify_aim_refusal(identify, "it has not ended within 2 minutes");
     } else {
-        /* it goes on */
+        /* the identification goes on */
     }
 }
 

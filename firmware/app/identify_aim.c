@@ -15,7 +15,7 @@
  */
 #define COUNTS_LEAST (24)
 #define FULL_SCALE (16384)  /* full scale of a current sensor, Q15 of I_b */
-#define INTEGRAL_BITS (11U) /* the integral is finer than the output by so many bits, pi.h */
+#define INTEGRAL_BITS (11U) /* the integral is finer than the output by 11 bits, pi.h */
 
 void identify_aim_current(identify_t *identify, int32_t current)
 {

@@ -301,7 +301,7 @@ bool identify_rest_plan_pulse(identify_t *identify)
 #define TRY_MS (500)
 #define TRY_PATTERNS (16)
 #define TRY_DOUBT (3)
-#define TRIES_MOST (4U) /* after at most so many tries the current is lowered */
+#define TRIES_MOST (4U) /* largest number of tries after which the current is lowered */
 #define TRY_UNLIKE_SHARE (8)
 #define STEADY_LOOKS (5U)
 /* largest noise of some thousand samples, over the mean change from one sample to the next */

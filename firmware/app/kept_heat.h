@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The heat of the winding (i²t, derating.h) outlives a reset: a motor does not cool down because
- * its drive starts anew.
+ * The heat of the winding (i²t, derating.h) outlives a reset, because a motor does not cool down
+ * when its drive starts again.
  *
  * The background keeps the heat, with its scale, in words that a reset leaves as they are
- * (hal_keep()). The start takes the heat from there as it was: cooling in between is not counted,
- * so the heat errs to the warm side. If there are no valid words, as after a loss of supply, the
- * heat is unknown and is set to KEPT_HEAT_UNKNOWN_Q24.
+ * (hal_keep()). The start takes the heat from these words unchanged. It does not count the cooling
+ * during the reset, so the heat is rather too high than too low. If there are no valid words, as
+ * after a loss of supply, the heat is unknown and is set to KEPT_HEAT_UNKNOWN_Q24.
  */
 #ifndef KEPT_HEAT_H
 #define KEPT_HEAT_H

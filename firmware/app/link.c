@@ -9,12 +9,12 @@
 #include <stddef.h>
 
 #define PAUSE_US (LINK_PAUSE_MS * 1000U)
-#define ALONE_US (100000U) /* a frame without a new byte for so long is given up */
+#define ALONE_US (100000U) /* a frame without a new byte for 100 ms is given up */
 
 /*
  * The same times in passes of link_step(), for a board whose ticks stand still, such as one that
- * cannot start. A pass without work takes some µs. While ticks run, there are never so many passes
- * between two ticks.
+ * cannot start. A pass without work takes some µs. While ticks run, the number of passes between
+ * two ticks stays far below these limits.
  */
 #define ALONE_PASSES (100000U)
 #define PAUSE_PASSES (LINK_PAUSE_MS * 1000U)

@@ -187,8 +187,8 @@ static void go_on_sending(link_stream_t *stream, const recorder_view_t *view, li
 }
 
 /*
- * Whether the segment to be sent will still come. It will if the segment before it is the newest in
- * the ring. Otherwise it will not: the ring was begun anew, or has overwritten it.
+ * Whether the segment to be sent will still come. It will come if the segment before it is the
+ * newest in the ring. Otherwise the ring was begun anew or has overwritten the segment.
  */
 static bool will_come(const link_stream_t *stream)
 {

@@ -219,7 +219,7 @@ live_config_verdict_t live_config_store(live_config_t *live)
 
 /*
  * Adapts the command to the new configuration. A target is in steps of the motor for which it was
- * given. If the change has made the drive begin anew, the motor may be another one.
+ * given. If the change has sent the drive to INIT, the motor may be another one.
  */
 static void adapt_command(const live_config_t *live, const drive_cfg_t *before)
 {

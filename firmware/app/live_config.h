@@ -90,7 +90,7 @@ live_config_verdict_t live_config_store(live_config_t *live);
 /*
  * Call once a tick or more often. When a tick has taken the prepared block, this makes it the block
  * in force, and copies the facts of its motor to `about`. The target speed is limited to the speed
- * limit of that motor. If the change has made the drive begin anew, the command becomes speed 0
+ * limit of that motor. If the change has sent the drive to INIT, the command becomes speed 0
  * without a request.
  */
 void live_config_step(live_config_t *live);

@@ -21,7 +21,7 @@ _Static_assert((CONFIG_BLOCK_WORDS <= BLOCK_WORDS_MAX),
                "a block does not fit into its part of a slot");
 _Static_assert(UNIT_WORDS == 2U, "a stamp has two words");
 
-/* What a slot holds. */
+/* Content of a slot. */
 typedef struct {
     bool whole;
     uint32_t sequence;
