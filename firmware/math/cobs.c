@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "cobs.h"
 
-#define LONGEST (255U) /* a distance that stands for no 0 */
+#define LONGEST (255U) /* a distance of 255 stands for no 0 */
 
-/* The distance from place `at` of the code to the next 0 of the bytes, or to their end. */
+/* Returns the distance from place `at` of the code to the next 0 of the bytes, or to their end. */
 static uint32_t cobs_distance(const uint8_t *bytes, uint32_t count, uint32_t at)
 {
     uint32_t next = at;

@@ -6,8 +6,9 @@
  * (±1 per unit). Controller and observer states are 32 bits wide with guard bits above ±1, so that
  * a sum of a few products needs one clamp at its end and not one at each term.
  *
- * Cost. A 32×32→64 product is one instruction on Cortex-M3 and later but a library call on M0+; the
- * widest product here is 32×16 with the lower 16 bits dropped, two 32-bit multiplications anywhere.
+ * Cost. A 32×32→64 product is one instruction on Cortex-M3 and later but a library call on M0+. The
+ * widest product here is 32×16 with the lower 16 bits dropped. It takes at most two 32-bit
+ * multiplications on any core.
  *
  * All functions are pure, total over the stated ranges and callable from any context.
  */
@@ -20,16 +21,16 @@
 
 #include <stdint.h>
 
-/* One turn is 2^32, so angles wrap by themselves. Turns, not radians. */
+/* Angle. One turn, not one radian, is the unit: 2^32 is one turn, so angles wrap by themselves. */
 typedef uint32_t angle_t;
 
-/* Angle advance in a control tick, signed, in the unit of angle_t. 2^32 is one turn a tick. */
+/* Change of an angle in a control tick, signed, in the unit of angle_t. 2^32 is one turn a tick. */
 typedef int32_t step_t;
 
 #define FX_Q15_MAX (32767)
 #define FX_Q15_MIN (-32768)
 
-/* The smaller/larger of two values. */
+/* fx_min() returns the smaller, fx_max() the larger of two values. */
 static inline int32_t fx_min(int32_t a, int32_t b)
 {
     return (a < b) ? a : b;
@@ -40,25 +41,27 @@ static inline int32_t fx_max(int32_t a, int32_t b)
     return (a > b) ? a : b;
 }
 
-/* x limited to lo…hi, lo ≤ hi. */
+/* Returns x limited to lo…hi, lo ≤ hi. */
 static inline int32_t fx_clamp(int32_t x, int32_t lo, int32_t hi)
 {
     return fx_min(fx_max(x, lo), hi);
 }
 
-/* `from` moved towards `to` by at most `step` ≥ 0. `from` ± `step` must fit into 32 bits. */
+/*
+ * Returns `from` moved towards `to` by at most `step` ≥ 0. `from` ± `step` must fit into 32 bits.
+ */
 static inline int32_t fx_towards(int32_t from, int32_t to, int32_t step)
 {
     return (to > from) ? fx_min(from + step, to) : fx_max(from - step, to);
 }
 
-/* |x|, INT32_MIN excluded. */
+/* Returns |x|. x must not be INT32_MIN. */
 static inline int32_t fx_abs(int32_t x)
 {
     return (x < 0) ? -x : x;
 }
 
-/* floor(a·b / 2^16), exact for every a and for −32768 ≤ b ≤ 32767 given as int32_t. */
+/* Returns floor(a·b / 2^16), exact for every a and for −32768 ≤ b ≤ 32767. */
 static inline int32_t fx_mul_32x16(int32_t a, int32_t b)
 {
     return fx_mla_32x16(0, a, b);

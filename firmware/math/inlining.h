@@ -6,26 +6,26 @@
 #ifndef INLINING_H
 #define INLINING_H
 
-/* The compiler inlines all that such a function calls. */
+/* The compiler inlines every function that such a function calls. */
 #define INLINES_ALL __attribute__((flatten))
 
 /*
- * For functions that few ticks call, such as those of a start. Inlined into the functions of the
- * tick, they would take their registers, which costs 4 % of a RUN tick on a Cortex-M0+.
+ * For functions that few ticks call, such as the functions of a start. Inlined into the functions
+ * of the tick, they would take registers from them, which costs 4 % of a RUN tick on a Cortex-M0+.
  */
 #define NEVER_INLINED __attribute__((noinline))
 
 /*
  * For functions of the tick that run only now and then, such as on a user's command or on a fault.
- * The compiler keeps such a function, and functions that only it calls, apart, and lays out the
- * rest as if they were not there.
+ * The compiler keeps such a function apart, together with the functions that only it calls, and
+ * lays out the other code as if these functions did not exist.
  */
 #define RARE __attribute__((noinline, cold))
 
 /*
- * For the tick of RUN. TICK_WHOLE inlines all that the tick calls; TICK_APART keeps functions that
- * few ticks need apart. Without them the compiler changes its choice as the rest of the firmware
- * grows. That costs a RUN tick 20 instructions on a Cortex-M4, and 24 on a Cortex-M0+.
+ * For the tick of RUN. TICK_WHOLE inlines every function that the tick calls. TICK_APART keeps
+ * functions apart that few ticks need. Without them the compiler changes its choice as the rest of
+ * the firmware grows. That costs a RUN tick 20 instructions on a Cortex-M4, and 24 on a Cortex-M0+.
  */
 #define TICK_WHOLE INLINES_ALL
 #define TICK_APART NEVER_INLINED

@@ -14,15 +14,16 @@ _Static_assert((-3 >> 1) == -2, "right shift must keep the sign");
 #define ATAN_FRACTION_BITS (16U - TRIG_ATAN_BITS)
 #define ATAN_FRACTION_SCALE (0x100U)
 #define ATAN_FRACTION_MASK (0xFFU)
-#define ATAN_UNIT_SHIFT (29U - 16U) /* table unit: 2^-16 of an eighth turn, 2^29 */
+#define ATAN_UNIT_SHIFT (29U - 16U) /* a table entry counts 2^-16 of an eighth turn (2^29) */
 #define ATAN_SCALE (0x20U)          /* 2^(ATAN_UNIT_SHIFT − ATAN_FRACTION_BITS) */
 
 #define ROOT_ERROR (4)
-#define ROOT_MIN (0x8000U) /* of m = 2^30 */
+#define ROOT_MIN (0x8000U) /* √m of the smallest m, 2^30 */
 #define ROOT_MAX (65535)
 
 /*
- * atan(small / large) as an angle between 0 and an eighth of a turn; 0 ≤ small ≤ large, large > 0.
+ * Returns atan(small / large), an angle between 0 and an eighth of a turn; 0 ≤ small ≤ large, large
+ * > 0.
  */
 static angle_t atan_octant(uint32_t small, uint32_t large)
 {
@@ -51,7 +52,7 @@ angle_t trig_atan2(int16_t y, int16_t x)
     } else if (abs_x > 0U) {
         angle = atan_octant(abs_y, abs_x);
     } else {
-        /* no direction */
+        /* the vector (0, 0) has no direction */
     }
     if (x < 0) {
         angle = HALF_TURN - angle;
@@ -62,7 +63,7 @@ angle_t trig_atan2(int16_t y, int16_t x)
     return angle;
 }
 
-/* floor(√m), at most `above`, m ≥ 2^30. */
+/* Returns floor(√m), or `above` if that is smaller. m ≥ 2^30. */
 static uint32_t whole_root(uint32_t m, uint32_t above)
 {
     uint32_t root = above;
@@ -74,10 +75,10 @@ static uint32_t whole_root(uint32_t m, uint32_t above)
 }
 
 /*
- * √m by a reciprocal root r ≈ 2^31/√m from the table and one Newton step on s = m·r:
+ * Returns floor(√m) by a reciprocal root r ≈ 2^31/√m from the table and one Newton step on s = m·r:
  *     s ← s + (m − s²)·r/2^32
- * m = 2^30…2^32 − 1. The table is right within 2^-8, which leaves 1.5·2^-16 of s; the loop makes it
- * exact.
+ * m = 2^30…2^32 − 1. The table is right within 2^-8, which leaves an error of 1.5·2^-16 of s. The
+ * loop in whole_root() makes the root exact.
  */
 static uint32_t root_of_normalised(uint32_t m)
 {

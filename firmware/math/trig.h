@@ -37,13 +37,13 @@ static inline sincos_t trig_sincos(angle_t angle)
 }
 
 /*
- * Direction of the vector (x, y): the angle from the x axis towards the y axis.
- * x, y: any scale, same format, whole 16-bit range. The result is within 2^-17 turn (0.003°) of the
- * exact direction of the integers given; (0, 0) gives 0. One unsigned division.
+ * Returns the direction of the vector (x, y): the angle from the x axis towards the y axis. x, y:
+ * any scale, same format, whole 16-bit range. The result is within 2^-17 turn (0.003°) of the exact
+ * direction of the integers given; (0, 0) gives 0. One unsigned division.
  */
 angle_t trig_atan2(int16_t y, int16_t x);
 
-/* floor(√x). Range: whole. A Q30 argument gives a Q15 root. */
+/* Returns floor(√x). Range: any x. If x is Q30, the root is Q15. */
 uint16_t trig_sqrt(uint32_t x);
 
 #endif

@@ -7,7 +7,7 @@
 
 #include <stdint.h>
 
-#define TRIG_SIN_QUARTER (256U) /* entries a quarter turn */
+#define TRIG_SIN_QUARTER (256U) /* entries per quarter turn */
 #define TRIG_SLOPE_BITS (12U)
 #define TRIG_INDEX_SHIFT (22U)
 #define TRIG_FRACTION_SHIFT (9U)
@@ -15,13 +15,13 @@
 
 /*
  * s(k) = 32767·sin(2π·k / 1024), k = 0…1279: one turn, and a quarter turn more for the cosine. One
- * word holds value and slope: the lower 12 bits are the slope 2^3·(s(k + 1) − s(k)), rounded and
- * signed, and the entry is the number with these lower bits that is nearest to 2^16·(s(k) + ½).
- * (entry + slope·fraction) >> 16 is the rounded sine for a fraction of 13 bits.
+ * entry holds value and slope. Its lower 12 bits are the slope 2^3·(s(k + 1) − s(k)), rounded and
+ * signed. The entry is the number with these lower bits that is nearest to 2^16·(s(k) + ½). (entry
+ * + slope·fraction) >> 16 is the rounded sine for a fraction of 13 bits.
  */
 extern const int32_t trig_sin_table[1280];
 
-/* The sine at an entry and a fraction of 13 bits, Q15. */
+/* Returns the sine at an entry of the table and a fraction of 13 bits, Q15. */
 static inline int32_t trig_interpolate(int32_t entry, int32_t fraction)
 {
     const uint32_t slope_high = fx_unsigned(entry) << (32U - TRIG_SLOPE_BITS);

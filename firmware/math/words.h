@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Words of 32 bits as bytes, the lowest byte first, as files and flash have them. The same on a
- * machine of any byte order. Pure, any context; neither needs an aligned address.
+ * Words of 32 bits are stored as bytes, the lowest byte first, in files and in flash. The functions
+ * do not depend on the byte order of the machine. Pure, any context; the addresses need not be
+ * aligned.
  */
 #ifndef WORDS_H
 #define WORDS_H
 
 #include <stdint.h>
 
-#define WORDS_BYTES (4U) /* of a word */
+#define WORDS_BYTES (4U) /* bytes of a word */
 
 /* Returns the word of the four bytes at `from`. */
 static inline uint32_t words_get(const uint8_t *from)

@@ -15,19 +15,19 @@
 
 #include <stdint.h>
 
-/* The number that has the bits of x: x − 2^32 for x ≥ 2^31. */
+/* Returns the number that has the bits of x: x − 2^32 for x ≥ 2^31. */
 static inline int32_t fx_signed(uint32_t x)
 {
     return (int32_t)x;
 }
 
-/* The bits of x as a number: x + 2^32 for x < 0. */
+/* Returns the bits of x as a number: x + 2^32 for x < 0. */
 static inline uint32_t fx_unsigned(int32_t x)
 {
     return (uint32_t)x;
 }
 
-/* The same with 64 bits. */
+/* The same conversions with 64 bits. */
 static inline int64_t fx_signed64(uint64_t x)
 {
     return (int64_t)x;
@@ -39,8 +39,8 @@ static inline uint64_t fx_unsigned64(int64_t x)
 }
 
 /*
- * From `from` towards `to` by 2^-shift of the distance, rounded down: a low-pass. The distance must
- * fit into 32 bits.
+ * Returns `from` moved towards `to` by 2^-shift of the distance, rounded down. Called in each
+ * sample, it is a low-pass. The distance must fit into 32 bits.
  */
 static inline int32_t fx_approach(int32_t from, int32_t to, uint32_t shift)
 {

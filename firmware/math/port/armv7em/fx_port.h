@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The arithmetic of port/generic on Cortex-M4 and M7: contracts as there, results the same bit for
- * bit.
+ * The arithmetic of port/generic for Cortex-M4 and M7. Contracts: port/generic. The results are
+ * equal bit for bit.
  */
 #ifndef FX_PORT_H
 #define FX_PORT_H

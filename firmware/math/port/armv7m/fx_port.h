@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The arithmetic of port/generic on Cortex-M3: contracts as there, results the same bit for bit.
+ * The arithmetic of port/generic for Cortex-M3. Contracts: port/generic. The results are equal bit
+ * for bit.
  */
 #ifndef FX_PORT_H
 #define FX_PORT_H

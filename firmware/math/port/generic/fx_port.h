@@ -14,8 +14,8 @@
 #include <stdint.h>
 
 /*
- * x saturated to a signed number of `bits` bits. x fits when extending the sign of its lower bits
- * gives x again.
+ * Returns x saturated to a signed number of `bits` bits. x fits when extending the sign of its
+ * lower bits gives x again.
  */
 static inline int32_t fx_sat(int32_t x, uint32_t bits)
 {
@@ -60,7 +60,7 @@ static inline int32_t fx_sat30(int32_t x)
     return fx_sat(x, 30U);
 }
 
-/* x saturated to 0…32767. */
+/* Returns x saturated to 0…32767. */
 static inline int32_t fx_usat15(int32_t x)
 {
     int32_t y = x;
@@ -72,9 +72,9 @@ static inline int32_t fx_usat15(int32_t x)
 }
 
 /*
- * sum + floor(a·b / 2^16), exact for every a and for −32768 ≤ b ≤ 32767 given as int32_t. The
- * caller makes sure that the sum fits 32 bits. With a = a_hi·2^16 + a_lo: a_hi·b + floor(a_lo·b /
- * 2^16), |a_lo·b| < 2^31.
+ * Returns sum + floor(a·b / 2^16), exact for every a and for −32768 ≤ b ≤ 32767. The caller makes
+ * sure that the sum fits 32 bits. With a = a_hi·2^16 + a_lo the second term is a_hi·b +
+ * floor(a_lo·b / 2^16), |a_lo·b| < 2^31.
  */
 static inline int32_t fx_mla_32x16(int32_t sum, int32_t a, int32_t b)
 {
@@ -84,7 +84,7 @@ static inline int32_t fx_mla_32x16(int32_t sum, int32_t a, int32_t b)
     return sum + ((a_hi * b) + fx_asr((int32_t)a_lo * b, 16U));
 }
 
-/* Number of zero bits above the highest set bit of x, x > 0. */
+/* Returns the number of zero bits above the highest set bit of x, x > 0. */
 static inline uint32_t fx_leading_zeros(uint32_t x)
 {
     uint32_t rest = x;
