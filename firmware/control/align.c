@@ -4,16 +4,17 @@
 #include "fx.h"
 
 #define MEAN_BITS (6U)
-#define SUM_MAX (0x7FFF0000) /* of 2^16 samples */
+/* 2^16 samples of 32767: limit of a sum before the next sample is added */
+#define SUM_MAX (0x7FFF0000)
 #define MEAN_MAX (64 * FX_Q15_MAX)
 /*
- * A swing with a damping of 0.008 or more shrinks at least to this share in two measurements: 15/16
- * = exp(-8*0.008).
+ * A swing with a damping of 0.008 or more shrinks within two measurements to at most 15/16 of its
+ * size: 15/16 = exp(-8*0.008).
  */
 #define CALM_SIXTEENTHS (15)
 /*
- * For the extrapolation to zero current: the means are in 1/8 LSB. The distance from the high point
- * to zero is in Q10 of the distance between the two points.
+ * Formats of the extrapolation to zero current. Voltages have a resolution of 1/8 LSB. The distance
+ * from the high current to zero is in Q10 of the distance between the two currents.
  */
 #define LOST_BITS (3U)
 #define DISTANCE_ONE_Q10 (1024)
@@ -97,7 +98,7 @@ static void measure(align_t *align, const align_cfg_t *cfg, align_point_t *point
     }
 }
 
-/* When the current control resumes, it takes the lower level at once. */
+/* Sets the reference to current_low, without a slope, as soon as the current control resumes. */
 static void measure_inductance(align_t *align, const align_cfg_t *cfg, dq_t current)
 {
     if (!inductance_holds_voltage(&cfg->inductance, align->tick)) {
@@ -108,7 +109,7 @@ static void measure_inductance(align_t *align, const align_cfg_t *cfg, dq_t curr
     }
 }
 
-/* 64 times the mean of the samples. */
+/* Returns a finished sum, 64 times a mean, limited to the range of 64 Q15 values. */
 static int32_t mean_of(int32_t sum)
 {
     return fx_clamp(sum, -MEAN_MAX, MEAN_MAX);

@@ -18,7 +18,7 @@
 
 typedef struct {
     rotor_position_t position; /* θ̂ at this instant */
-    step_t speed;              /* ω̂, from this instant to the next; within the limit */
+    step_t speed;              /* ω̂ from this instant to the next, within ±speed_limit */
 } angle_sensor_t;
 
 /*

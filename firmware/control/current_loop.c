@@ -4,8 +4,8 @@
 #include <stdbool.h>
 
 /*
- * One fractional bit more than the gains have. A product with a 16-bit current still fits into 32
- * bits.
+ * Fractional bits of ω·L, one more than the gains have. A product with a 16-bit current still fits
+ * into 32 bits.
  */
 #define REACTANCE_BITS (14U)
 
@@ -74,14 +74,14 @@ static bool lies_in_circle(dq_t v, int32_t limit)
 }
 
 /*
- * For a demand outside of the circle. Each axis alone may lie within the limit.
+ * Limits a demand that lies outside of the circle. Each axis alone may lie within the limit.
  *
  * v_d is mainly −ω·L_q·i_q: below zero while the motor drives, above zero while it brakes. The axis
  * that comes second loses voltage. While the motor drives, v_q comes second: i_q falls, and |v_d|
  * falls with it. While it brakes, this order would let the EMF drive more i_q. More i_q needs more
- * v_d, until v_d takes the whole circle and nothing limits i_q. So v_d comes second there: i_d
- * falls, and with it the v_q that the EMF needs. The sign of ω·i_q* decides, not the sign of v_d,
- * which changes with a broken wire.
+ * v_d, until v_d takes the whole circle and nothing limits i_q. So v_d comes second while the motor
+ * brakes: i_d falls, and with it the v_q that the EMF needs. The sign of ω·i_q* decides, not the
+ * sign of v_d, because a broken wire changes the sign of v_d.
  */
 static dq_t limit_to_circle(current_loop_t *loop, dq_t integral_q26, dq_t u, int32_t limit,
                             bool brakes)

@@ -52,29 +52,32 @@ void current_loop_reset(current_loop_t *loop);
 void current_loop_turn(current_loop_t *loop, sincos_t angle);
 
 /*
- * The parts of the model that hold for a slow period. Call it when the reference, the gains or the
- * speed have changed. |reference| ≤ 23171, |speed_q15| ≤ 32768. Each product is rounded down.
+ * Computes the parts of the model that stay constant for a slow period. Call it when the reference,
+ * the gains or the speed have changed. |reference| ≤ 23171, |speed_q15| ≤ 32768. Each product is
+ * rounded down.
  */
 void current_loop_plan(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,
                        int32_t speed_q15);
 
 /*
- * The voltage that the model needs for this current: R·i* of the plan, decoupling and EMF at the
- * plan's speed, Q15 of U_b, ±2^19. The current saturates at ±1. The products are rounded down.
+ * Returns the voltage that the model needs for this current: R·i* of the plan, decoupling and EMF
+ * at the plan's speed, Q15 of U_b, ±2^19. The current saturates at ±1. The products are rounded
+ * down.
  */
 dq_t current_loop_model(const current_loop_t *loop, dq_t current);
 
 /*
- * Adds `voltage`, which the plan no longer gives, to the integrals. It is limited to ±32767; the
- * integrals saturate at ±1.
+ * Adds `voltage` to the integrals. Call it when the model no longer gives this voltage, so that the
+ * output does not jump. `voltage` is limited to ±32767; the integrals saturate at ±1.
  */
 void current_loop_take_over(current_loop_t *loop, dq_t voltage);
 
 /*
  * One tick. Returns the voltage to apply, |v| ≤ limit. |reference| ≤ 23171, |measured| ≤ 42364.
  * limit: 0…32766, so that a demand that saturates at 16 bits lies outside of the circle. Within the
- * circle both integrals move freely. Outside, each axis is limited first, as by pi_limit(). Then a
- * square root cuts the second axis to the circle, and its integral loses what was cut off.
+ * circle both integrals move freely. Outside, each axis is first limited as by pi_limit(). Then the
+ * axis without priority is reduced to the circle by a square root. Its integral is reduced by the
+ * same voltage.
  */
 dq_t current_loop_step(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,
                        dq_t measured, int32_t limit);

@@ -5,16 +5,20 @@
 
 #define QUARTER_TURN (0x40000000U)
 #define QUARTER_TURN_BACK (0xC0000000U)
-#define PULSE_CURRENT_MAX (0x1FFFF) /* above twice the largest magnitude */
+/* limit of an expected current: above twice the largest measured one */
+#define PULSE_CURRENT_MAX (0x1FFFF)
 #define ONE_Q14 (16384)
-#define WAIT_MAX (0x100000U)   /* of wait_ticks */
-#define SPEED_MAX (0x40000000) /* of a measured speed: a quarter of a turn in a tick */
-/* 1/12 of a turn: over it two directions that are off by 4° give the speed within 20 % */
+#define WAIT_MAX (0x100000U)   /* largest wait_ticks */
+#define SPEED_MAX (0x40000000) /* limit of a measured speed: a quarter of a turn in a tick */
+/*
+ * 1/12 of a turn. L_q is computed if the direction has turned by at least this from pulse to pulse:
+ * then two directions that are off by 4° still give the speed within 20 %.
+ */
 #define TELLING_TURN (0x15555555U)
 
 /*
- * During a long pulse the rotor turns far enough to measure the angle. The pause must not be longer
- * than needed.
+ * Returns the ticks of the pause. After a long pulse pause_max is enough, because during such a
+ * pulse the rotor already turns far enough to measure the angle.
  */
 static uint32_t pause_ticks(const flying_start_t *start, const flying_start_cfg_t *cfg)
 {
@@ -69,8 +73,9 @@ static int32_t pulse_current(const flying_start_t *start, const flying_start_cfg
 }
 
 /*
- * L_q / nominal; 0: not known. An error of the speed is a relative error of the same size here, so
- * after a short way between the pulses the configured L_q is better.
+ * Returns L_q / configured L_q, Q14; 0: not known. A relative error of the speed gives an equal
+ * relative error of L_q. So if the direction has turned only a little, the configured L_q is
+ * better.
  */
 static int32_t inductance_told(angle_t way, int32_t expected, int32_t current)
 {
@@ -84,8 +89,8 @@ static int32_t inductance_told(angle_t way, int32_t expected, int32_t current)
 }
 
 /*
- * The speed must explain the current within a factor of two. Wrong L and φ are within that factor,
- * noise is not.
+ * Whether the measured current is within a factor of two of the current that is expected at the
+ * measured speed. Errors of the configured L and φ stay within that factor, noise does not.
  */
 static bool plausible(int32_t expected, int32_t current)
 {
@@ -119,7 +124,10 @@ static flying_start_result_t judge(flying_start_t *start, const flying_start_cfg
     return result;
 }
 
-/* The low sides stay on, so the tick that ends the second pulse is the first tick of the charge. */
+/*
+ * Evaluates the second pulse, and begins the charge if the rotor stands. The low sides stay on, so
+ * this tick is the first tick of the charge.
+ */
 static flying_start_result_t judge_then_charge(flying_start_t *start, const flying_start_cfg_t *cfg,
                                                ab_t second)
 {
@@ -135,7 +143,7 @@ static flying_start_result_t judge_then_charge(flying_start_t *start, const flyi
 /*
  * Measures the speed at which a current that does not decay turns, as the mean since the first
  * tick. A rotor whose EMF is above the bus drives a turning current through the diodes. The current
- * of a stuck channel stands still.
+ * of a stuck sensor channel does not turn.
  */
 static void follow_current(flying_start_t *start, ab_t current)
 {
@@ -152,9 +160,9 @@ static void follow_current(flying_start_t *start, ab_t current)
 }
 
 /*
- * Wait until the old current has decayed, and for two ticks at least, because new compare values
- * act a tick later. With the old values the legs would switch in the pulse, and dead time would act
- * in it.
+ * Waits until the old current has decayed, and for two ticks at least, because new compare values
+ * act a tick later. With the old values the legs would switch during the pulse, and their dead time
+ * would act.
  */
 static flying_start_result_t preload(flying_start_t *start, const flying_start_cfg_t *cfg,
                                      ab_t current)
@@ -173,7 +181,7 @@ static flying_start_result_t preload(flying_start_t *start, const flying_start_c
     return result;
 }
 
-/* The pulse lasts until the current is large enough to measure. */
+/* Ends the first pulse when the current is large enough to measure, or after pulse_ticks. */
 static void pulse(flying_start_t *start, const flying_start_cfg_t *cfg, ab_t current)
 {
     if ((magnitude(current) > cfg->current) || (start->tick >= cfg->pulse_ticks)) {

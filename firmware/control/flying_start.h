@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Flying start: does the rotor turn already, how fast, and at which angle?
+ * Flying start: finds out whether the rotor turns already, how fast, and at which angle it is.
  *
- * All low sides are switched on and no high side. The back-EMF then drives a current through the
- * shorted windings: after a time t the current is −e·t/L with e = jωφ·e^{jθ}. A pulse ends when the
- * current is large enough to measure. Two pulses give two directions of e. The angle between them
- * divided by the time between them is the speed with its sign; the second direction less a quarter
- * turn is the angle of the rotor. No leg switches during a pulse, so dead time has no effect. When
- * the speed does not fit the magnitude of the current, the measurement is noise: the rotor stands,
- * or it is slow enough to be pulled in.
+ * All low sides are switched on, and no high side is. The back-EMF then drives a current through
+ * the shorted windings: after a time t the current is −e·t/L with e = jωφ·e^{jθ}. A pulse ends when
+ * the current is large enough to measure. Two pulses give two directions of e. The angle between
+ * them divided by the time between them is the speed with its sign; the second direction less a
+ * quarter turn is the angle of the rotor. No leg switches during a pulse, so dead time has no
+ * effect. When the speed does not fit the magnitude of the current, the measurement is noise: the
+ * rotor stands, or it is slow enough to be pulled in.
  *
  * Speed and current together give φ/L: the current of a pulse is φ/L_q times the angle by which the
- * rotor turns in it, less what R takes. φ of a configuration is better known than L, so a deviation
- * is taken for an error of L. A rotor that turns by less than 30° from pulse to pulse gives no L:
- * the noise of the two directions is then as large as the possible error of L.
+ * rotor turns in it, less the part that R takes. The configured φ is more certain than the
+ * configured L, so a deviation is taken for an error of L. A rotor that turns by less than 30° from
+ * pulse to pulse gives no L: the noise of the two directions is then as large as the possible error
+ * of L.
  *
  * Before the first pulse, current that still flows has to decay through the diodes of the open
  * bridge.
@@ -39,50 +40,54 @@
 #define FLYING_START_QUIET_LOG2 (2U)
 
 typedef struct {
-    int32_t current;      /* a pulse ends above this current, Q15 of I_b, 1…16384 */
-    uint32_t wait_ticks;  /* LIVE when the current has not decayed after this many ticks, 1…2^20 */
+    int32_t current; /* a pulse ends above this current, Q15 of I_b, 1…16384 */
+    /* if the current has not decayed after this many ticks, the result is LIVE, 1…2^20 */
+    uint32_t wait_ticks;
     uint32_t pulse_ticks; /* a pulse ends after this many ticks at the latest, 1…16 */
-    uint32_t gap_factor;  /* length of the pause in lengths of the pulse, 1…64 … */
-    uint32_t pause_max;   /* … but at most this many ticks, 1…256 */
+    uint32_t gap_factor;  /* the pause lasts this many times as long as a pulse, 1…64 */
+    uint32_t pause_max;   /* longest pause in ticks, 1…256 */
     /*
-     * The current of the first tick of a pulse, φ/L_q·ω·T·(1 − exp(−a))/a, a = T·R/L_q: Q15 of I_b
-     * = speed · emf_current / 2^(16 + emf_shift), 1…32767
+     * Gives the current after the first tick of a pulse, φ/L_q·ω·T·(1 − exp(−a))/a with a =
+     * T·R/L_q. In Q15 of I_b it is speed · emf_current / 2^(16 + emf_shift). 1…32767
      */
     int32_t emf_current;
-    uint32_t emf_shift;    /* 0…30 */
-    int32_t decay_q15;     /* share of a current that a tick takes, 1 − exp(−a), 0…32767 */
-    uint32_t charge_ticks; /* bootstrap charge when the rotor stands, ticks, 0…2^20 */
+    uint32_t emf_shift; /* 0…30 */
+    /* a tick of the short circuit reduces a current by this share, 1 − exp(−a), 0…32767 */
+    int32_t decay_q15;
+    /* ticks of the bootstrap charge when the rotor stands, 0…2^20; 0: no charge */
+    uint32_t charge_ticks;
 } flying_start_cfg_t;
 
 typedef enum {
     FLYING_START_BUSY = 0,
-    FLYING_START_STANDING, /* at rest, or too slow to tell */
+    FLYING_START_STANDING, /* the rotor rests, or turns too slowly to be measured */
     FLYING_START_TURNING,
-    FLYING_START_LIVE /* a current does not decay; it turns with `speed` */
+    FLYING_START_LIVE /* the current has not decayed; its vector turns with `speed` */
 } flying_start_result_t;
 
 typedef enum {
-    /* until the current is zero and the new compare values act: two ticks at least */
+    /* waits until the current is zero and the new compare values act: two ticks at least */
     FLYING_START_PRELOAD = 0,
     FLYING_START_FIRST_PULSE,
     FLYING_START_PAUSE,
     FLYING_START_SECOND_PULSE,
-    FLYING_START_CHARGE /* of the bootstrap supplies */
+    FLYING_START_CHARGE /* the bootstrap supplies are charged */
 } flying_start_phase_t;
 
 typedef struct {
-    uint32_t tick; /* of the phase */
+    uint32_t tick; /* ticks since the phase began */
     flying_start_phase_t phase;
-    uint32_t length; /* of the pulses */
-    ab_t first; /* in PRELOAD the current of the tick before, then of the end of the first pulse */
-    bool gates; /* enable the gates in this tick */
-    /* Valid with TURNING; the speed also with LIVE: */
-    step_t speed;           /* measured */
-    angle_t angle;          /* of the rotor at the end of the second pulse */
-    int32_t inductance_q14; /* L_q / nominal for the nominal φ, 1…32767; 0: not known */
+    uint32_t length; /* ticks of a pulse */
+    /* In PRELOAD: current of the tick before. Later: current at the end of the first pulse. */
+    ab_t first;
+    bool gates; /* the gates are enabled in this tick */
+    /* Valid when the result is TURNING, the speed also when it is LIVE: */
+    step_t speed;           /* measured speed */
+    angle_t angle;          /* angle of the rotor at the end of the second pulse */
+    int32_t inductance_q14; /* L_q / configured L_q if φ is as configured, 1…32767; 0: not known */
 } flying_start_t;
 
-/* Begin. */
+/* Starts with PRELOAD. */
 void flying_start_reset(flying_start_t *start);
 
 /*
@@ -91,10 +96,10 @@ void flying_start_reset(flying_start_t *start);
  * Returns BUSY until the result is known. The last tick of the second pulse returns TURNING or
  * STANDING; it computes up to three arctangents, two square roots and two divisions. When the rotor
  * stands and charge_ticks is not 0, the last tick of the charge returns STANDING instead. `gates`
- * is still set in the tick that returns one of these. The caller opens the gates in that tick,
- * unless current control takes over a rotor that turns. LIVE is returned in the first phase only,
- * before the gates are enabled. Each tick of that phase in which a current flows computes a square
- * root, two arctangents and a division.
+ * is still set in the tick that returns TURNING or STANDING. The caller opens the gates in that
+ * tick, unless current control takes over a rotor that turns. LIVE is returned in the first phase
+ * only, before the gates are enabled. Each tick of that phase in which a current flows computes a
+ * square root, two arctangents and a division.
  */
 flying_start_result_t flying_start_step(flying_start_t *start, const flying_start_cfg_t *cfg,
                                         ab_t current);

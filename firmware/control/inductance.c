@@ -6,8 +6,8 @@
 
 #define QUARTERS (4U)
 /*
- * A voltage that is demanded in tick k acts from k + 1 on. So the effect of n ticks is measured in
- * tick n + 2.
+ * A voltage that is demanded in tick k acts from k + 1 on. So the effect of a voltage that is
+ * demanded for n ticks is measured in tick n + 2.
  */
 #define DELAY_TICKS (2U)
 #define RESPONSE_MAX (0x1000000)
@@ -15,7 +15,7 @@
 #define ONE_Q13 (8192)
 #define TWO_Q27 (0x10000000)
 
-/* The sign of the pulse in its tick k. */
+/* Returns the sign of the voltage in tick k of the pulse, 0 after the pulse. */
 static int32_t pulse_sign(const inductance_cfg_t *cfg, uint32_t k)
 {
     const bool back = (k >= cfg->pulse_ticks) && (k < (3U * cfg->pulse_ticks));
@@ -32,7 +32,7 @@ static int32_t step_sign(const inductance_cfg_t *cfg, uint32_t k)
     return (k < cfg->step_ticks) ? -1 : 0;
 }
 
-/* Ticks until the response to the pulse is measured. */
+/* Returns the tick of the test in which the last sample of the pulse is taken. */
 static uint32_t pulse_end(const inductance_cfg_t *cfg)
 {
     return (QUARTERS * cfg->pulse_ticks) + DELAY_TICKS;
@@ -57,9 +57,10 @@ static int32_t plus(int32_t sum, int32_t change)
 }
 
 /*
- * Adds a sample between two ticks of the voltage. before, after: signs of the voltage in these
- * ticks. The sample ends the change of the first tick and begins the change of the second. It
- * counts as one half of the mean current of each. along: current in the direction of the voltage.
+ * Adds a sample that was taken between two ticks of the test voltage. before, after: sign of the
+ * voltage in the tick before and after the sample. The sample ends the change of the first tick and
+ * begins the change of the second. It counts as one half of the mean current of each. along:
+ * current in the direction of the voltage.
  */
 static void note(inductance_response_t *response, dq_t current, int32_t along, int32_t before,
                  int32_t after)
@@ -70,8 +71,8 @@ static void note(inductance_response_t *response, dq_t current, int32_t along, i
 }
 
 /*
- * k: the tick of the voltage that acts from this sample on. Before the first tick it wraps to a
- * number at which no voltage acts.
+ * k: tick of the pulse whose voltage acts from this sample on. Before the pulse, k wraps to a
+ * number for which pulse_sign() gives 0.
  */
 static void note_pulse(inductance_t *test, const inductance_cfg_t *cfg, uint32_t k, dq_t current)
 {
@@ -99,7 +100,10 @@ bool inductance_step(inductance_t *test, const inductance_cfg_t *cfg, uint32_t t
     return tick >= (middle + cfg->step_ticks + DELAY_TICKS);
 }
 
-/* The nominal response to the voltage that the resistance leaves. */
+/*
+ * Returns the response that the configured L_d would give to the test voltage less the voltage that
+ * the resistance takes.
+ */
 static int32_t expected(int32_t nominal, int32_t voltage, int32_t carried, int32_t ticks,
                         int32_t resistance_q13)
 {
@@ -110,8 +114,8 @@ static int32_t expected(int32_t nominal, int32_t voltage, int32_t carried, int32
 }
 
 /*
- * change / nominal, Q13, saturated to 16 bits: an element of B times the nominal L_d. 0 where
- * nothing is expected.
+ * Returns change / nominal, Q13, saturated to 16 bits: an element of B times the configured L_d. 0
+ * if `nominal`, the expected response, is 0.
  */
 static int32_t element_q13(int32_t change, int32_t nominal)
 {
@@ -120,7 +124,7 @@ static int32_t element_q13(int32_t change, int32_t nominal)
     return (nominal > 0) ? fx_sat16((bounded * ONE_Q13) / nominal) : 0;
 }
 
-/* √((B_dd − B_qq)² + 4·B_dq²), with the sign of B_dd − B_qq. */
+/* Returns √((B_dd − B_qq)² + 4·B_dq²) with the sign of B_dd − B_qq. */
 static int32_t apart(int32_t difference, int32_t twice_cross)
 {
     const int32_t d = fx_sat16(difference);
@@ -132,7 +136,7 @@ static int32_t apart(int32_t difference, int32_t twice_cross)
     return (d < 0) ? -root : root;
 }
 
-/* along, across: 2·(nominal L_d)/L_d and 2·(nominal L_d)/L_q, Q13. */
+/* along, across: 2·(configured L_d)/L_d and 2·(configured L_d)/L_q, Q13. */
 static inductance_result_t result_of(int32_t along, int32_t across)
 {
     inductance_result_t result = {INDUCTANCE_UNKNOWN, INDUCTANCE_UNKNOWN};

@@ -3,11 +3,11 @@
  * L_d and L_q of a motor whose rotor rests on an imposed current, from the response of that current
  * to two test voltages.
  *
- *   pulse   the voltage across the current is +V, −V, −V, +V for a quarter each. The current across
- *           rises, falls to the other side and comes back. So the rotor gets no momentum. The sum
- *           of these four changes, each with the sign of its voltage, is the response. The effects
- *           of the resistance, the dead time and the rotor on it are odd in the current and cancel
- *           to first order
+ *   pulse   the voltage across the current is +V, −V, −V, +V, each for a quarter of the pulse. The
+ *           current across rises, falls to the other side and comes back. So the rotor gets no
+ *           momentum. The sum of these four changes, each with the sign of its voltage, is the
+ *           response. The effects of the resistance, the dead time and the rotor on the response
+ *           are odd in the current and cancel to first order
  *   step    the voltage along the current falls by V for some ticks. The fall of the current is the
  *           response
  *
@@ -24,7 +24,7 @@
  *
  * Rotor. During the pulse the torque turns the rotor forward and back. The rotor's EMF makes L_q
  * look smaller by a share ω_x²·t²/3, with ω_x² = 1.5·P²·φ²/(J·L_q) and t the duration of a quarter.
- * The rotor ends displaced by 2·(V·t/L_q)/I·(ω_n·t)².
+ * The pulse leaves the rotor displaced by 2·(V·t/L_q)/I·(ω_n·t)², with ω_n² = 1.5·P²·φ·I/J.
  *
  * Pure, total. Currents Q15 of I_b, voltages Q15 of U_b.
  */
@@ -37,18 +37,18 @@
 #include <stdint.h>
 
 typedef struct {
-    uint32_t pulse_ticks;  /* a quarter of the pulse, 1…16 */
-    int32_t pulse_voltage; /* 1…32767 */
-    /* response of the nominal L_d to the pulse without resistance, 4·V·t/L_d, 1…65535 */
+    uint32_t pulse_ticks;  /* ticks of a quarter of the pulse, 1…16 */
+    int32_t pulse_voltage; /* V of the pulse, 1…32767 */
+    /* response to the pulse with the configured L_d and no resistance: 4·V·t/L_d, 1…65535 */
     int32_t pulse_response;
-    uint32_t step_ticks;   /* 2…16 */
-    int32_t step_voltage;  /* 1…32767 */
-    int32_t step_response; /* of the nominal L_d to the step, V·t/L_d, 1…16384 */
+    uint32_t step_ticks;   /* ticks of the step, 2…16 */
+    int32_t step_voltage;  /* V of the step, 1…32767 */
+    int32_t step_response; /* the same for the step: V·t/L_d, 1…16384 */
 } inductance_cfg_t;
 
 typedef struct {
     dq_t change; /* sum of the changes of the current, each with the sign of the voltage */
-    /* twice the sum of the currents along that voltage, with its sign, over the ticks */
+    /* twice the sum over the ticks of the current along the voltage, with the voltage's sign */
     int32_t carried;
 } inductance_response_t;
 
@@ -61,13 +61,13 @@ typedef struct {
 #define INDUCTANCE_UNKNOWN (-1)
 
 typedef struct {
-    int32_t ratio_q14;    /* L_d / nominal, 1…32767 */
+    int32_t ratio_q14;    /* L_d / configured L_d, 1…32767 */
     int32_t saliency_q13; /* L_q/L_d, 1…32767 */
 } inductance_result_t;
 
 /*
- * Whether the current control pauses in this tick. 1 is the first tick of the test, 0 the tick
- * before.
+ * Whether the current control pauses in this tick. tick: 1 is the first tick of the test, 0 the
+ * tick before it.
  */
 bool inductance_holds_voltage(const inductance_cfg_t *cfg, uint32_t tick);
 
@@ -78,14 +78,14 @@ bool inductance_holds_voltage(const inductance_cfg_t *cfg, uint32_t tick);
 dq_t inductance_voltage(const inductance_cfg_t *cfg, uint32_t tick);
 
 /*
- * One tick, from 1 on. current: measured in the frame of the imposed current, ±34400. test: zero at
- * the beginning. Returns whether this was the last one.
+ * One tick of the test. tick: 1, 2, 3 … current: measured in the frame of the imposed current,
+ * ±34400. *test must be zero before the first tick. Returns whether this was the last tick.
  */
 bool inductance_step(inductance_t *test, const inductance_cfg_t *cfg, uint32_t tick, dq_t current);
 
 /*
- * After the last tick. resistance_q13: U_b/I_b, 0…32767. A result that the responses do not give is
- * INDUCTANCE_UNKNOWN; without L_d both are unknown. Nine divisions and a square root.
+ * Call it after the last tick. resistance_q13: U_b/I_b, 0…32767. A result that the responses do not
+ * give is INDUCTANCE_UNKNOWN; if L_d is unknown, both are. Nine divisions and a square root.
  */
 inductance_result_t inductance_result(const inductance_t *test, const inductance_cfg_t *cfg,
                                       int32_t resistance_q13);
