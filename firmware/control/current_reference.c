@@ -5,26 +5,36 @@
 
 #define CURRENT_END (16384)
 #define Q15_BITS (15U)
-#define MTPA_END (131071) /* a larger c: MTPA has less than 0.2 % more torque than i_d = 0 */
+/*
+ * Largest c, Q15 of I_b, with which MTPA is computed. With a larger c, MTPA would give at most 0.2
+ * % more torque than i_d = 0.
+ */
+#define MTPA_END (131071)
 #define MTPA_SQUARE_MAX (32767)
 #define MTPA_SHIFT (2U)
 #define MTPA_SCALE (4)
-#define Q13_TO_C (16384) /* half of 2^15, because c divides by twice the saliency */
-#define OF_TORQUE (1)    /* i_q: −i_q²/(c + √(c² + i_q²)) */
-#define OF_VECTOR (2)    /* |i|: −i²/(c + √(c² + 2·i²)) */
-#define GIVES_WAY (4)    /* at floor_shift 1 twice the slope of −|i_q*|, the deepest MTPA */
-#define FALL_SHIFT (2U)  /* of a weakened i_d*, a slow period */
-#define RISE_SHIFT (3U)
+#define Q13_TO_C (16384) /* half of 2^15, because c is φ over twice the saliency */
+/* Factor of the squared current under the root of MTPA, for a given i_q or a given |i|. */
+#define OF_TORQUE (1) /* for i_q: i_d = −i_q²/(c + √(c² + i_q²)) */
+#define OF_VECTOR (2) /* for |i|: i_d = −i²/(c + √(c² + 2·i²)) */
+/*
+ * Factor of the excess by which the least i_d* falls below 0. With floor_shift 1 it falls by twice
+ * the change of |i_q*|. The i_d* of MTPA is −|i_q*| at the lowest, so the least i_d* gets below it
+ * and MTPA takes over.
+ */
+#define GIVES_WAY (4)
+#define FALL_SHIFT (2U) /* i_d* falls by 1/4 of its distance to the limit in a slow period */
+#define RISE_SHIFT (3U) /* i_d* rises by 1/8 of it */
 
 /*
- * i_d* that keeps the current vector large enough; below 0 where the torque current alone does. It
- * rises before the torque current, which falls faster, is gone: the vector is never shorter than
- * 0.89 of the least current with floor_shift 1, and 0.71 with floor_shift 0. Below floor_speed a
- * load has i_q* alone. The dead time of i_q* acts across the EMF, where it turns the angle by some
- * degrees; an i_d* would add its own.
+ * Returns the i_d* that keeps the current vector large enough; below 0 where i_q* alone is enough.
+ * i_d* rises while i_q*, which falls faster, still flows. So the vector is never shorter than 0.89
+ * of `floor` with floor_shift 1, and 0.71 of it with floor_shift 0. Below floor_speed only i_q*
+ * carries a load. The dead time of i_q* acts across the EMF, where it turns the angle by some
+ * degrees; the dead time of an i_d* would turn the angle further.
  *
- * Where the torque current alone is enough, the result falls below 0 in proportion to it. So MTPA
- * takes over without a jump.
+ * Where i_q* alone is enough, the result falls below 0 in proportion to the excess. So MTPA takes
+ * over without a jump.
  */
 static int32_t least_current_d(const current_reference_cfg_t *cfg, const current_reference_in_t *in)
 {
@@ -70,7 +80,7 @@ static int32_t mtpa_d(const current_loop_cfg_t *model, int32_t current, int32_t 
     return (saliency_q13 > 0) ? most_torque_d(model, saliency_q13, current, squares) : 0;
 }
 
-/* The larger i_d* of least current and MTPA. */
+/* Returns the larger i_d* of the least current and of MTPA. */
 static int32_t wanted_d(const current_reference_cfg_t *cfg, const current_loop_cfg_t *model,
                         const current_reference_in_t *in)
 {
@@ -93,8 +103,8 @@ int32_t current_reference_d(const current_reference_cfg_t *cfg, const current_lo
 
 /*
  * The limit of i_d* depends on i_q*, and the range of i_q* depends on i_d*: at the largest torque a
- * step of one changes the other by up to three times as much. So i_d* falls by a quarter of its
- * distance to the limit, and rises by an eighth of it.
+ * step of one of them changes the other by up to three times as much. So in a slow period i_d*
+ * moves only by a part of its distance to the limit.
  */
 static int32_t weakened_d(int32_t present, int32_t limit)
 {

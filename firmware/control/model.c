@@ -9,20 +9,22 @@
 #define FLUX_MAX_Q27 (0x7FFFFFF)
 #define CORNER_MAX (0x8000000)
 #define HALF_Q15 (0x4000)
-#define SALIENCY_CERTAIN (512) /* Q14: 1/32 */
+#define SALIENCY_CERTAIN (512) /* 1/32 in Q14: a smaller deviation of the saliency is ignored */
 
 static int32_t limited(int32_t ratio_q14, int32_t limit_q14)
 {
     return fx_clamp(ratio_q14, MODEL_RATIO_ONE - limit_q14, MODEL_RATIO_ONE + limit_q14);
 }
 
-/* A mantissa of at most 15 bits times a ratio below 4. */
+/*
+ * Returns mantissa · ratio, at most 32767. The mantissa has at most 15 bits, the ratio is below 4.
+ */
 static int32_t times(int32_t mantissa, int32_t ratio_q14)
 {
     return fx_min(fx_asr(mantissa * ratio_q14, 14U), FX_Q15_MAX);
 }
 
-/* A word of at most 2^28 times a ratio below 2. */
+/* Returns word · ratio. The word is at most 2^28, the ratio is below 2. */
 static int32_t times_wide(int32_t word, int32_t ratio_q14)
 {
     return fx_mul_32x16(word * 4, ratio_q14);
@@ -33,14 +35,14 @@ static int32_t inverse_q14(int32_t ratio_q14)
     return fx_min((MODEL_RATIO_ONE * MODEL_RATIO_ONE) / ratio_q14, FX_Q15_MAX);
 }
 
-/* part/whole rounded to nearest, 0 ≤ part ≤ whole ≤ 32767, whole > 0. */
+/* Returns part / whole rounded to nearest, Q15. 0 ≤ part ≤ whole ≤ 32767, whole > 0. */
 static int32_t share_q15(int32_t part, int32_t whole)
 {
     return fx_min(((part * 32768) + (whole / 2)) / fx_max(whole, 1), FX_Q15_MAX);
 }
 
 /*
- * The words that only model_reset(), model_set() and model_change() write, combined by XOR. A bit
+ * Returns the XOR of the words that only model_reset(), model_set() and model_change() write. A bit
  * that flips in one of them flips in the result.
  */
 static uint32_t observer_word(const model_t *model)
@@ -81,7 +83,7 @@ static uint32_t loops_word(const model_t *model)
            fx_unsigned(winding_word(run) ^ winding_word(hold) ^ proportions_word(hold));
 }
 
-/* The words that model_pace() writes too. */
+/* Returns the XOR of the words that model_pace() writes too. */
 static uint32_t gains_word(const model_t *model)
 {
     const nn_observer_cfg_t *const o = &model->observer;
@@ -114,9 +116,10 @@ static void apply_flux(model_t *model, const model_nominal_t *nominal)
 }
 
 /*
- * D = T·R/L + f and its corner. R and L scale the part of the winding; the part of the feedback
- * stays. The mantissa of the feedback is rounded to nearest, and so is its share of the new D, so
- * that ratios of 1 change no bit. fx_max tells the proof that a part is not more than the whole.
+ * Corrects D = T·R/L + f and its corner D/T. The ratios of R and L scale T·R/L, the part of the
+ * winding; f, the part of the feedback, stays. The mantissa of the feedback is rounded to nearest,
+ * and so is its share of the new D, so that ratios of 1 change no bit. fx_max tells the proof that
+ * a part is not more than the whole.
  */
 static void apply_decay(model_t *model, const nn_observer_cfg_t *from)
 {
@@ -137,8 +140,8 @@ static void apply_decay(model_t *model, const nn_observer_cfg_t *from)
 }
 
 /*
- * W1 and W3 of paper A for the corrected R and L: T·R/L, T/L. The ratios are applied one after the
- * other, because their product may be above 2.
+ * Sets W1 and W3 of paper A for the corrected R and L: T·R/L, T/L. The ratios are applied one after
+ * the other, because their product may be above 2.
  */
 static void apply_weights(model_t *model, const model_nominal_t *nominal)
 {
@@ -161,8 +164,8 @@ static void scale_gains(pi_cfg_t *to, const pi_cfg_t *from, int32_t ratio_q14, i
 }
 
 /*
- * η for the corrected L, so that κ = η·(φ/L)² stays. κ is the square of a rate, so it scales with
- * the square of the pace.
+ * Sets η for the corrected L, so that κ = η·(φ/L)² stays. κ is the square of a rate, so it scales
+ * with the square of the pace.
  */
 static void apply_eta(model_t *model, const nn_observer_cfg_t *from)
 {
@@ -174,8 +177,9 @@ static void apply_eta(model_t *model, const nn_observer_cfg_t *from)
 }
 
 /*
- * κ_p for the corrected L likewise. K_p = ω_c·L; K_i scales with it, so that the corner of the
- * integral stays. κ_p and K_p are rates, so they scale with the pace.
+ * Sets the gains for the corrected L. κ_p scales with L², as η does. K_p is ω_c·L. K_i scales with
+ * K_p, so that the corner of the integral stays. κ_p and K_p are rates, so they scale with the
+ * pace.
  */
 static void apply_gains(model_t *model, const model_nominal_t *nominal)
 {
@@ -192,7 +196,7 @@ static void apply_gains(model_t *model, const model_nominal_t *nominal)
     scale_gains(&model->run_loop.pi_q, &nominal->run_loop->pi_q, q, pace);
 }
 
-/* ω·L of both loops. */
+/* Sets the reactances of both loops. */
 static void apply_inductances(model_t *model, const model_nominal_t *nominal)
 {
     const int32_t d = model->inductance_q14;
@@ -230,7 +234,7 @@ static int32_t limited_flux(const model_cfg_t *cfg, int32_t ratio_q30)
     return fx_clamp(ratio_q30, ONE_Q30 - band_q30, ONE_Q30 + band_q30);
 }
 
-/* The correction of the saliency: the ratio of the measured to the configured one, limited. */
+/* Returns the correction of the saliency: measured / configured saliency, limited. */
 static int32_t saliency_ratio(const model_cfg_t *cfg, int32_t nominal_q13, int32_t measured_q13)
 {
     int32_t ratio = MODEL_RATIO_ONE;
@@ -302,7 +306,7 @@ void model_track_flux(model_t *model, const model_cfg_t *cfg, const model_nomina
     }
 }
 
-/* The speed as a share of full_speed, not below the least. */
+/* Returns speed / full_speed, Q14, within least_q14…1. */
 static int32_t share_at(const gain_share_cfg_t *cfg, step_t speed)
 {
     int32_t share_q14 = MODEL_RATIO_ONE;
@@ -338,7 +342,7 @@ void model_pace(model_t *model, const model_cfg_t *cfg, const model_nominal_t *n
         apply_eta(model, nominal->observer);
         model->check_gains ^= fx_unsigned(before ^ (model->kappa_q14 ^ model->observer.eta));
     } else {
-        /* as before */
+        /* both shares are in force already */
     }
 }
 

@@ -10,13 +10,13 @@
  * bandwidth stays. Corrected numbers are rounded down and saturate at the ends of their formats.
  *
  * A measured saliency within 1/32 of the configured one counts as equal to it: the gains of two
- * current sensors differ by up to 2 %, and the rest is the measurement's noise. So a motor without
- * saliency stays without, and the observer needs no product for it.
+ * current sensors differ by up to 2 %, and noise adds to that. So a motor that is configured
+ * without saliency stays without saliency, and the observer saves the product for it.
  *
  * Pace: at low speed the unknown part of the voltage is larger relative to the EMF, and its ripple
  * is slower. So below pace.full_speed the gains in force are the configured ones times speed /
- * full_speed. Below kappa.full_speed κ has a second share of its own: at high speed the ripple
- * is faster than the estimate, and a larger κ shortens the lag.
+ * full_speed. Below kappa.full_speed κ is multiplied by a second share, speed / kappa.full_speed:
+ * at high speed the ripple is faster than the estimate, and a larger κ shortens the lag.
  *
  * Flux: at speed the static error e' of the observer along d is the flux error (φ̂ − φ)/L_d. An
  * integrator removes it.
@@ -32,9 +32,9 @@
 
 #define MODEL_RATIO_ONE (16384) /* Q14 */
 
-/* The share of a configured gain that is in force: speed / full_speed. */
+/* Share of a configured gain that is in force: speed / full_speed, at most 1. */
 typedef struct {
-    step_t full_speed; /* the whole gain from this speed on, 0…2^28; 0: always */
+    step_t full_speed; /* the share is 1 from this speed on, 0…2^28; 0: it is always 1 */
     uint32_t shift;    /* full_speed >> shift is below 2^14, 0…15 */
     int32_t gain;      /* 2^28 / (full_speed >> shift), 0…32767 */
     int32_t least_q14; /* the smallest share, 0…16384 */
@@ -48,27 +48,25 @@ typedef struct {
     int32_t flux_rate; /* change of the Q30 ratio per slow period = −e'_d · flux_rate, 0…32767 */
     step_t flux_speed_min; /* the flux is corrected from this speed on, 0…2^29 */
     gain_share_cfg_t pace;
-    gain_share_cfg_t kappa; /* of κ alone, on top of the pace */
+    gain_share_cfg_t kappa; /* second share, for κ only */
 } model_cfg_t;
 
 typedef struct {
     nn_observer_cfg_t observer;
-    current_loop_cfg_t run_loop;  /* of RUN */
-    current_loop_cfg_t hold_loop; /* of an imposed current */
-    int32_t resistance_q14;       /* ratios to the configured values */
-    int32_t inductance_q14;
-    int32_t inductance_inverse_q14;
-    int32_t saliency_q14;
-    int32_t flux_q30;
-    int32_t pace_q14;  /* the shares of the gains that are in force */
-    int32_t kappa_q14; /* of κ, on top of the pace */
-    /*
-     * check words, see model_holds(): of the observer's weights and the ratios, of the loops, of
-     * the gains that the shares change
-     */
-    uint32_t check_observer;
-    uint32_t check_loops;
-    uint32_t check_gains;
+    current_loop_cfg_t run_loop;  /* current loop of RUN */
+    current_loop_cfg_t hold_loop; /* current loop of an imposed current */
+    /* R in force / configured R */
+    int32_t resistance_q14;
+    int32_t inductance_q14;         /* L_d in force / configured L_d */
+    int32_t inductance_inverse_q14; /* reciprocal of inductance_q14 */
+    int32_t saliency_q14;           /* L_q/L_d in force / configured L_q/L_d */
+    int32_t flux_q30;               /* φ in force / configured φ */
+    int32_t pace_q14;               /* share of all gains that is in force */
+    int32_t kappa_q14;              /* second share, for κ only */
+    /* check words, see model_holds() */
+    uint32_t check_observer; /* check word of the observer's weights and of the ratios */
+    uint32_t check_loops;    /* check word of the loops */
+    uint32_t check_gains;    /* check word of the shares and of the gains that they change */
 } model_t;
 
 /* The configured values: parts of drive_cfg_t. */
@@ -80,14 +78,14 @@ typedef struct {
 
 #define MODEL_UNKNOWN (-1)
 
-/* What was measured. */
+/* Measured values. */
 typedef struct {
     int32_t resistance_q13; /* U_b/I_b, 1…32767; MODEL_UNKNOWN: R in force stays */
     int32_t inductance_q14; /* L_d as a ratio to the configured one, 1…32767 */
     int32_t saliency_q13;   /* L_q/L_d, 1…32767; MODEL_UNKNOWN: the configured one stays */
 } model_measured_t;
 
-/* All ratios 1. */
+/* Sets the configured values: all ratios and shares are 1. */
 void model_reset(model_t *model, const model_nominal_t *nominal);
 
 /*
@@ -108,17 +106,15 @@ void model_track_flux(model_t *model, const model_cfg_t *cfg, const model_nomina
                       int32_t error_d, step_t speed);
 
 /*
- * L_q in force / configured L_q, Q14, 4096…49151: for ratios of L_d within ½…1.5 and of the
- * saliency within ½…2.
+ * Returns L_q in force / configured L_q, Q14, 4096…49151. This range holds for ratios of L_d within
+ * ½…1.5 and of the saliency within ½…2.
  */
 static inline int32_t model_ratio_q_q14(const model_t *model)
 {
     return fx_asr(model->inductance_q14 * model->saliency_q14, 14U);
 }
 
-/*
- * Whether all gains in force are whole and stay so at this speed. magnitude: of the speed, 0…2^30.
- */
+/* Whether both shares are 1 and stay 1 at this speed. magnitude: |speed|, 0…2^30. */
 static inline bool model_is_whole(const model_t *model, const model_cfg_t *cfg, step_t magnitude)
 {
     return (magnitude >= cfg->pace.full_speed) && (magnitude >= cfg->kappa.full_speed) &&
@@ -127,16 +123,17 @@ static inline bool model_is_whole(const model_t *model, const model_cfg_t *cfg, 
 
 /* Parts of the model that are checked one at a time. */
 typedef enum {
-    MODEL_PART_OBSERVER = 0, /* weights and ratios */
+    MODEL_PART_OBSERVER = 0, /* the observer's weights, and the ratios */
     MODEL_PART_LOOPS,
-    MODEL_PART_GAINS, /* gains that the shares change */
-    MODEL_PART_FLUX   /* words that follow from the ratio of the flux */
+    MODEL_PART_GAINS, /* the shares, and the gains that they change */
+    MODEL_PART_FLUX   /* words that are computed from the ratio of the flux */
 } model_part_t;
 
 /*
- * Whether a part is as it was written last. A bit that has flipped by itself in one of its words,
- * or in its check word, makes it false. The words of MODEL_PART_FLUX have no check word: they are
- * computed again and compared. Some 40 to 60 instructions on a Cortex-M0+. Control interrupt only.
+ * Returns true while the words of a part are as they were written last. Returns false when a bit
+ * has flipped by itself in one of these words or in their check word. The words of MODEL_PART_FLUX
+ * have no check word: they are computed again and compared. Some 40 to 60 instructions on a
+ * Cortex-M0+. Control interrupt only.
  */
 bool model_holds(model_t *model, const model_nominal_t *nominal, model_part_t part);
 

@@ -5,7 +5,7 @@
 #define ONE_Q27 (0x8000000)
 #define HALF_Q15 (0x4000)
 #define HALF_SQRT3_Q15 (28378)
-#define CERTAIN_SHIFT (6U) /* the measurement repeats within 1/64 of the dead time */
+#define CERTAIN_SHIFT (6U) /* changes up to 1/64 of the dead time are ignored */
 
 void modulator_reset(modulator_t *mod, const modulator_cfg_t *cfg)
 {
@@ -63,13 +63,13 @@ dq_t modulator_ratio(const modulator_t *mod, dq_t voltage)
     };
 }
 
-/* Duty to counts, rounded. */
+/* Returns the timer counts of a duty, rounded. */
 static uint16_t counts(int32_t duty_q15, int32_t timer_counts)
 {
     return (uint16_t)fx_asr((fx_usat15(duty_q15) * timer_counts) + HALF_Q15, 15U);
 }
 
-/* Three phases whose sum is zero. */
+/* Values of the three phases. Their sum is zero. */
 typedef struct {
     int32_t a;
     int32_t b;
@@ -84,13 +84,13 @@ static abc_t phases(ab_t v)
     return (abc_t){v.alpha, beta_part - half_alpha, -beta_part - half_alpha};
 }
 
-/* The duty that dead time and drop take from a leg whose current is above the ripple. */
+/* Returns the duty that dead time and drop take from a leg whose current is above the ripple. */
 static int32_t leg_loss(const modulator_t *mod, const modulator_cfg_t *cfg)
 {
     return mod->dead_time_q15 + fx_asr(cfg->drop_q15 * mod->inverse_bus_q12, 12U);
 }
 
-/* The duty that compensates the loss of a leg. span: largest less smallest ratio. */
+/* Returns the duty that compensates the loss of a leg. span: largest less smallest ratio. */
 static int32_t leg_compensation(const modulator_cfg_t *cfg, int32_t loss, int32_t span,
                                 int32_t ratio, int32_t current)
 {
@@ -112,10 +112,10 @@ static void set_compare(const modulator_cfg_t *cfg, abc_t duty, compare_t *out)
     out->phase[2] = counts(duty.c, timer);
 }
 
-/* Three legs, and what their ratios have in common. */
+/* Ratios of the three legs, and two values that the legs share. A duty is ratio + centre. */
 typedef struct {
     abc_t ratio;
-    int32_t centre; /* the middle of the pattern */
+    int32_t centre; /* ½ less the mean of largest and smallest ratio */
     int32_t span;   /* largest less smallest ratio */
 } pattern_t;
 

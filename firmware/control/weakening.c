@@ -4,21 +4,23 @@
 #include "trig.h"
 
 #define CURRENT_END (16384)
-#define NEAR (15)           /* sixteenths of the circle's radius: above, the voltage may decide */
-#define RESERVE (3)         /* 256ths of the circle's radius, kept for the current control */
-#define INTEGRAL_SHIFT (3U) /* of the voltage that is missing, a slow period */
-#define RIPPLE_SHIFT (6U)   /* a valley of the bus fades by 1/64 a slow period */
-#define REST_STEP (80)      /* by which the integral goes back to 0, a slow period */
+/* in 1/16 of the circle's radius: with a larger demand the voltage may decide i_d* */
+#define NEAR (15)
+#define RESERVE (3) /* in 1/256 of the circle's radius, kept for the current control */
+/* in a slow period the integral changes by 1/8 of the voltage's error */
+#define INTEGRAL_SHIFT (3U)
+#define RIPPLE_SHIFT (6U) /* in a slow period a valley fades by 1/64 of its depth */
+#define REST_STEP (80)    /* step of the integral back to 0 in a slow period, Q15 of U_b */
 /*
  * Largest change of the integral in a slow period. A demand on the circle's edge unwinds it by the
- * reserve / 2^INTEGRAL_SHIFT, 19 at 310 V of 450 V. So the winding-up by a kick of some slow
- * periods is gone after about twice as many.
+ * reserve / 2^INTEGRAL_SHIFT, 19 at 310 V of 450 V. So if a disturbance of some slow periods has
+ * wound the integral up, it is unwound after about twice as many.
  */
 #define VOLTAGE_STEP (32)
 #define SHARE_ONE (65536)
 #define VOLTS_END (32000) /* so that the sum of two squares fits 32 bits */
 
-/* Voltages of this instant, Q14 of U_b: an X·I has room up to 2·U_b. */
+/* Voltages at the present speed, Q14 of U_b, because X·I may be up to 2·U_b. */
 typedef struct {
     dq_t reactance_q14; /* ω·L, 0…65534 */
     int32_t emf;        /* ω·φ, 0…VOLTS_END */
@@ -46,8 +48,8 @@ static void set_voltage(weakening_t *weakening, int32_t voltage)
 }
 
 /*
- * The lowest radius counts: the circle would cut off a demand that fits the mean of a rippling bus
- * in each of its valleys.
+ * Tracks the lowest recent radius of the voltage circle. With the mean radius, each valley of a
+ * rippling bus would cut off a part of the demand.
  */
 static void find_valley(weakening_t *weakening, int32_t voltage_max)
 {
@@ -85,7 +87,7 @@ bool weakening_is_near(weakening_t *weakening, dq_t demand, int32_t voltage_max)
     return near;
 }
 
-/* part / whole, Q16, at most 1; 0 if part is 0. Rounded to some 2^-15. */
+/* Returns part / whole, Q16, at most 1; 0 if part is 0. The error is some 2^-15. */
 static int32_t share_of(uint32_t part, uint32_t whole)
 {
     int32_t share = (part > 0U) ? SHARE_ONE : 0;
@@ -117,13 +119,13 @@ static uint32_t bits_beyond_15(uint32_t all_bits)
     return (zeros < 17U) ? (17U - zeros) : 0U;
 }
 
-/* X·i, Q14 of U_b, saturated. */
+/* Returns X·i, Q14 of U_b, saturated. */
 static int32_t reactive_volts(int32_t reactance_q14, int32_t current)
 {
     return fx_clamp(fx_asr(reactance_q14 * current, 15U), -VOLTS_END, VOLTS_END);
 }
 
-/* The voltage that the resistance takes along the demand, Q15 of U_b. */
+/* Returns the voltage that the resistance takes along the demand, Q15 of U_b. */
 static int32_t resistive_volts(const weakening_in_t *in, dq_t current, int32_t length)
 {
     const int32_t power =
@@ -152,7 +154,7 @@ static weakening_volts_t volts_of(const weakening_in_t *in, int32_t flux_q15)
     return volts;
 }
 
-/* √(whole² − part²), 0 where there is none. Both ±32768. */
+/* Returns √(whole² − part²), 0 if |part| > |whole|. Both ±32768. */
 static int32_t other_leg(int32_t whole, int32_t part)
 {
     const int32_t rest = fx_max((whole * whole) - (part * part), 0);
@@ -160,13 +162,16 @@ static int32_t other_leg(int32_t whole, int32_t part)
     return (int32_t)trig_sqrt((uint32_t)rest);
 }
 
-/* The current volts / X, at most I. reactive: X·I. */
+/* Returns the current volts / X, at most I. reactive: X·I. */
 static int32_t current_of_volts(int32_t volts, int32_t reactive, int32_t current_max)
 {
     return part_of(share_of((uint32_t)volts, (uint32_t)reactive), current_max);
 }
 
-/* The larger i_d on the ellipse at i_q*. */
+/*
+ * Returns the i_d at which the voltage ellipse has the i_q of the reference. Of the two solutions
+ * it is the more positive one.
+ */
 static int32_t ellipse_d(const weakening_in_t *in, const weakening_volts_t *volts)
 {
     const int32_t across = reactive_volts(volts->reactance_q14.q, in->reference.q);
@@ -176,7 +181,7 @@ static int32_t ellipse_d(const weakening_in_t *in, const weakening_volts_t *volt
     return (left < 0) ? -size : size;
 }
 
-/* |i_q| on the ellipse at this i_d. */
+/* Returns the |i_q| that the voltage ellipse has at this i_d. */
 static int32_t ellipse_q(const weakening_in_t *in, const weakening_volts_t *volts,
                          int32_t current_d)
 {
@@ -186,8 +191,8 @@ static int32_t ellipse_q(const weakening_in_t *in, const weakening_volts_t *volt
 }
 
 /*
- * i_d where the circle of the current meets the ellipse. 0: at i_d = 0 the circle lies within the
- * ellipse.
+ * Returns the i_d at which the circle of the current meets the voltage ellipse; 0 if at i_d = 0 the
+ * circle lies within the ellipse.
  */
 static int32_t circle_d(const weakening_in_t *in, const weakening_volts_t *volts)
 {
@@ -212,7 +217,10 @@ static int32_t circle_d(const weakening_in_t *in, const weakening_volts_t *volts
     return -depth;
 }
 
-/* i_d with the largest torque on the ellipse; −I where the circle ends before it. */
+/*
+ * Returns the i_d with the largest torque on the ellipse, at least −I. It is −I if the centre of
+ * the ellipse is not within the circle of the current.
+ */
 static int32_t torque_per_volt_d(const weakening_in_t *in, const weakening_volts_t *volts)
 {
     int32_t depth = in->current_max;
@@ -234,16 +242,17 @@ static int32_t torque_per_volt_d(const weakening_in_t *in, const weakening_volts
 }
 
 /*
- * Where the voltage decides i_d*: i_d* goes no deeper than it is of use, and `reach` is the i_q
- * that is left there. The voltage of the resistance is that of the current that flows. With an i_q*
- * that the voltage does not allow, it would leave no i_q at all, and in the next period all of it.
+ * Call it where the voltage decides i_d*. Limits i_d* to the depth to which it is of use, and sets
+ * `reach` to the i_q that is left there. The E of `volts` must contain the resistive voltage of the
+ * measured current. The resistive voltage of an i_q* that the voltage does not allow would leave no
+ * i_q at all in one period, and all of it in the next.
  */
 static void end_where_useless(const weakening_in_t *in, const weakening_volts_t *volts,
                               int32_t wanted, weakening_limits_t *limits)
 {
     const int32_t circle = circle_d(in, volts);
     const int32_t deepest = fx_max(torque_per_volt_d(in, volts), -in->deepest);
-    const int32_t useful = fx_min(deepest, wanted); /* i_d* may be deeper without weakening */
+    const int32_t useful = fx_min(deepest, wanted); /* `wanted` may be deeper than that */
 
     limits->lower = circle;
     if (useful > circle) {
@@ -254,9 +263,10 @@ static void end_where_useless(const weakening_in_t *in, const weakening_volts_t 
 }
 
 /*
- * Where i_d* is as deep as it is of use, the integral does not answer a lack of voltage: less
- * torque is the answer. But an integral above 0 still falls. With it, i_d* would stay at the useful
- * depth for a voltage that is not there.
+ * Moves the integral by a share of `left`, the voltage that the demand leaves unused. Where i_d* is
+ * as deep as it is of use, a lack of voltage (left < 0) reduces the torque and not the integral.
+ * But an integral above 0 still falls: otherwise E would go on containing a voltage that the bus
+ * does not have.
  */
 static void correct_voltage(weakening_t *weakening, const weakening_limits_t *limits, int32_t left)
 {
