@@ -9,16 +9,20 @@
 #define Q15_TO_Q26 (2048)
 #define HALF_TURN_SHIFT (31U)
 #define WHOLE_TURN_SHIFT (32U)
-#define CHANGE_MAX (0x40000000) /* between the largest speeds of both directions */
-/* in units: 1.75 braking distances, the softest stop needs 1 + 2c */
+/* from the largest speed backwards to the largest speed forwards */
+#define CHANGE_MAX (0x40000000)
+/*
+ * Limit of a distance in distance units: at least 1.75 braking distances. The softest stop needs 1
+ * + 2c.
+ */
 #define DISTANCE_MAX (0x7000U)
 
-#define SHIFT_MAX (31) /* of fx_asr */
+#define SHIFT_MAX (31) /* largest shift of fx_asr() */
 #define RATIO_ONE_Q17 (131072)
 #define RATIO_SHIFT (4U) /* Q17 to Q13 */
 #define Q13_TO_Q17 (16)
 #define Q15_TO_Q30 (32768)
-#define RESPONSE_SHIFT_MAX (30) /* at this shift the smallest change is 2^30, the limit */
+#define RESPONSE_SHIFT_MAX (30) /* with this shift one LSB gives 2^30, the limit */
 
 void speed_loop_lower(speed_loop_t *loop)
 {
@@ -60,7 +64,7 @@ void speed_loop_start(speed_loop_t *loop, step_t reference, int32_t current)
     loop->reference = reference;
 }
 
-/* i_q for a change of the speed in a slow period. */
+/* Returns i_q for a change of the speed in a slow period. */
 static int32_t inertia_torque(const speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t change)
 {
     /*@ split cfg->inertia_lift; */
@@ -84,7 +88,10 @@ int32_t speed_loop_accelerate(speed_loop_t *loop, const speed_loop_cfg_t *cfg, s
     return fx_clamp(torque, range.lower, range.upper);
 }
 
-/* change = net·2^(16 + shift − lift)/inertia; the division gives change / 2^(1 + shift − lift). */
+/*
+ * Returns the change of the speed, net·2^(16 + shift − lift)/inertia. quotient: net·2^15/inertia,
+ * which is the change / 2^(1 + shift − lift).
+ */
 static step_t scaled_response(const speed_loop_cfg_t *cfg, int32_t quotient)
 {
     /*@ split cfg->inertia_shift; */
@@ -130,11 +137,11 @@ static const pi_cfg_t *file_gains(const speed_loop_t *loop, const speed_loop_cfg
 /*
  * K_p is as large as the ripple of the estimate allows, whatever J is. A heavy rotor gets half of
  * K_i, which keeps the damping: relative to the damping with the configured J it is √(1/ratio), and
- * √(2/ratio) for a heavy rotor, 0.82…1.15 for ratios of 0.75…3. A lowered bandwidth has K_p/2 and
- * K_i/4.
+ * for a heavy rotor √(2/ratio). That is 0.82…1.15 for ratios of 0.75…3. A lowered bandwidth has
+ * K_p/2 and K_i/4.
  *
- * SHIFT_MAX bounds the shift of K_i. There the largest error adds less than one LSB to the
- * integral.
+ * SHIFT_MAX limits the shift of K_i. With that shift the largest error adds less than one LSB to
+ * the integral.
  */
 static pi_cfg_t gains_in_force(const speed_loop_t *loop, const speed_loop_cfg_t *cfg)
 {
@@ -149,7 +156,7 @@ static pi_cfg_t gains_in_force(const speed_loop_t *loop, const speed_loop_cfg_t 
     };
 }
 
-/* Q15 of 2·Ω_b */
+/* Returns the speed error, Q15 of 2·Ω_b. */
 static int32_t half_speed_error(const speed_loop_cfg_t *cfg, step_t reference, step_t measured)
 {
     return fx_sat16(fx_asr(reference - measured, cfg->error_shift));
@@ -194,7 +201,7 @@ int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t 
                            feed_forward, range);
 }
 
-/* The current that the PI with this error would ask for, without limits. */
+/* Returns the current that the PI would give for this error, without limits. */
 static int32_t answer_to(const speed_loop_t *loop, const speed_loop_cfg_t *cfg,
                          int32_t half_error_q15)
 {
@@ -203,7 +210,10 @@ static int32_t answer_to(const speed_loop_t *loop, const speed_loop_cfg_t *cfg,
     return pi_sum(&gains, half_error_q15, loop->pi.integral_q26);
 }
 
-/* The integral follows `load` as a mean. load: the current less the part that accelerates. */
+/*
+ * Moves the integral towards `load` by 2^-shift of the difference. load: the current less the part
+ * that accelerates the rotor.
+ */
 static void follow_load(speed_loop_t *loop, int32_t load, uint32_t shift)
 {
     const int32_t missing_q26 = (load * Q15_TO_Q26) - loop->pi.integral_q26;
@@ -267,7 +277,7 @@ void speed_loop_learn(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t ch
     }
 }
 
-/* `whole` rounded down to a multiple of `turn` (1…50). */
+/* Returns `whole` rounded down to a multiple of `turn` (1…50). */
 static uint32_t multiple_below(int32_t whole, int32_t turn)
 {
     /*@ split turn; */
@@ -277,7 +287,7 @@ static uint32_t multiple_below(int32_t whole, int32_t turn)
     return fx_unsigned(whole) - (uint32_t)within;
 }
 
-/* A bit that flips in a position flips in its word. */
+/* Returns the XOR of both halves of a position, for the check word. */
 static uint32_t word_of_position(int64_t position_q32)
 {
     const uint64_t bits = fx_unsigned64(position_q32);
@@ -331,7 +341,10 @@ void position_loop_reset(position_loop_t *loop, int64_t position_q32, step_t spe
     loop->check ^= before ^ word_of_profile(loop);
 }
 
-/* from → to, the shorter way. Positions wrap as the rotor position does. */
+/*
+ * Returns the distance from one position to another, the shorter way. Positions wrap as the rotor
+ * position does.
+ */
 static int64_t distance(int64_t from_q32, int64_t to_q32)
 {
     const uint64_t way = fx_unsigned64(to_q32) - fx_unsigned64(from_q32);
@@ -340,8 +353,8 @@ static int64_t distance(int64_t from_q32, int64_t to_q32)
 }
 
 /*
- * speed · ticks in two 32-bit products, exact for up to 2^15 ticks. A 64-bit product is a library
- * call on Cortex-M0+.
+ * Returns the position after `ticks` at this speed. speed · ticks is computed by two 32-bit
+ * products and is exact for up to 2^15 ticks. A 64-bit product is a library call on Cortex-M0+.
  */
 static int64_t advanced(int64_t position_q32, step_t speed, uint32_t ticks)
 {
@@ -355,7 +368,7 @@ static int64_t advanced(int64_t position_q32, step_t speed, uint32_t ticks)
     return fx_signed64(there);
 }
 
-/* |distance| in units, saturated. */
+/* Returns |distance| in distance units, saturated. */
 static uint32_t distance_units(const position_loop_cfg_t *cfg, int64_t distance_q32)
 {
     const uint64_t magnitude =
@@ -365,7 +378,7 @@ static uint32_t distance_units(const position_loop_cfg_t *cfg, int64_t distance_
     return (units > DISTANCE_MAX) ? DISTANCE_MAX : (uint32_t)units;
 }
 
-/* The speed from which the profile can still stop after `units`. */
+/* Returns the largest speed from which the profile can still stop within `units`. */
 static step_t braking_speed(const position_loop_cfg_t *cfg, uint32_t units)
 {
     const int32_t c_q15 = cfg->softness_q15;
@@ -393,7 +406,7 @@ static void advance_profile(position_loop_t *loop, const position_loop_cfg_t *cf
     loop->check ^= before ^ word_of_profile(loop);
 }
 
-/* lag in Q16 turns, saturated to half a turn. */
+/* Returns the lag in Q16 electrical turns, saturated at ±½ turn. */
 static int32_t lag_q16(int64_t lag_q32)
 {
     int32_t lag;

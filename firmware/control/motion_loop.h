@@ -6,14 +6,14 @@
  * feed-forward compute i_q*.
  *
  * J: on a ramp the feed-forward is J·dω/dt, first with the configured J. If J is wrong, the
- * integral takes over the rest of the torque, and after the ramp the speed overshoots. So on a ramp
- * this rest corrects J, and the integral stays. A load that changes on a ramp is mistaken for J
- * until the next ramp.
+ * integral supplies the difference of the torque, and after the ramp the speed overshoots. So on a
+ * ramp this difference corrects J, and the integral stays. A load that changes on a ramp is
+ * mistaken for J until the next ramp.
  *
  * Position: a profile with limited speed, acceleration and deceleration runs to the target. The
  * speed reference is the profile's speed plus a gain times the position lag. Targets count from a
- * zero. The rotor must not go back whole turns that it has made under another control. So the zero
- * then moves by whole turns of the shaft.
+ * zero. When position control begins, the rotor must not go back the turns that it has made in
+ * another mode. So the zero is then moved by whole turns of the shaft.
  *
  * Speeds are step_t (2^32 = one electrical turn a control tick), positions Q32 electrical turns in
  * 64 bits, currents Q15 of I_b. Pure, total; call from the control interrupt.
@@ -32,37 +32,38 @@
 
 typedef struct {
     pi_cfg_t pi; /* speed error Q15 of 2·Ω_b in, i_q* out; paper B (28)–(30) */
-    /* in place of it while |reference| is below soft_speed, where the estimate has more ripple */
+    /*
+     * these gains replace `pi` while |reference| is below soft_speed, where the estimate has more
+     * ripple
+     */
     pi_cfg_t soft;
-    step_t soft_speed; /* 0…2^29; 0: never */
+    step_t soft_speed; /* 0…2^29; 0: `soft` is never used */
     step_t ramp;       /* largest change of the reference in a slow period, > 0 */
     step_t speed_max;  /* limit of |reference|, ≤ 2^29 */
     /*
-     * i_q for a change of the reference in a slow period: change · inertia / 2^(16 + inertia_shift
-     * − inertia_lift)
+     * feed-forward: i_q = change · inertia / 2^(16 + inertia_shift − inertia_lift), where `change`
+     * is the change of the reference in a slow period
      */
     int32_t inertia;
     uint32_t inertia_shift; /* 0…30 */
     /* 0…14; above 0 where a change by one step needs more than half an LSB of current */
     uint32_t inertia_lift;
-    int32_t inertia_least_q13; /* J is corrected down to this ratio, 2048…8192 (1) */
-    int32_t inertia_most_q13;  /* and up to this one, 8192…32767 */
+    int32_t inertia_least_q13; /* lower limit of J / configured J, 2048…8192 (1) */
+    int32_t inertia_most_q13;  /* upper limit of J / configured J, 8192…32767 */
     /*
-     * ratio of J in Q17 that makes a torque of 1 LSB in Q26 on the ramp: inertia_rate / 2^(16 +
-     * inertia_rate_shift)
+     * change of J / configured J (Q17) that changes i_q on the ramp by 1 LSB of Q26: inertia_rate /
+     * 2^(16 + inertia_rate_shift)
      */
     int32_t inertia_rate;        /* 0: J is not corrected */
     uint32_t inertia_rate_shift; /* 0…30 */
-    uint32_t error_shift;        /* Q15 of 2·Ω_b = step >> error_shift, 1…17 */
+    uint32_t error_shift;        /* speed in Q15 of 2·Ω_b = step_t >> error_shift, 1…17 */
 } speed_loop_cfg_t;
 
 typedef struct {
     pi_t pi;
-    step_t reference;  /* of the last slow period, after all limits */
-    uint32_t halvings; /* of the bandwidth, 0…1 */
-    /*
-     * J as a ratio to the configured one, 32768…524288 (¼…4); stays from run to run until a fault
-     */
+    step_t reference;  /* speed reference of the last slow period, after all limits */
+    uint32_t halvings; /* how many times the bandwidth is halved, 0…1 */
+    /* J / configured J, 32768…524288 (¼…4); kept from run to run until a fault */
     int32_t inertia_q17;
 } speed_loop_t;
 
@@ -78,15 +79,15 @@ typedef struct {
 } position_loop_cfg_t;
 
 typedef struct {
-    int64_t profile_q32;  /* where the profile is */
-    int64_t zero_q32;     /* where targets count from */
-    step_t profile_speed; /* how fast it goes */
-    uint32_t check;       /* check word of the others: position_loop_holds() */
+    int64_t profile_q32;  /* position of the profile */
+    int64_t zero_q32;     /* position from which targets count */
+    step_t profile_speed; /* speed of the profile */
+    uint32_t check;       /* check word of the fields above, see position_loop_holds() */
 } position_loop_t;
 
 /*
- * Allowed range of i_q*, lower ≤ upper, Q15 of I_b, ±16384. The range of a motor contains 0; the
- * range that a slope leaves may not.
+ * Allowed range of i_q*, lower ≤ upper, Q15 of I_b, ±16384. The range of a motor contains 0. A
+ * range that a slope leaves may have both ends on one side of 0.
  */
 typedef struct {
     int32_t lower;
@@ -101,28 +102,34 @@ typedef struct {
     uint32_t load_shift;
 } speed_window_t;
 
-/* What decided i_q* in a window. */
+/* What has decided i_q* in a window of speeds. */
 typedef enum {
-    SPEED_END_NONE = 0, /* the current that was wanted, within its range */
-    SPEED_END_LOWER,    /* the speed loop, at the lower end */
-    SPEED_END_UPPER
+    SPEED_END_NONE = 0, /* the wanted current, limited to its range */
+    SPEED_END_LOWER,    /* the speed loop at the lower end */
+    SPEED_END_UPPER     /* the speed loop at the upper end */
 } speed_end_t;
 
 /*
  * Halve the bandwidth, at most once, or restore it. Half of K_p and a quarter of K_i keep the
- * damping: in s² + (K_p/J)·s + K_i/J they are 2ζω and ω². The integral stays, so i_q* changes by
- * half of the proportional part.
+ * damping: in s² + (K_p/J)·s + K_i/J the coefficients are 2ζω and ω². The integral stays, so i_q*
+ * changes by half of the proportional part.
  */
 void speed_loop_lower(speed_loop_t *loop);
 void speed_loop_restore(speed_loop_t *loop);
 
-/* J as configured, the whole bandwidth, at rest. Before the first use, and after a fault. */
+/*
+ * Sets the configured J, the whole bandwidth and a speed reference of 0. Call it before the first
+ * use and after a fault.
+ */
 void speed_loop_init(speed_loop_t *loop);
 
 /* Take over another configuration: the learned ratio of J stays, within the new limits. */
 void speed_loop_change(speed_loop_t *loop, const speed_loop_cfg_t *cfg);
 
-/* Start at the present speed with i_q* = 0, without a jump. Does not change the bandwidth. */
+/*
+ * Starts at the present speed with i_q* = 0, so that the speed does not jump. Does not change the
+ * bandwidth.
+ */
 void speed_loop_reset(speed_loop_t *loop, step_t speed);
 
 /*
@@ -158,39 +165,44 @@ int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t 
  * One slow period within a window: i_q* is `wanted` (±16384) as long as the PIs of both ends allow
  * it,
  *     i_q* = K_p·(lower − ω) + I  ≤  wanted  ≤  K_p·(upper − ω) + I
- * and otherwise the output of the PI that does not. Both are continuous in ω, so nothing jumps.
+ * Otherwise i_q* is the output of the PI that does not allow it. Both outputs are continuous in ω,
+ * so i_q* does not jump.
+ *
  * Between the ends I follows the load, which is i_q* less the current for J·dω/dt. The ends are
- * limited to ±speed_max. An end takes over a time of 1/(2π·bandwidth) before the rotor would reach
- * it, and the speed settles there. dω/dt is the change from the last reference to `reference`,
- * limited to ±speed_max, which replaces it: pass the measured speed. Returns i_q*, saturated to
- * `range` and −16384…16383; *end says what decided it.
+ * limited to ±speed_max. The PI of an end decides when the rotor would reach that end within
+ * 1/(2π·bandwidth); the speed settles at the end. dω/dt is the change from the stored reference to
+ * `reference`, so pass the measured speed as `reference`. It is limited to ±speed_max and stored.
+ * Returns i_q*, saturated to `range` and −16384…16383; *end says what has decided i_q*.
  */
 int32_t speed_loop_within(speed_loop_t *loop, const speed_loop_cfg_t *cfg,
                           const speed_window_t *window, step_t reference, step_t measured,
                           int32_t wanted, torque_range_t range, speed_end_t *end);
 
 /*
- * After a step on a ramp of speed control: moves the growth of the integral in this step to J, or
- * nothing if J would leave its limits. change: of the reference in this step, ±2^30; below half of
- * the ramp nothing is learned. integral_before_q26: the integral before the step. Rounded down. A
- * growth that rounds to zero stays in the integral.
+ * Call it after a step of speed control on a ramp. Moves the growth of the integral in this step to
+ * J. If J would leave its limits, nothing changes. change: change of the reference in this step,
+ * ±2^30; nothing is learned from less than half of `ramp`. integral_before_q26: the integral before
+ * the step. Rounded down. A growth that rounds to zero stays in the integral.
  */
 void speed_loop_learn(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t change,
                       int32_t integral_before_q26);
 
 /*
- * Moves the zero by whole turns of the shaft, so that the position is −½ to below +½ turn from it.
- * Exact while the position is less than 2^31 electrical turns from the zero.
+ * Moves the zero by whole turns of the shaft, so that the position is at −½ turn to below +½ turn
+ * from the zero. Exact while the position is less than 2^31 electrical turns from the zero.
  */
 void position_loop_recount(position_loop_t *loop, const position_loop_cfg_t *cfg,
                            int64_t position_q32);
 
-/* The position of a target, Q16 electrical turns from the zero. */
+/*
+ * Returns the position of a target, Q32 electrical turns. target_q16: electrical turns from the
+ * zero.
+ */
 int64_t position_loop_target(const position_loop_t *loop, int32_t target_q16);
 
 /*
- * Start the profile at the present position and speed, so that a rotor that turns brakes along it.
- * The zero stays.
+ * Start the profile at the present position and speed, so that a rotor that turns brakes along the
+ * profile. The zero stays.
  */
 void position_loop_reset(position_loop_t *loop, int64_t position_q32, step_t speed);
 
@@ -198,9 +210,9 @@ void position_loop_reset(position_loop_t *loop, int64_t position_q32, step_t spe
 void position_loop_set_zero(position_loop_t *loop, int64_t zero_q32);
 
 /*
- * Whether profile and zero are as the functions here have written them. A bit that has flipped by
- * itself in one of them, or in the check word, makes it false, and it stays so. A loop whose words
- * are all zero holds.
+ * Returns true while profile and zero are as the functions here have written them. Returns false
+ * when a bit has flipped by itself in one of them or in the check word, and stays false. A loop
+ * whose words are all zero holds.
  */
 bool position_loop_holds(const position_loop_t *loop);
 
@@ -209,8 +221,8 @@ bool position_loop_holds(const position_loop_t *loop);
  *     v(d) = speed_max·(√(d/B + c²) − c)
  * with the remaining distance d. The deceleration stays below speed_max²/(2B) and fades out
  * linearly at the end. Positions wrap. A distance is the shorter way, so it is exact for less than
- * 2^31 turns. Returns the speed reference: the speed of the profile plus gain · lag, where the
- * second part is limited to ±speed_max.
+ * 2^31 turns. Returns the speed reference: the speed of the profile plus gain · lag, where gain ·
+ * lag is limited to ±speed_max.
  */
 step_t position_loop_step(position_loop_t *loop, const position_loop_cfg_t *cfg, int64_t target_q32,
                           int64_t measured_q32, uint32_t ticks);

@@ -1,23 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 #include "nn_observer.h"
 
-#define STATE_BITS (11U) /* from Q26, as observer_predict_state() returns a state, to Q15 */
+/* shift of a state from Q26, as observer_predict_state() returns it, to Q15 */
+#define STATE_BITS (11U)
 #define ONE_Q13 (8192)
 #define SALIENCY_NONE ONE_Q13 /* L_q = L_d */
-#define STATE_MAX (46341)     /* Q15, of x̂ and ŷ */
+#define STATE_MAX (46341)     /* limit of x̂ and ŷ, Q15 */
 #define SPEED_TO_HALF (14U)
 #define PI_Q12 (12868)     /* angle of half a step in Q15 rad = (step >> 14)·π·2^12 >> 15 */
 #define SPEED_TO_RHO (10U) /* speeds are divided by 2^10 before the division for ρ */
 
-/* π·step / 2^32: half a step in rad, Q15. */
+/* Returns half a step in rad, Q15: π·step / 2^32. */
 static int32_t observer_half_step(step_t speed)
 {
     return fx_asr(fx_asr(speed, SPEED_TO_HALF) * PI_Q12, 15U);
 }
 
 /*
- * ψ_c = φ/L_d + (1 − c·L_q/L_d)·i_d + j·(L_q/L_d − c)·i_q. For c = 1 and L_q = L_d this is φ/L_d,
- * whatever the current.
+ * Returns ψ_c = φ/L_d + (1 − c·L_q/L_d)·i_d + j·(L_q/L_d − c)·i_q. For c = 1 and L_q = L_d this is
+ * φ/L_d, whatever the current.
  */
 static dq_t observer_gradient_state(const nn_observer_cfg_t *cfg, dq_t current)
 {
@@ -40,7 +41,8 @@ void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t 
     const uint32_t steps = (uint32_t)1U << (STATE_BITS + 1U - cfg->current_shift);
     const int32_t unit = (int32_t)steps;
     const int32_t x_q27 = fx_sat28(cfg->flux_q27 + (current.d * unit));
-    const int32_t y_q27 = fx_sat28(current.q * unit); /* salient: off by L_q/L_d for a few τ */
+    /* With saliency this value lacks the factor L_q/L_d; the error lasts for a few τ. */
+    const int32_t y_q27 = fx_sat28(current.q * unit);
     const step_t limited = fx_clamp(speed, -cfg->speed_limit, cfg->speed_limit);
 
     *obs = (nn_observer_t){
@@ -73,13 +75,13 @@ void nn_observer_change(nn_observer_t *obs, const nn_observer_cfg_t *to, int32_t
     obs->beta_q27 = fx_sat28(obs->beta_q27 + beta);
 }
 
-/* î − m·(î + e) lies between î and −e, so it fits where î does. */
+/* Returns î − m·(î + e). It lies between î and −e, so it fits the range of î. */
 static int32_t observer_less_measured(int32_t current, int32_t error, int32_t feedback_q15)
 {
     return fx_sat15(current - fx_asr(feedback_q15 * (current + error), 15U));
 }
 
-/* The current that the decay acts on, in the rotor frame of k−1. */
+/* Returns the current that the decay acts on, in the rotor frame of k−1. */
 static dq_t observer_decaying_current(const nn_observer_t *obs, int32_t feedback_q15)
 {
     dq_t i = obs->current;
@@ -92,9 +94,10 @@ static dq_t observer_decaying_current(const nn_observer_t *obs, int32_t feedback
 }
 
 /*
- * The same current in the middle of the period that has just ended, in the stationary frame. In the
- * rotor frame the current hardly changes within a period, so the current of k−1 is used. The rotor
- * frame of k−1 is half a step behind the middle.
+ * Returns the current that the decay acts on in the middle of the period that has just ended, in
+ * the stationary frame. In the rotor frame the current hardly changes within a period, so the
+ * current of k−1 is used. In the middle the rotor frame is half a step behind `angle`, the angle at
+ * k.
  */
 static ab_t observer_middle_current(const nn_observer_t *obs, const nn_observer_cfg_t *cfg,
                                     sincos_t angle)
@@ -109,13 +112,13 @@ static ab_t observer_middle_current(const nn_observer_t *obs, const nn_observer_
     return transforms_park_inverse(turned, angle);
 }
 
-/* W3·v less the decay. */
+/* Returns the change of a state component in a period: W3·v less the decay. */
 static int32_t observer_flux_step(const nn_observer_cfg_t *cfg, int32_t voltage, int32_t current)
 {
     return fx_asr((cfg->volt_gain * voltage) - (cfg->decay * current), cfg->weight_shift);
 }
 
-/* (14)–(16). Returns x̂(k), ŷ(k), Q26 of I_x. */
+/* Computes (14)–(16). Returns x̂(k), ŷ(k), Q26 of I_x. */
 static dq_t observer_predict_state(nn_observer_t *obs, const nn_observer_cfg_t *cfg, ab_t voltage,
                                    sincos_t angle)
 {
@@ -133,7 +136,7 @@ static dq_t observer_predict_state(nn_observer_t *obs, const nn_observer_cfg_t *
     };
 }
 
-/* e' = (1 − jρ)·(e_d + j·(L_q/L_d)·e_q). */
+/* Returns e' = (1 − jρ)·(e_d + j·(L_q/L_d)·e_q). */
 static dq_t observer_rotate(const nn_observer_cfg_t *cfg, int32_t rho, dq_t e)
 {
     const int32_t flux_error_q = fx_asr(e.q * cfg->saliency_q13, 13U);
@@ -144,7 +147,7 @@ static dq_t observer_rotate(const nn_observer_cfg_t *cfg, int32_t rho, dq_t e)
     };
 }
 
-/* The network's output in the base of the measurement, and the output error (17). Returns e'. */
+/* Sets î, the network's output in Q15 of I_b, and the output error (17). Returns e'. */
 static dq_t observer_compare(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t state_q26,
                              dq_t measured)
 {
@@ -205,7 +208,7 @@ void nn_observer_accelerate(nn_observer_t *obs, const nn_observer_cfg_t *cfg, st
     obs->speed = fx_clamp(obs->speed + change, -cfg->speed_limit, cfg->speed_limit);
 }
 
-/* ρ = corner / ω̂, limited; 0 at low speed. */
+/* Returns ρ = corner / ω̂, limited; 0 at low speed. */
 static int32_t observer_rho(const nn_observer_cfg_t *cfg, step_t rotor_speed)
 {
     int32_t rho_q13 = 0;

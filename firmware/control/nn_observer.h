@@ -9,8 +9,8 @@
  *
  *     x = i_d + φ/L_d,  y = (L_q/L_d)·i_q                     (7), y scaled: see Saliency
  *     v_x = (v_d + R·φ/L_d)/L_d,  v_y = v_q/L_d               (8)
- * With these the motor's (3), (4) become (5), (6), (9), and in the estimated frame (12), (13);
- * sampled as (10), (11):
+ * With these, the motor's equations (3), (4) become (5), (6), (9), and (12), (13) in the estimated
+ * frame. Sampled as in (10), (11), the network is:
  *     x̂(k) = W1·x̂(k−1) − W2·ŷ(k−1) + W3·v_x(k−1) + f·e_d(k−1)  (14)–(16); f = 0 in the paper
  *     ŷ(k) = W1'·ŷ(k−1) + W2·x̂(k−1) + W3·v_y(k−1) + f·e_q(k−1)
  *     W1 = 1 − T·R/L_d,  W1' = 1 − T·R/L_q,  W2 = −T·ω̂_out,  W3 = T;  see Rotation
@@ -32,21 +32,21 @@
  *
  * Rotation. Forward Euler in (14) turns the state and also lengthens it: the state grows for ω >
  * √(2/(T·τ)), τ = L/R. Here W2 turns the frame instead. The states are stored in the stationary
- * frame, x̂ + j·ŷ = (α + j·β)·exp(−jθ̂), and θ̂ advances by ω̂_out·T = −W2 between two instants. That
- * rotation is exact at any speed. The stored state is not rotated, so it neither grows nor drifts.
- * Voltage and resistance act in the middle of the period: the voltage of the inverter is constant
- * in the stationary frame, and the current of k−1 is turned by half a step. To first order in ωT
- * these are the weights of the paper.
+ * frame, x̂ + j·ŷ = (α + j·β)·exp(−jθ̂), and θ̂ advances by ω̂_out·T = −W2 between two instants.
+ * That rotation is exact at any speed. The stored state is not rotated, so it neither grows nor
+ * drifts. Voltage and resistance act in the middle of the period: the voltage of the inverter is
+ * constant in the stationary frame, and the current of k−1 is turned by half a step. To first order
+ * in ωT this gives the weights of the paper.
  *
  * Feedback. Without it an error of the network turns with −ω̂ and decays with R/L only. Changes of
- * speed and the unknown part of the voltage excite this mode. Where T·R/L is small, this mode loses
- * the rotor. f damps the mode like a resistance f·L_d/T in series with R, but in the error only:
- * for e = 0 the network is that of the paper. For L_d = L_q
+ * speed and the unknown part of the voltage excite this mode. Where T·R/L is small, this mode makes
+ * the estimate lose the rotor. f damps the mode like a resistance f·L_d/T in series with R, but in
+ * the error only: for e = 0 the network is that of the paper. For L_d = L_q
  *     e(k) = (1 − D)·exp(−jω̂T)·e(k−1) + …,  D = T·R/L_d + f,  R_v = R + f·L_d/T = D·L_d/T
  * The decay acts in the middle of the period on î − m·(î + e), m = f/D: D times this current is
  * T·R/L_d·î − f·e. î + e is the measured current. With f = 1 the state would follow the
- * measurement: the error would be that of one tick only, and the rotor would be lost. So f stays
- * small.
+ * measurement: e would hold the error of one tick only, and the estimate would lose the rotor. So f
+ * stays small.
  *
  * Gradient. In b, x̂ and ŷ are the vector that W2 turns. A turn of the frame by δ also turns the
  * measured current, and changes e by δ·j·ψ_1 with
@@ -103,22 +103,23 @@ typedef struct {
     step_t speed_limit;      /* limit of |ω̂|, 1…2^29 */
     /* D/T as a speed, for ρ = corner/ω̂, 0…2^27: a D above 0.196 counts as 0.196 */
     step_t corner;
-    int32_t rho_max_q13;  /* limit of |ρ|, 0…32767; 0: off */
-    step_t rho_speed_min; /* below this speed ρ = 0, the back-EMF is too small, 1…2^29 */
+    int32_t rho_max_q13; /* limit of |ρ|, 0…32767; 0: off */
+    /* ρ = 0 below this speed, because the back-EMF is too small there, 1…2^29 */
+    step_t rho_speed_min;
 } nn_observer_cfg_t;
 
 typedef struct {
-    int32_t alpha_q27; /* x̂ + j·ŷ in the stationary frame, −2^27…2^27 − 1 */
-    int32_t beta_q27;  /* the same range */
+    int32_t alpha_q27; /* α component of x̂ + j·ŷ in the stationary frame, −2^27…2^27 − 1 */
+    int32_t beta_q27;  /* β component, the same range */
     /*
-     * the vector that b multiplies with e', Q15 of I_x, ±46341: x̂, ŷ of the last instant, or with c
-     * ≠ 0 ψ_c of the last refresh
+     * the vector that is multiplied by e' to give b, Q15 of I_x, ±46341. c = 0: x̂, ŷ of the last
+     * instant. c ≠ 0: ψ_c of the last refresh
      */
     dq_t state;
     /* ω̂(k+1), the integral (22): for the speed loop, limited to ±speed_limit */
     step_t speed;
     step_t speed_out;      /* ω̂_out: for the network and the angle, within ±2^29 */
-    int32_t half_step_q15; /* half of ω̂·T in rad at the last refresh */
+    int32_t half_step_q15; /* half of ω̂·T at the last refresh, Q15 of 1 rad */
     dq_t current;          /* î_d, î_q, saturated at ±16384, the converters' full scale */
     dq_t error;            /* e_d, e_q, saturated to −8192…8191 (¼) */
     dq_t rotated_error; /* e', same range: d shows an error of the flux magnitude, q of the angle */
@@ -140,8 +141,8 @@ void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t 
 /*
  * Take over other weights. The states contain φ/L_d and L_q/L_d, so they change such that the
  * current of the network stays. The values of nn_observer_refresh() follow with its next call.
- * flux_q27, saliency_q13: of the old weights, whose current_shift must be that of the new ones.
- * angle: as of the last nn_observer_predict(). Control interrupt only.
+ * flux_q27, saliency_q13: values of the old weights. current_shift must be the same in old and new
+ * weights. angle: the angle of the last nn_observer_predict(). Control interrupt only.
  */
 void nn_observer_change(nn_observer_t *obs, const nn_observer_cfg_t *to, int32_t flux_q27,
                         int32_t saliency_q13, sincos_t angle);
@@ -159,22 +160,25 @@ void nn_observer_predict(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t 
 /* (19)–(22): train W2 along the gradient. The speeds are limited as stated at their fields. */
 void nn_observer_train(nn_observer_t *obs, const nn_observer_cfg_t *cfg);
 
-/* Call in place of training when the speed is known: sets W2. speed: within ±speed_limit. */
+/*
+ * Sets W2. Call it instead of nn_observer_train() when the speed is known. speed: within
+ * ±speed_limit.
+ */
 void nn_observer_follow(nn_observer_t *obs, step_t speed);
 
 /*
  * Once a slow period in RUN: adds `change`, the change of the speed reference, to ω̂. By itself the
  * estimate follows a ramp with the delay T·κ_p/κ of the proportional path. While the rotor follows
- * its reference, this change is known without an error of the current; call it only then. In torque
- * control, pass the change of speed that the torque causes. change: within ±2^30. ω̂ is limited to
- * ±speed_limit.
+ * its reference, this change is known before an error of the current shows it. Call the function
+ * only then. In torque control, pass the change of speed that the torque causes. change: within
+ * ±2^30. ω̂ is limited to ±speed_limit.
  */
 void nn_observer_accelerate(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t change);
 
 /*
  * Once a slow period, while the speed may change: computes ρ for rotor_speed, within ±2^30, the
  * half step by which the current is turned, and with c ≠ 0 ψ_c. Pass the most reliable speed, not
- * an estimate that still swings, because ρ has its sign. One division.
+ * an estimate that still swings, because ρ takes the sign of rotor_speed. One division.
  */
 void nn_observer_refresh(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t rotor_speed);
 

@@ -9,7 +9,7 @@ void phase_compensator_start(phase_compensator_t *comp, angle_t angle)
     comp->current_angle = 0;
 }
 
-/* (40) */
+/* Returns α_r of (40), not yet negated for backward rotation. */
 static int32_t current_angle(const phase_compensator_cfg_t *cfg, dq_t current)
 {
     const int32_t d = fx_sat16(current.d);

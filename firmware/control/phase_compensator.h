@@ -4,23 +4,23 @@
  *
  * The inverter applies a voltage of magnitude U at the firing angle θ_s. The compensator turns θ_s
  * until i_d = 0. Its input is the angle of the current vector against the q axis:
- *     α_r = atan2(i_d, max(|i_q|, current_min))             (40), in the direction of U, see below
- *     θ_s(n+1) = θ_s(n) + T·ω(n) + g·α_r(n−1)               (41), (43)
- *     β(n) = θ_s(n) − θ(n),  v_d = −U·sin β,  v_q = U·cos β
- * (43) accumulates α_r, so i_d becomes exactly 0. The proportional form (42) would leave an i_d. K2
- * = 1, as ω is the advance of θ itself. At i_d = 0 the lead is β = atan(ω·L_q·i_q / (R·i_q + ω·φ)).
+ *     α_r = atan2(i_d, max(|i_q|, current_min))             (40), counted in the direction of U,
+ * see Sign θ_s(n+1) = θ_s(n) + T·ω(n) + g·α_r(n−1)               (41), (43) β(n) = θ_s(n) − θ(n),
+ * v_d = −U·sin β,  v_q = U·cos β (43) accumulates α_r, so i_d becomes exactly 0. The proportional
+ * form (42) would leave an i_d. K2 is 1, because ω is the advance of θ itself. At i_d = 0 the lead
+ * is β = atan(ω·L_q·i_q / (R·i_q + ω·φ)).
  *
  * Sign. A larger lead lowers i_d, by U·(R·cos β + ω·L_q·sin β)/(R² + ω²·L_d·L_q) per unit of angle.
- * So α_r is counted in the direction of U, which is the direction of rotation; backwards it has the
- * other sign. It must not be counted in the direction of i_q, because (40) would then change its
- * sign while braking, and the loop would run away at any braking current. The slope of i_d over the
- * lead changes its sign at tan β = −R/(ω·L_q), and the slope of the torque over U at tan β =
- * −R/(ω·L_d). `brake_max` keeps the lead above the second of these angles. Harder braking takes
- * some i_d.
+ * So α_r is counted in the direction of U, which is the direction of rotation: for backward
+ * rotation α_r is negated. It must not be counted in the direction of i_q, because (40) would then
+ * change its sign while braking, and the loop would run away at any braking current. The slope of
+ * i_d over the lead changes its sign at tan β = −R/(ω·L_q), and the slope of the torque over U at
+ * tan β = −R/(ω·L_d). `brake_max` keeps the lead above the second of these angles. During harder
+ * braking i_d is not 0.
  *
- * No load. The angle of a vector that is small against `current_min` is noise. Its α_r fades to 0
- * with its magnitude, and the lead stays. With the angle of the vector itself α_r would jump
- * between ±90° at no load and keep the currents swinging.
+ * No load. The angle of a vector that is small against `current_min` is noise. In (40) α_r fades to
+ * 0 with the magnitude of the vector, and the lead stays. If α_r were the angle of the vector
+ * itself, it would jump between ±90° at no load and keep the currents swinging.
  *
  * Currents Q15 of any common base. Pure, total. Call once a control tick, from the control
  * interrupt only. One division.
@@ -38,13 +38,14 @@ typedef struct {
     int32_t gain;        /* g = gain / 2^(16 + gain_shift), 0…32767; 0: the lead stays as it is */
     uint32_t gain_shift; /* 0…15 */
     int32_t lead_max;    /* largest lead in the direction of U, 2^32 = one turn, 0…2^30 */
-    int32_t brake_max;   /* largest lag, as lead_max */
-    int32_t current_min; /* a smaller |i_q| counts as this, 1…32767 */
+    int32_t brake_max;   /* largest lag in the direction of U, same unit and range as lead_max */
+    int32_t current_min; /* |i_q| counts as at least this in (40), 1…32767 */
 } phase_compensator_cfg_t;
 
 typedef struct {
-    angle_t angle;         /* θ_s of the next sample */
-    int32_t current_angle; /* α_r of the last one, forwards as backwards, ±2^30 */
+    angle_t angle; /* θ_s of the next sample */
+    /* α_r of the last sample, not yet negated for backward rotation, ±2^30 */
+    int32_t current_angle;
 } phase_compensator_t;
 
 /* Start with θ_s = `angle`. */

@@ -16,7 +16,7 @@
 
 /* Gain = mantissa / 2^shift. The configuration keeps the mantissas near full scale. */
 typedef struct {
-    /* proportional gain, −32767…32767; below 0 it takes off some of a plant's own damping */
+    /* proportional gain, −32767…32767; a negative gain reduces the plant's own damping */
     int32_t kp;
     int32_t ki;        /* integral gain × period, 0…32767 */
     uint32_t kp_shift; /* 1…30 */
@@ -27,9 +27,12 @@ typedef struct {
     int32_t integral_q26;
 } pi_t;
 
-#define PI_INTEGRAL_BITS (11U) /* by which the integral is finer than the output */
+#define PI_INTEGRAL_BITS (11U) /* fractional bits of the integral beyond those of the output */
 
-/* pi_step() in parts, for a loop whose limit is not simply ±limit. Control tick. */
+/*
+ * The next three functions are the parts of pi_step(), for a loop whose limit is not simply ±limit.
+ * Control tick.
+ */
 
 /* Returns the integral after this sample, Q26, saturated at ±1. |error| ≤ 65535. Pure. */
 static inline int32_t pi_integral(const pi_t *pi, const pi_cfg_t *cfg, int32_t error)
@@ -38,8 +41,8 @@ static inline int32_t pi_integral(const pi_t *pi, const pi_cfg_t *cfg, int32_t e
 }
 
 /*
- * Returns proportional part and integral, Q15, each rounded down. |error| ≤ 65535. Its sum with a
- * feed-forward is u. Pure.
+ * Returns proportional part and integral, Q15, each rounded down. |error| ≤ 65535. u is this sum
+ * plus a feed-forward. Pure.
  */
 static inline int32_t pi_sum(const pi_cfg_t *cfg, int32_t error, int32_t integral_q26)
 {
@@ -47,8 +50,8 @@ static inline int32_t pi_sum(const pi_cfg_t *cfg, int32_t error, int32_t integra
 }
 
 /*
- * Returns u within ±limit, 0…32767. Stores the integral, but moves it no further towards a limit
- * that u exceeds. |u| < 2^30.
+ * Returns u within ±limit, 0…32767. Stores integral_q26. While u exceeds a limit, the integral is
+ * not moved further in that direction. |u| < 2^30.
  */
 int32_t pi_limit(pi_t *pi, int32_t integral_q26, int32_t u, int32_t limit);
 

@@ -13,15 +13,16 @@
 #define MANTISSA_BITS (16U)
 #define SHIFT_MAX (30)
 #define TICKS_MASK (0xFFFFFU)
-#define LAG_MOST (23170)     /* sin 45°: a rotor that lags further may fall out of step */
-#define MEAN_BITS_LEAST (8U) /* the mean lag is over 2^8 ticks at least */
-#define MEAN_BITS_MOST (14U)
+/* sin 45°, Q15. A ramp waits beyond this lag, because the rotor may fall out of step. */
+#define LAG_MOST (23170)
+#define MEAN_BITS_LEAST (8U) /* the mean lag is formed over at least 2^8 ticks */
+#define MEAN_BITS_MOST (14U) /* and over at most 2^14 ticks */
 #define MEAN_FINER_BITS (14U)
 #define LAG_FINER (16384) /* 2^14 */
 #define MEAN_MOST (FX_Q15_MAX * LAG_FINER)
 /*
- * The mean is over 8/K ticks, so that it does not follow the swing, which the damping acts on. For
- * a damping (2·K) above this, 2^8 ticks are enough.
+ * With a damping (2·K) above this, the mean lag is formed over 2^8 ticks. It is formed over 8/K
+ * ticks, so that it does not follow the swing that the damping acts on.
  */
 #define MEAN_FAST_DAMPING (42722830)
 
@@ -65,7 +66,7 @@ static void begin_window(probe_t *probe, int32_t word)
     }
 }
 
-/* Words that are stored in parts, or that begin something. */
+/* Takes the words that are stored in parts, or that begin a window. */
 static void set_composed(probe_t *probe, uint32_t what, int32_t value)
 {
     switch (what) {
@@ -96,7 +97,7 @@ static void set_composed(probe_t *probe, uint32_t what, int32_t value)
     }
 }
 
-/* Words that move the vector. */
+/* Takes the words that move the vector. */
 static void set_motion(probe_t *probe, uint32_t what, int32_t value)
 {
     switch (what) {
@@ -151,13 +152,13 @@ void probe_set(probe_t *probe, uint32_t what, int32_t value)
     }
 }
 
-/* The EMF along the current: the voltage that the legs lose is subtracted. */
+/* Returns the EMF along the current: emf_d less the voltage that the legs lose. */
 static int32_t emf_along(const probe_t *probe, int32_t emf_d)
 {
     return fx_sat16(emf_d - ((probe->current > 0) ? probe->loss : 0));
 }
 
-/* sin δ, reduced where the EMF is too small to have an angle. */
+/* Returns sin δ, Q15, reduced where the EMF is too small to show an angle. */
 static int32_t lag_of(const probe_t *probe, dq_t emf, step_t speed)
 {
     const dq_t e = {emf_along(probe, emf.d), fx_sat16(emf.q)};
@@ -172,7 +173,10 @@ static step_t towards_angle(const probe_t *probe, angle_t angle)
     return fx_clamp(fx_signed(probe->angle - angle), -probe->rate, probe->rate);
 }
 
-/* The damping never turns the vector back, because the lag would change its sign there. */
+/*
+ * Returns the speed to subtract as damping: at most half of the vector's speed, because the lag
+ * would change its sign if the vector turned back.
+ */
 static step_t damped(const probe_t *probe, int32_t lag)
 {
     const step_t most = fx_abs(probe->own_speed) / 2;
@@ -181,8 +185,9 @@ static step_t damped(const probe_t *probe, int32_t lag)
 }
 
 /*
- * A ramp waits while it strains the rotor: while the rotor lags too far on a ramp up, or leads too
- * far on a ramp down. A ramp down also waits while the bus can take no more energy from the rotor.
+ * Returns the next speed on the ramp. The ramp waits while the rotor lags too far on a ramp up, or
+ * leads too far on a ramp down. A ramp down also waits while the bus can take no more energy from
+ * the rotor.
  */
 static step_t ramped(const probe_t *probe, int32_t lag, bool bus_bears)
 {
@@ -248,7 +253,7 @@ static uint32_t window_ticks(const probe_t *probe)
     return fx_unsigned(fx_clamp(fx_signed(ticks), 1, PROBE_WINDOW_MAX));
 }
 
-/* The sign of the pulses in tick k of the window, 0 beyond it. */
+/* Returns the sign of the pulse in tick k of the window, 0 outside of the window. */
 static int32_t sign_of_pulse(const probe_t *probe, uint32_t k)
 {
     int32_t sign = 0;
@@ -282,8 +287,8 @@ static void note_change(probe_t *probe, dq_t current)
 }
 
 /*
- * x/y rounded to nearest, y > 0. The error of a quotient that is rounded towards zero would not
- * cancel between two directions.
+ * Returns x/y rounded to nearest, y > 0. The error of a quotient that is rounded towards zero would
+ * not cancel between two directions.
  */
 static int32_t rounded_ratio(int32_t x, int32_t y)
 {
@@ -293,9 +298,10 @@ static int32_t rounded_ratio(int32_t x, int32_t y)
 }
 
 /*
- * The power of the EMF divided by the speed, 0 at standstill. ωL·i adds nothing to it, whatever L
- * is. R·i is subtracted with the current that flows, not with i* as in the EMF of the sample: in a
- * ramp the two currents differ, and the torque of a light rotor is small against that difference.
+ * Returns the power of the EMF divided by the speed, 0 at standstill. jωL·i gives no power, so a
+ * wrong L does not matter. R·i is subtracted with the current that flows, not with i* as in the EMF
+ * of the sample: in a ramp the two currents differ, and the torque of a light rotor is small
+ * against that difference.
  */
 static int32_t torque_of(const probe_t *probe, const probe_sample_t *sample)
 {

@@ -25,7 +25,10 @@ static inline void rotor_position_reset(rotor_position_t *position, angle_t angl
     position->turns_q32 = (int64_t)angle;
 }
 
-/* (23), one tick. The turn count wraps after 2^31 turns (8 days at 3000 turns a second). */
+/*
+ * Advances the position by one tick, (23). The turn count wraps after 2^31 turns (8 days at 3000
+ * turns a second).
+ */
 static inline void rotor_position_step(rotor_position_t *position, step_t speed)
 {
     const int64_t advance = speed;
@@ -34,7 +37,7 @@ static inline void rotor_position_step(rotor_position_t *position, step_t speed)
     position->turns_q32 = fx_signed64(turns);
 }
 
-/* θ̂ within its turn. */
+/* Returns θ̂ within its turn. */
 static inline angle_t rotor_position_angle(const rotor_position_t *position)
 {
     return (angle_t)(fx_unsigned64(position->turns_q32) & 0xFFFFFFFFU);

@@ -2,7 +2,7 @@
 #include "torque_filter.h"
 
 #define Q15_TO_Q26 (2048)
-#define STATE_BITS (11U) /* by which the states are finer than a current */
+#define STATE_BITS (11U) /* fractional bits of the states beyond those of a current */
 #define HALF_LSB (1024)
 
 void torque_filter_start(torque_filter_t *filter, int32_t current)
@@ -22,7 +22,7 @@ static int32_t low_pass(torque_filter_t *filter, const torque_filter_cfg_t *cfg,
     return filter->smooth_q26;
 }
 
-/* Q26, |d|, |q| ≤ 2^29. */
+/* Returns v turned by the angle of `turn`. v: Q26, |d|, |q| ≤ 2^29. */
 static dq_t turned(dq_t v, sincos_t turn)
 {
     return (dq_t){

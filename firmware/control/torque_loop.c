@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "torque_loop.h"
 
-#define SWING_SHARE (8) /* the estimate may swing by 1/8 of the lowest speed there */
+/*
+ * The estimated speed of a rotor that is held at the lowest speed may swing by 1/8 of that speed.
+ */
+#define SWING_SHARE (8)
 
 void torque_loop_start(torque_loop_t *loop, int32_t flux_q13, int32_t current)
 {
@@ -44,7 +47,7 @@ step_t torque_loop_aim(const torque_loop_cfg_t *cfg, int32_t target_q28)
     } else if (target_q28 < 0) {
         aim = -cfg->speed_backward;
     } else {
-        /* nothing drives */
+        /* a torque of 0 has no direction */
     }
     return aim;
 }
@@ -58,10 +61,11 @@ static bool is_caught(const torque_loop_t *loop, bool backwards)
 }
 
 /*
- * The next speed reference while the torque is free. With a torque in the direction of the motion,
- * the end of the window holds the rotor at the lowest speed. The estimate swings about that speed
- * by some percent, so the reference stays there, and only a rotor that is slower by more is led
- * back up the slope. With other torques the reference goes down the slope from the lowest speed on.
+ * Returns the next speed reference while the torque is free. With a torque in the direction of the
+ * motion, the end of the window holds the rotor at the lowest speed. The estimate swings about that
+ * speed by some percent, so the reference stays there, and only a rotor that is slower by more is
+ * led back up the slope. With other torques the reference goes down the slope from the lowest speed
+ * on.
  */
 static step_t next_free_reference(const torque_loop_t *loop, const torque_loop_cfg_t *cfg,
                                   const torque_loop_in_t *in)
@@ -86,7 +90,10 @@ static step_t next_free_reference(const torque_loop_t *loop, const torque_loop_c
     return fx_clamp(next, -cfg->speed_backward, cfg->speed_forward);
 }
 
-/* The speed reference: on the slope of an imposed vector at low speed, else the rotor's speed. */
+/*
+ * Returns the next speed reference: on the slope of an imposed vector at low speed, else the
+ * rotor's speed.
+ */
 static step_t next_reference(const torque_loop_t *loop, const torque_loop_cfg_t *cfg,
                              const torque_loop_in_t *in)
 {
@@ -97,8 +104,8 @@ static step_t next_reference(const torque_loop_t *loop, const torque_loop_cfg_t 
 }
 
 /*
- * If no end of the window has caught the rotor before it was too slow, the speed loop begins with
- * another current: a bridge leads to it.
+ * Sets whether the speed loop decides the torque. If no end of the window has held the rotor before
+ * it became too slow, the speed loop begins with another i_q*, and a bridge leads to it.
  */
 static void bind(torque_loop_t *loop, bool bound)
 {
@@ -109,9 +116,10 @@ static void bind(torque_loop_t *loop, bool bound)
 }
 
 /*
- * While an end of the window holds the torque back, the reference is not further beyond the acting
- * torque than the target is. So a torque that leads away from the end begins with the acting
- * torque.
+ * Returns the torque reference from which the slope goes on. While the upper end of the window
+ * holds the torque back, the reference is at most the larger one of target and acting torque; at
+ * the lower end it is at least the smaller one. So a torque that leads away from the end begins at
+ * the acting torque.
  */
 static int32_t held_back_q28(const torque_loop_t *loop, const torque_loop_in_t *in, int32_t target)
 {

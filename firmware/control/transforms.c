@@ -12,7 +12,9 @@ ab_t transforms_clarke(int32_t a, int32_t b)
     };
 }
 
-/* a·x + b·y in Q15; |a| + |b| ≤ 65534 and |x|, |y| ≤ 32767 keep the sum below 2^31 − 2^14. */
+/*
+ * Returns a·x + b·y in Q15; |a| + |b| ≤ 65534 and |x|, |y| ≤ 32767 keep the sum below 2^31 − 2^14.
+ */
 static int32_t dot(int32_t a, int32_t x, int32_t b, int32_t y)
 {
     return fx_asr(((a * x) + ROUND_Q15) + (b * y), 15U);

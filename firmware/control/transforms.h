@@ -30,21 +30,21 @@ typedef struct {
 } dq_t;
 
 /*
- * Phase values a, b (the third is −a − b) to the stationary frame: α = a, β = (a + 2b)/√3.
+ * Converts phase values a, b (the third is −a − b) to the stationary frame: α = a, β = (a + 2b)/√3.
  * Range: |a|, |b| ≤ 32767; |β| then stays below 56755. Error ≤ 1 LSB.
  */
 ab_t transforms_clarke(int32_t a, int32_t b);
 
 /*
- * Stationary to rotor frame at the angle given by its sine and cosine. |α| + |β| ≤ 65534. Error ≤ 2
- * LSB.
+ * Converts from the stationary to the rotor frame at the angle given by its sine and cosine. |α| +
+ * |β| ≤ 65534. Error ≤ 2 LSB.
  */
 dq_t transforms_park(ab_t v, sincos_t angle);
 
-/* Rotor to stationary frame. |d|, |q| ≤ 32768. Error ≤ 2 LSB. */
+/* Converts from the rotor to the stationary frame. |d|, |q| ≤ 32768. Error ≤ 2 LSB. */
 ab_t transforms_park_inverse(dq_t v, sincos_t angle);
 
-/* Square of a vector's length, Q30. |d|, |q| ≤ 32768. Exact. Pure, any context. */
+/* Returns the square of a vector's length, Q30. |d|, |q| ≤ 32768. Exact. Pure, any context. */
 static inline uint32_t transforms_square(dq_t v)
 {
     const int32_t square_d = v.d * v.d;

@@ -7,8 +7,8 @@
  * power. This one subtracts a voltage in proportion to the difference between the current and its
  * mean, so it costs no power in the steady state:
  *     v(n) = −R_v·(i(n) − m(n)),  m(n+1) = m(n) + r·(i(n) − m(n))
- * With a = r/T the mode's damping rises by R_v/L · ω²/(ω² + a²), in 1/s. A mean that is faster than
- * the mode follows it, and then nothing is damped.
+ * With a = r/T the mode's damping rises by R_v/L · ω²/(ω² + a²), in 1/s. If the mean is faster than
+ * the mode, it follows the mode, and nothing is damped.
  *
  * For the difference the mean is rounded down to an LSB of current; the products are exact. So the
  * mean settles on a constant current to the LSB, and no voltage remains.
@@ -35,7 +35,7 @@ typedef struct {
 /* Start with `current` as the mean, ±16384. */
 void virtual_resistance_start(virtual_resistance_t *res, dq_t current);
 
-/* The mean m, ±16384, rounded down. */
+/* Returns the mean m, ±16384, rounded down. */
 dq_t virtual_resistance_mean(const virtual_resistance_t *res);
 
 /*
