@@ -12,8 +12,8 @@
 /* from the largest speed backwards to the largest speed forwards */
 #define CHANGE_MAX (0x40000000)
 /*
- * Limit of a distance in distance units: at least 1.75 braking distances. The softest stop needs 1
- * + 2c.
+ * Limit of a distance in distance units: at least 1.75 braking distances. The softest stop needs (1
+ * + 2c) braking distances.
  */
 #define DISTANCE_MAX (0x7000U)
 

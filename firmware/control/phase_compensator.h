@@ -4,11 +4,12 @@
  *
  * The inverter applies a voltage of magnitude U at the firing angle θ_s. The compensator turns θ_s
  * until i_d = 0. Its input is the angle of the current vector against the q axis:
- *     α_r = atan2(i_d, max(|i_q|, current_min))             (40), counted in the direction of U,
- * see Sign θ_s(n+1) = θ_s(n) + T·ω(n) + g·α_r(n−1)               (41), (43) β(n) = θ_s(n) − θ(n),
- * v_d = −U·sin β,  v_q = U·cos β (43) accumulates α_r, so i_d becomes exactly 0. The proportional
- * form (42) would leave an i_d. K2 is 1, because ω is the advance of θ itself. At i_d = 0 the lead
- * is β = atan(ω·L_q·i_q / (R·i_q + ω·φ)).
+ *     α_r = atan2(i_d, max(|i_q|, current_min))             (40), sign: see Sign
+ *     θ_s(n+1) = θ_s(n) + T·ω(n) + g·α_r(n−1)               (41), (43)
+ *     β(n) = θ_s(n) − θ(n),  v_d = −U·sin β,  v_q = U·cos β
+ * (43) accumulates α_r, so i_d becomes exactly 0. The proportional form (42) would leave an i_d. K2
+ * is 1, because ω is the advance of θ itself. At i_d = 0 the lead is β = atan(ω·L_q·i_q / (R·i_q +
+ * ω·φ)).
  *
  * Sign. A larger lead lowers i_d, by U·(R·cos β + ω·L_q·sin β)/(R² + ω²·L_d·L_q) per unit of angle.
  * So α_r is counted in the direction of U, which is the direction of rotation: for backward

@@ -16,7 +16,7 @@
 /* sin 45°, Q15. A ramp waits beyond this lag, because the rotor may fall out of step. */
 #define LAG_MOST (23170)
 #define MEAN_BITS_LEAST (8U) /* the mean lag is formed over at least 2^8 ticks */
-#define MEAN_BITS_MOST (14U) /* and over at most 2^14 ticks */
+#define MEAN_BITS_MOST (14U) /* the mean lag is formed over at most 2^14 ticks */
 #define MEAN_FINER_BITS (14U)
 #define LAG_FINER (16384) /* 2^14 */
 #define MEAN_MOST (FX_Q15_MAX * LAG_FINER)

@@ -7,9 +7,10 @@
  *            an angle and rests there; otherwise it turns with that speed.
  *   EMF      e = v − R·i* − jωL·i, v: voltage that the current control demands. A rotor that lags
  *            behind the frame by δ gives e = jωφ·e^(−jδ), thus sin δ = ±e_d/|e| with the sign of ω.
- *   damping  The speed of the frame changes by −K·(sin δ − mean of sin δ). So a rotor in the field
- * of a stiff current, which nothing else damps, settles with δ' = −K·δ. tracking The speed of the
- * frame changes by −k·sin δ in each tick. So with no current the frame follows a rotor that coasts.
+ *   damping  The speed of the frame changes by −K·(sin δ − mean of sin δ). So a rotor in the
+ *            field of a stiff current, which nothing else damps, settles with δ' = −K·δ.
+ *   tracking The speed of the frame changes by −k·sin δ in each tick. So with no current the frame
+ *            follows a rotor that coasts.
  *   pulses   In a window with a pulse voltage the current control holds its voltage along the
  *            pulse. +V, −V, −V, +V are added to it, each for PROBE_PULSE_TICKS, again and again.
  *            The current along the pulse goes up, down and back: the rotor gets no momentum.

@@ -7,7 +7,7 @@
 /* in 1/16 of the circle's radius: with a larger demand the voltage may decide i_d* */
 #define NEAR (15)
 #define RESERVE (3) /* in 1/256 of the circle's radius, kept for the current control */
-/* in a slow period the integral changes by 1/8 of the voltage's error */
+/* in a slow period the integral changes by 1/8 of the unused or missing voltage */
 #define INTEGRAL_SHIFT (3U)
 #define RIPPLE_SHIFT (6U) /* in a slow period a valley fades by 1/64 of its depth */
 #define REST_STEP (80)    /* step of the integral back to 0 in a slow period, Q15 of U_b */
@@ -252,7 +252,7 @@ static void end_where_useless(const weakening_in_t *in, const weakening_volts_t 
 {
     const int32_t circle = circle_d(in, volts);
     const int32_t deepest = fx_max(torque_per_volt_d(in, volts), -in->deepest);
-    const int32_t useful = fx_min(deepest, wanted); /* `wanted` may be deeper than that */
+    const int32_t useful = fx_min(deepest, wanted); /* `wanted` may be deeper than `deepest` */
 
     limits->lower = circle;
     if (useful > circle) {

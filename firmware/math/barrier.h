@@ -14,7 +14,7 @@
  * The compiler moves no memory access across this barrier, in either direction. The background
  * calls it before it tells the interrupt that data are ready, and after it has read that the
  * interrupt's data are ready. The interrupt needs no barrier, because the background cannot
- * interrupt it. It is atomic_signal_fence() of C11, without <stdatomic.h>.
+ * interrupt it. The barrier is atomic_signal_fence() of C11, without <stdatomic.h>.
  */
 static inline void barrier_compiler(void)
 {

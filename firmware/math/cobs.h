@@ -22,7 +22,7 @@
  */
 uint8_t cobs_encoded(const uint8_t *bytes, uint32_t count, uint32_t at);
 
-/* State of reading a code. */
+/* State of the decoder. */
 typedef struct {
     uint32_t left; /* bytes before the next distance */
     bool zero;     /* the next distance stands for a 0 */
