@@ -24,7 +24,7 @@
  */
 #define GIVES_WAY (4)
 #define FALL_SHIFT (2U) /* i_d* falls by 1/4 of its distance to the limit in a slow period */
-#define RISE_SHIFT (3U) /* i_d* rises by 1/8 of it */
+#define RISE_SHIFT (3U) /* i_d* rises by 1/8 of this distance */
 
 /*
  * Returns the i_d* that keeps the current vector large enough; below 0 where i_q* alone is enough.

@@ -60,7 +60,7 @@ typedef struct {
     int32_t deepest;
 } current_reference_cfg_t;
 
-/* Operating point. */
+/* Operating point: input of current_reference_d(). */
 typedef struct {
     dq_t present;       /* i_d*, i_q* of the last slow period, ±16384 */
     step_t speed;       /* speed reference, ±2^30 */

@@ -5,7 +5,7 @@
 
 #define QUARTER_TURN (0x40000000U)
 #define QUARTER_TURN_BACK (0xC0000000U)
-/* limit of an expected current: above twice the largest measured one */
+/* limit of the expected current: above twice the largest measured current */
 #define PULSE_CURRENT_MAX (0x1FFFF)
 #define ONE_Q14 (16384)
 #define WAIT_MAX (0x100000U)   /* largest wait_ticks */

@@ -41,10 +41,10 @@ typedef struct {
 } gain_share_cfg_t;
 
 typedef struct {
-    int32_t resistance_limit_q14; /* limit of |ratio − 1|, 0…15000; 0: off */
-    int32_t inductance_limit_q14; /* 0…8192 */
-    int32_t saliency_limit_q14;   /* 0…16384 */
-    int32_t flux_limit_q14;       /* 0…8192 */
+    int32_t resistance_limit_q14; /* limit of |ratio − 1| for R, 0…15000; 0: R is not corrected */
+    int32_t inductance_limit_q14; /* the same for L_d, 0…8192 */
+    int32_t saliency_limit_q14;   /* the ratio is within 1/(1 + limit)…1 + limit, 0…16384 */
+    int32_t flux_limit_q14;       /* limit of |ratio − 1| for φ, 0…8192 */
     int32_t flux_rate; /* change of the Q30 ratio per slow period = −e'_d · flux_rate, 0…32767 */
     step_t flux_speed_min; /* the flux is corrected from this speed on, 0…2^29 */
     gain_share_cfg_t pace;
@@ -81,8 +81,8 @@ typedef struct {
 /* Measured values. */
 typedef struct {
     int32_t resistance_q13; /* U_b/I_b, 1…32767; MODEL_UNKNOWN: R in force stays */
-    int32_t inductance_q14; /* L_d as a ratio to the configured one, 1…32767 */
-    int32_t saliency_q13;   /* L_q/L_d, 1…32767; MODEL_UNKNOWN: the configured one stays */
+    int32_t inductance_q14; /* L_d / configured L_d, 1…32767 */
+    int32_t saliency_q13;   /* L_q/L_d, 1…32767; MODEL_UNKNOWN: the configured saliency is used */
 } model_measured_t;
 
 /* Sets the configured values: all ratios and shares are 1. */

@@ -43,11 +43,11 @@ typedef struct {
     int32_t timer_counts; /* compare value of duty 1, 1…32767 */
     /* largest |v| / bus: 1/√3 less the share that dead time and sampling need, ≤ 18918 */
     int32_t ratio_max_q15;
-    int32_t dead_time_q15; /* t_d/T, 0…8192 */
+    int32_t dead_time_q15; /* dead time t_d/T, 0…8192 */
     /* a measurement corrects t_d/T by at most this, 0…4096; 0: it does not */
     int32_t dead_time_band_q15;
-    int32_t drop_q15;   /* v_d, Q15 of U_b, 0…2048 */
-    int32_t ripple_q15; /* u_bus·T/(12·L), Q15 of I_b, 0…16384 */
+    int32_t drop_q15;   /* device drop v_d, Q15 of U_b, 0…2048 */
+    int32_t ripple_q15; /* factor u_bus·T/(12·L) of r, Q15 of I_b, 0…16384 */
     /*
      * The compensation rises from zero to the whole over the current i_e = I_b / edge_slope,
      * 1…32767.
@@ -55,7 +55,8 @@ typedef struct {
     int32_t edge_slope;
 } modulator_cfg_t;
 
-#define MODULATOR_INVERSE_MAX_Q12 (36863) /* the bus voltage is compensated down to 1/9 of U_b */
+/* the bus voltage is compensated only down to 1/9 of U_b */
+#define MODULATOR_INVERSE_MAX_Q12 (36863)
 
 typedef struct {
     /* t_d/T in force: configured, or corrected by a measurement, 0…12288 */
@@ -81,13 +82,13 @@ void modulator_change(modulator_t *mod, const modulator_cfg_t *from, const modul
 
 /*
  * Correct the dead time by a measurement. lost: the voltage that the legs took in excess of the
- * compensation in force, along a current vector on the axis of phase a, Q15 of U_b, ±16384. There
- * the legs b and c carry half of the current of leg a, so that lost = 4/3·Δt_d/T·u_bus. Both
- * currents have to be well above ripple and knee. Device drop that the configuration does not know
- * counts as dead time. A change by up to 1/64 of the dead time in force is ignored, because
- * repeated measurements differ by as much. Rounded down, limited to the configured band. Call once
- * when an alignment ends. Returns the change of t_d/T, Q15: along such a vector the compensation
- * adds 4/3 of this share of the bus voltage from now on.
+ * compensation in force, along a current vector on the axis of phase a, Q15 of U_b, ±16384. With
+ * such a vector the legs b and c carry half of the current of leg a, so that lost =
+ * 4/3·Δt_d/T·u_bus. The currents of all legs have to be well above ripple and knee. Device drop
+ * that the configuration does not know counts as dead time. A change by up to 1/64 of the dead time
+ * in force is ignored, because repeated measurements differ by as much. Rounded down, limited to
+ * the configured band. Call once when an alignment ends. Returns the change of t_d/T, Q15: along
+ * such a vector the compensation adds 4/3 of this share of the bus voltage from now on.
  */
 int32_t modulator_correct(modulator_t *mod, const modulator_cfg_t *cfg, int32_t lost);
 

@@ -68,7 +68,7 @@ void speed_loop_start(speed_loop_t *loop, step_t reference, int32_t current)
 static int32_t inertia_torque(const speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t change)
 {
     /*@ split cfg->inertia_lift; */
-    /* The lifted change saturates at 2^30, far beyond the range of the torque. */
+    /* `lifted` saturates at 2^30, which is far beyond the range of the torque. */
     const int32_t largest = fx_asr(CHANGE_MAX, cfg->inertia_lift);
     const uint32_t lift = (uint32_t)1U << cfg->inertia_lift;
     const int32_t lifted = fx_clamp(change, -largest, largest) * (int32_t)lift;
@@ -162,7 +162,10 @@ static int32_t half_speed_error(const speed_loop_cfg_t *cfg, step_t reference, s
     return fx_sat16(fx_asr(reference - measured, cfg->error_shift));
 }
 
-/* Two calls of pi_step(): one call with a pointer to either gains makes every speed step longer. */
+/*
+ * Returns the output of the PI with the gains in force. There are two calls of pi_step(), because
+ * one call with a pointer to either set of gains makes every speed step longer.
+ */
 static int32_t regulate(speed_loop_t *loop, const speed_loop_cfg_t *cfg, int32_t half_error_q15,
                         int32_t feed_forward, int32_t reach)
 {

@@ -31,7 +31,7 @@
 #define SPEED_LOOP_HEAVY_Q17 (196608)
 
 typedef struct {
-    pi_cfg_t pi; /* speed error Q15 of 2·Ω_b in, i_q* out; paper B (28)–(30) */
+    pi_cfg_t pi; /* from the speed error, Q15 of 2·Ω_b, to i_q*; paper B (28)–(30) */
     /*
      * these gains replace `pi` while |reference| is below soft_speed, where the estimate has more
      * ripple
@@ -56,7 +56,7 @@ typedef struct {
      */
     int32_t inertia_rate;        /* 0: J is not corrected */
     uint32_t inertia_rate_shift; /* 0…30 */
-    uint32_t error_shift;        /* speed in Q15 of 2·Ω_b = step_t >> error_shift, 1…17 */
+    uint32_t error_shift;        /* Q15 of 2·Ω_b = speed as step_t >> error_shift, 1…17 */
 } speed_loop_cfg_t;
 
 typedef struct {
@@ -71,8 +71,10 @@ typedef struct {
     step_t ramp;             /* acceleration: change of the profile speed in a slow period, > 0 */
     step_t speed_max;        /* profile speed limit, 1…2^29 */
     int32_t braking_inverse; /* 2^30 / B, B = braking distance from speed_max, 2^13…2^14 units */
-    int32_t softness_q15;    /* c below: braking fades out under c·speed_max, 0…12288 */
-    int32_t gain;            /* speed = (lag, Q16 turns) · gain / 2^gain_shift, 0…32767 */
+    /* c of position_loop_step(): braking fades out under c·speed_max, 0…12288 */
+    int32_t softness_q15;
+    /* speed that a lag adds = lag in Q16 turns · gain / 2^gain_shift, 0…32767 */
+    int32_t gain;
     uint32_t gain_shift;     /* 0…30 */
     uint32_t distance_shift; /* one distance unit = 2^distance_shift of Q32 turns, 8…48 */
     uint32_t pole_pairs;     /* electrical turns in a turn of the shaft, 1…50 */
@@ -96,8 +98,8 @@ typedef struct {
 
 /* Window of speeds in which the speed loop does not decide i_q*. */
 typedef struct {
-    step_t lower; /* ±2^29, ≤ upper */
-    step_t upper;
+    step_t lower; /* lower end of the window, ±2^29, ≤ upper */
+    step_t upper; /* upper end of the window, ±2^29 */
     /* in the window the integral follows the load as a mean over 2^load_shift slow periods, 0…14 */
     uint32_t load_shift;
 } speed_window_t;

@@ -55,7 +55,7 @@ typedef enum {
     PROBE_PULSE_D,     /* V along the current, 0…32767 */
     PROBE_PULSE_Q,     /* V across the current, 0…32767 */
     PROBE_PULSE_TICKS, /* ticks of a quarter of the pulses, 1…64 */
-    PROBE_RAMP,        /* change of the speed in a tick, 0…2^29 */
+    PROBE_RAMP,        /* largest change of the vector's speed in a tick, 0…2^29 */
     PROBE_SPEED,       /* speed of the vector, ±2^29; 0: the vector turns to PROBE_ANGLE */
     /*
      * Bits 0…19: ticks of a window, 1…131071. The bits from 20 on are a number that tells windows
@@ -90,7 +90,7 @@ typedef struct {
 } probe_sums_t;
 
 typedef struct {
-    /* values that the words have set */
+    /* Values that the words have set. */
     int32_t current;
     angle_t angle;
     step_t rate;
@@ -104,7 +104,7 @@ typedef struct {
     dq_t pulse;
     int32_t pulse_ticks;
     int32_t window; /* the last word that began a window */
-    /* state */
+    /* State. */
     uint32_t tick; /* tick of the open window, 1…; 0: no window is open */
     probe_sums_t sums;
     step_t own_speed;     /* speed of the vector without damping */
@@ -133,13 +133,13 @@ step_t probe_turn(probe_t *probe, angle_t angle, dq_t emf, bool bus_bears);
 
 /* Sample of one tick. */
 typedef struct {
-    int32_t phase_a;
-    int32_t phase_b;
-    dq_t current; /* in the frame */
-    dq_t voltage; /* voltage that was demanded in the last tick */
+    int32_t phase_a; /* measured i_a */
+    int32_t phase_b; /* measured i_b */
+    dq_t current;    /* measured current, in the frame */
+    dq_t voltage;    /* voltage that was demanded in the last tick */
     int32_t bus;
     int32_t turns_q16; /* angle of the vector, Q16 turns; wraps */
-    dq_t emf;          /* as in probe_turn() */
+    dq_t emf;          /* EMF as defined at the top */
     int32_t speed_q15; /* speed of the vector, Q15 of Ω_b */
 } probe_sample_t;
 

@@ -33,15 +33,15 @@
 #include <stdint.h>
 
 typedef struct {
-    int32_t smooth_rate_q15; /* r, 0…32767; 0: no low-pass */
-    int32_t notch_share_q15; /* μ, 0…32767; 0: no notch */
+    int32_t smooth_rate_q15; /* r of the low-pass, 0…32767; 0: no low-pass */
+    int32_t notch_share_q15; /* μ of the notch, 0…32767; 0: no notch */
     sincos_t notch_turn;     /* sine and cosine of θ */
 } torque_filter_cfg_t;
 
 typedef struct {
     int32_t origin;     /* current with which the filter started, ±16384 */
-    int32_t smooth_q26; /* s, ±2^26 */
-    dq_t swing_q26;     /* z, d: real part, q: imaginary part, ±2^27 */
+    int32_t smooth_q26; /* s of the low-pass, ±2^26 */
+    dq_t swing_q26;     /* z of the notch, d: real part, q: imaginary part, ±2^27 */
 } torque_filter_t;
 
 /* Whether there is a low-pass or a notch. */

@@ -85,7 +85,7 @@ static step_t next_free_reference(const torque_loop_t *loop, const torque_loop_c
 
         next = fx_towards(backwards ? -start : start, aim, in->ramp);
     } else {
-        /* the rotor turns as the torque drives it */
+        /* the torque alone decides the speed */
     }
     return fx_clamp(next, -cfg->speed_backward, cfg->speed_forward);
 }
@@ -131,7 +131,7 @@ static int32_t held_back_q28(const torque_loop_t *loop, const torque_loop_in_t *
     } else if (loop->end == (uint8_t)SPEED_END_LOWER) {
         from = fx_max(from, fx_min(target, acting));
     } else {
-        /* the reference acts */
+        /* no end of the window holds the torque back */
     }
     return from;
 }
@@ -164,7 +164,7 @@ speed_window_t torque_loop_window(const torque_loop_cfg_t *cfg, step_t reference
         .lower = -cfg->speed_backward, .upper = cfg->speed_forward, .load_shift = cfg->load_shift};
 
     if (lowest == 0) {
-        /* the rotor may turn at any low speed */
+        /* there is no lowest speed */
     } else if (reference < 0) {
         window.upper = fx_max(-lowest, window.lower);
     } else {

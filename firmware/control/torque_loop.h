@@ -5,8 +5,8 @@
  * The torque reference moves towards the target by at most `slope` in a slow period. It begins with
  * the present torque, so the torque does not jump at a change of mode. The reference stays within
  * the range of i_q*: a torque that leads away from a limit acts at once, and when the limit ends,
- * the torque comes back on the slope. The current for it comes from current_reference.h. The speed
- * loop decides where the window ends (speed_loop_within).
+ * the torque comes back on the slope. The current for it comes from current_reference.h. At the
+ * ends of the window the speed loop decides i_q* (speed_loop_within()).
  *
  * Low speed. Where the angle is found from the EMF, there is a lowest speed of RUN. Below it a
  * current is imposed. Its torque follows the load, so only a speed can be commanded. So the window

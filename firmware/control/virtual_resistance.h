@@ -25,11 +25,11 @@
 
 typedef struct {
     int32_t resistance_q15; /* R_v, Q15 of U_b/I_b, 0…16384; 0: none */
-    int32_t mean_rate_q15;  /* r, 1…16384 */
+    int32_t mean_rate_q15;  /* r of the mean, 1…16384 */
 } virtual_resistance_cfg_t;
 
 typedef struct {
-    dq_t mean_q30; /* m, ±2^29 */
+    dq_t mean_q30; /* the mean m, ±2^29 */
 } virtual_resistance_t;
 
 /* Start with `current` as the mean, ±16384. */

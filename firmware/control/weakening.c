@@ -18,11 +18,11 @@
  */
 #define VOLTAGE_STEP (32)
 #define SHARE_ONE (65536)
-#define VOLTS_END (32000) /* so that the sum of two squares fits 32 bits */
+#define VOLTS_END (32000) /* limit of a voltage: the sum of two squares fits 32 bits */
 
 /* Voltages at the present speed, Q14 of U_b, because X·I may be up to 2·U_b. */
 typedef struct {
-    dq_t reactance_q14; /* ω·L, 0…65534 */
+    dq_t reactance_q14; /* X = ω·L, 0…65534 */
     int32_t emf;        /* ω·φ, 0…VOLTS_END */
     int32_t flux;       /* E, 0…16383 */
     int32_t reactive_d; /* X_d·I, 0…VOLTS_END */
@@ -32,7 +32,7 @@ typedef struct {
 void weakening_reset(weakening_t *weakening)
 {
     *weakening =
-        (weakening_t){.valley = FX_Q15_MAX, .check = FX_Q15_MAX}; /* any first bus is lower */
+        (weakening_t){.valley = FX_Q15_MAX, .check = FX_Q15_MAX}; /* the first radius replaces it */
 }
 
 bool weakening_holds(const weakening_t *weakening)

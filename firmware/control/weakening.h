@@ -44,10 +44,10 @@ typedef struct {
     int32_t voltage; /* the integral, a part of E, ±8192 */
     int32_t valley;  /* the lowest recent radius of the voltage circle, 0…32767 */
     uint32_t check;  /* check word of voltage and valley, see weakening_holds() */
-    bool acts;       /* the voltage limits i_d*, or i_d* is on its way back */
+    bool acts;       /* the voltage limits i_d*, or i_d* has not yet returned from such a limit */
 } weakening_t;
 
-/* Operating point. */
+/* Operating point: input of weakening_step(). */
 typedef struct {
     const current_loop_cfg_t *model;
     int32_t speed_q15;   /* |ω|, Q15 of Ω_b, 0…32767 */
