@@ -12,7 +12,7 @@
 
 #include <stddef.h>
 
-/* The instant of the last prediction: θ̂ has gone on since. */
+/* Returns θ̂ at the instant of the last prediction. Since then θ̂ has advanced by one tick. */
 static sincos_t angle_before(const drive_t *drive)
 {
     const angle_t rotor = rotor_position_angle(&drive->position);
@@ -28,7 +28,10 @@ static bool is_other_filter(const torque_filter_cfg_t *one, const torque_filter_
            (one->notch_turn.cos != other->notch_turn.cos);
 }
 
-/* Each part of the state that has copies, corrections or limits of the configuration. */
+/*
+ * Takes over the configuration in each part of the state that holds copies, corrections or limits
+ * of it.
+ */
 static void adopt_parts(drive_t *drive, const drive_cfg_t *cfg)
 {
     const drive_cfg_t *const before = drive->cfg;
@@ -57,14 +60,17 @@ static void adopt_parts(drive_t *drive, const drive_cfg_t *cfg)
         torque_filter_start(&drive->torque_filter, drive->current_ref.q);
     }
     if (run_torque_is_free(drive)) {
-        torque_loop_bridge(&drive->torque_loop); /* the window may end elsewhere */
+        torque_loop_bridge(&drive->torque_loop); /* the window of speeds may have new ends */
     }
     drive->limits = protection_limits(&cfg->protection, drive_is_driving(drive->state));
     supervision_forget_flux(&drive->supervision);
     config_guard_reset(&drive->guard);
 }
 
-/* A measurement whose pulses or times may be others now begins again, at the present vector. */
+/*
+ * If a measurement is under way, begins it again at the present vector: its pulses or times may
+ * have changed.
+ */
 static void measure_again_with(drive_t *drive, const drive_cfg_t *cfg)
 {
     align_t *const align = &drive->align;
@@ -79,8 +85,8 @@ static void measure_again_with(drive_t *drive, const drive_cfg_t *cfg)
 }
 
 /*
- * The voltage that the old model gave and the new one does not, or the other way round, goes to the
- * integrals.
+ * Takes over the configuration without a jump of the voltage: the integrals take up the difference
+ * between the old model's voltage and the new one's.
  */
 static void adopt_controlled(drive_t *drive, const drive_cfg_t *cfg)
 {
@@ -96,7 +102,10 @@ static void adopt(drive_t *drive, const drive_cfg_t *cfg)
 {
     measure_again_with(drive, cfg);
     if ((drive->state == DRIVE_STATE_RUN) && drive->voltage_drive.active) {
-        /* Nothing limits the current there. It comes back by itself when all is calm. */
+        /*
+         * End the voltage drive, because nothing limits its current. When its conditions hold
+         * again, the drive changes back to it.
+         */
         adopt_parts(drive, cfg);
         voltage_drive_end(drive);
     } else if ((drive->state == DRIVE_STATE_RUN) || drive_is_imposed(drive->state)) {
@@ -107,13 +116,14 @@ static void adopt(drive_t *drive, const drive_cfg_t *cfg)
 }
 
 /*
- * All that it calls is a copy of its own. If the tick shared it, the compiler would not make it a
- * part of the tick: 7 instructions of a RUN tick on a Cortex-M4, 20 of one at rest.
+ * With INLINES_ALL this function has its own copy of each function that it calls. If it shared them
+ * with the tick, the compiler would not inline them there. That would cost a RUN tick on a
+ * Cortex-M4 7 instructions, and a tick at rest 20.
  */
 INLINES_ALL NEVER_INLINED void drive_change(drive_t *drive, const drive_cfg_t *cfg)
 {
     if (cfg->crc == drive->cfg->crc) {
-        /* The same in another place: who follows the drive by its inputs sees no change. */
+        /* the same configuration at another address: a replay of the inputs sees no change */
         drive->cfg = cfg;
     } else if (config_change_refused(drive->cfg, cfg) == NULL) {
         adopt(drive, cfg);

@@ -12,7 +12,7 @@
 #include "state_guard.h"
 #include "transitions.h"
 
-/* After a late tick no voltage acts in place of its demand. */
+/* Counts a late tick. Zero voltage acts in place of its demand. */
 static void count_late(drive_t *drive, sample_t sample)
 {
     fault_t fault = {.id = FAULT_NONE};
@@ -26,8 +26,8 @@ static void count_late(drive_t *drive, sample_t sample)
 }
 
 /*
- * The samples of this tick against the limits of this state. When the sample of an over-current is
- * at an end of the converter range, the fault is ADC_SATURATED.
+ * Checks the samples of this tick against the limits of this state. If a current sample is at an
+ * end of the converter's range, an over-current is reported as ADC_SATURATED.
  */
 static void watch(drive_t *drive, const drive_in_t *in, sample_t sample)
 {
@@ -42,7 +42,7 @@ static void watch(drive_t *drive, const drive_in_t *in, sample_t sample)
     }
 }
 
-/* Nothing that supervision and monitor have seen counts from now on. */
+/* Resets the counts and means of the checks, and the number of failed starts. */
 static void forget_last_run(drive_t *drive)
 {
     drive->attempts = 0U;
@@ -81,7 +81,7 @@ static drive_event_t obey_when_ready(drive_t *drive, uint8_t request)
     return event;
 }
 
-/* What the command asks for, and the calibration. */
+/* Obeys the command, or runs the calibration, while nothing is driven. */
 static drive_event_t obey_at_rest(drive_t *drive, const drive_in_t *in, bool run, fault_t *fault)
 {
     const bool clear = (in->command.request & DRIVE_REQUEST_CLEAR) != 0U;
@@ -104,7 +104,9 @@ static drive_event_t obey_at_rest(drive_t *drive, const drive_in_t *in, bool run
     return event;
 }
 
-/* While the motor is shorted its current flows, and nothing begins. */
+/*
+ * Obeys the command. While the safe state shorts the motor, a current flows, so nothing may begin.
+ */
 static void obey(drive_t *drive, const drive_in_t *in, sample_t sample)
 {
     const bool shorted = safe_state_is_short(&drive->safe_state);
@@ -134,7 +136,9 @@ bool attend_is_ordinary(const drive_t *drive, const drive_in_t *in, sample_t sam
            (word == DRIVE_REQUEST_RUN) && protection_holds(&drive->limits, sample);
 }
 
-/* A fault that only the background can find. A mode that is no fault id is ignored. */
+/*
+ * Goes to FAULT with a fault that the background has found. Ignores a mode that is not a fault id.
+ */
 static void fail_as_told(drive_t *drive, const drive_command_t *command, sample_t sample)
 {
     const uint32_t numbers = fx_unsigned(command->target);
@@ -149,7 +153,7 @@ static void fail_as_told(drive_t *drive, const drive_command_t *command, sample_
     }
 }
 
-/* A bit of the state has flipped by itself. Nothing but FAULT follows. */
+/* Goes to FAULT: a bit of drive->state has flipped, and its code is not a state. */
 RARE static void reject_state(drive_t *drive, sample_t sample)
 {
     const uint32_t code = (uint32_t)STATE_GUARD_STATE + (uint32_t)drive->state;
@@ -171,7 +175,7 @@ bool attend_step(drive_t *drive, const drive_in_t *in, sample_t sample)
     if (in->command.request == DRIVE_REQUEST_FAIL) {
         fail_as_told(drive, &in->command, sample);
     }
-    /* FAIL replaces the request to run: without a valid fault the run ends as by a stop. */
+    /* FAIL replaces the request RUN. So without a valid fault id the run ends as by a stop. */
     obey(drive, in, sample);
     if (((in->command.request & DRIVE_REQUEST_ZERO) != 0U) && drive_knows_rotor(drive)) {
         run_set_zero(drive);

@@ -3,8 +3,8 @@
 
 #include "trig.h"
 
-#define LACKING_SHIFT (2U) /* current expected = reference + (measured − reference) / 4 */
-#define MEAN_SHIFT (5U)    /* of the imposed current's filter, in ticks */
+#define LACKING_SHIFT (2U) /* expected current = reference + (measured − reference) / 4 */
+#define MEAN_SHIFT (5U)    /* the mean of the imposed current has a time constant of 2^5 ticks */
 
 /*
  * The dead-time compensation must not use the measured current of a leg that the dead time itself
@@ -45,8 +45,8 @@ dq_t frame_model_voltage(drive_t *drive)
 }
 
 /*
- * The voltage with which RUN would answer a current beyond ±limit at full speed. ratio_q14: L in
- * force over that of the file.
+ * Returns the voltage that RUN at full speed would apply against the part of `current` beyond
+ * ±limit: that part times the proportional gain. ratio_q14: L in force divided by the file's L.
  */
 static int32_t held_back(const pi_cfg_t *cfg, int32_t current, int32_t limit, int32_t ratio_q14)
 {
@@ -57,9 +57,10 @@ static int32_t held_back(const pi_cfg_t *cfg, int32_t current, int32_t limit, in
 }
 
 /*
- * An imposed current is controlled softly: what the EMF of a swinging rotor drives damps the swing.
- * Beyond these limits it is controlled firmly, or a rotor that turns while it is pulled in trips at
- * over-current: with the whole gain for the measured L, whatever the pace.
+ * An imposed current is controlled softly, so that the current that the EMF of a swinging rotor
+ * drives damps the swing. Beyond along_max and across_max the control is firm. Otherwise a rotor
+ * that turns while it is pulled in would trip the drive at over-current. The firm gain is the full
+ * one for the measured L, not reduced at low speed as model_pace() does.
  */
 static void limit_imposed_current(drive_t *drive, dq_t current)
 {
@@ -73,9 +74,9 @@ static void limit_imposed_current(drive_t *drive, dq_t current)
 }
 
 /*
- * The integrals round down, half an LSB a tick. Those of an imposed current are so slow that it
- * would be some percent of the current, and degrees of the vector: every other tick gives an LSB
- * back.
+ * The integrals round down, on average by half an LSB per tick. The integrals of an imposed current
+ * are so slow that this would shift the current by some percent and the vector by degrees. So every
+ * other tick adds one LSB.
  */
 static void give_rounding_back(drive_t *drive)
 {
@@ -103,18 +104,18 @@ dq_t frame_impose_current(drive_t *drive, const frame_t *frame, int32_t bus)
 }
 
 /*
- * The current in the period to come. In RUN it is the reference plus a quarter of the difference to
- * the measurement. The reference alone has the wrong sign for a leg whose current has not changed
- * yet; the measurement alone has noise and ripple.
+ * Returns the current expected in the next period. In RUN it is the reference plus a quarter of the
+ * difference to the measurement. The reference alone has the wrong sign for a leg whose current has
+ * not changed yet; the measurement alone has noise and ripple.
  *
  * An imposed current is controlled softly, and a swinging rotor adds a current of its own. So half
- * of what is expected is the measured current. The other half is the reference: with a measured
- * current of zero the compensation would be zero, and the dead time would keep the current at zero.
- * The integral would rise until it overcomes the dead time. Then the compensation would come on top
- * of it, and far too much current would flow.
+ * of the expected current is the mean of the measured one. The other half is the reference: with a
+ * measured current of zero the compensation would be zero, and the dead time would keep the current
+ * at zero. The integral would rise until it overcomes the dead time. Then the compensation would
+ * come on top of it, and far too much current would flow.
  *
- * Without current regulators it is the measured current alone: a mean would follow the currents'
- * own mode late (voltage_drive.h).
+ * In the voltage drive it is the measured current alone: a mean would follow the natural
+ * oscillation of the currents too late (voltage_drive.h).
  */
 static dq_t expected_current(const drive_t *drive, const frame_t *frame)
 {
@@ -136,7 +137,10 @@ static dq_t expected_current(const drive_t *drive, const frame_t *frame)
     return expected;
 }
 
-/* The angle of a frame in the middle of the period in which a demand of now acts. */
+/*
+ * Returns the angle that a frame will have in the middle of the period in which the voltage of this
+ * tick acts.
+ */
 static inline angle_t acting_angle(angle_t angle, step_t step)
 {
     return angle + fx_unsigned(step) + fx_unsigned(fx_asr(step, 1U));

@@ -12,10 +12,11 @@
 #include <stddef.h>
 
 /*
- * Upper bound on the rotor's speed when driving stops, on the way to `next`. The estimate may be
- * what has failed. Then the ramp is where the rotor was to be. Torque control has no ramp, so
- * behind a fault the rotor may be as fast as its window allows. PROBE has a vector only. A flying
- * start ends as it began, with open gates.
+ * Returns an upper bound on the rotor's speed when driving stops; next: the state that follows. The
+ * speed estimate may be wrong, because its failure may be the reason for the stop. So the bound is
+ * the larger one of the estimate and the speed reference. Torque control has no ramp, so at a fault
+ * the rotor may be as fast as the window of speeds allows. In PROBE only the vector's speed is
+ * known. A flying start ends as it began, with open gates.
  */
 static step_t fastest_known(const drive_t *drive, drive_state_t next)
 {
@@ -36,8 +37,8 @@ static step_t fastest_known(const drive_t *drive, drive_state_t next)
 }
 
 /*
- * Nothing is driven from this tick on: the gates open, or the motor is shorted where it is too fast
- * for that.
+ * Stops driving in this tick: opens the gates, or shorts the motor if the rotor is too fast for
+ * open gates.
  */
 RARE static void leave(drive_t *drive, drive_state_t next)
 {
@@ -45,8 +46,8 @@ RARE static void leave(drive_t *drive, drive_state_t next)
 }
 
 /*
- * RUN begins with a plan of its current control, and with the torque that acts: no change of the
- * mode is left to be bridged.
+ * RUN begins with a plan of its current control and with the torque that acts. So no slope from an
+ * earlier change of the mode is left.
  */
 static void begin_run(drive_t *drive)
 {
@@ -58,7 +59,7 @@ static void begin_run(drive_t *drive)
     frame_plan_rotor(drive);
 }
 
-/* The protection limits of the new state apply from now on. */
+/* Sets the state. The protection limits of the new state apply from now on. */
 static void enter(drive_t *drive, drive_state_t state)
 {
     if (drive_is_driving(drive->state) && !drive_is_driving(state)) {
@@ -110,8 +111,8 @@ RARE void life_react(drive_t *drive, drive_event_t event, const fault_t *fault,
 }
 
 /*
- * INIT with this configuration. Nothing is known; until the calibration the current sensors have
- * their nominal zero.
+ * Goes to INIT with this configuration. Nothing is known of the motor. Until the calibration the
+ * zeros of the current sensors are nominal.
  */
 static void initialise(drive_t *drive, const drive_cfg_t *cfg)
 {

@@ -8,16 +8,21 @@
 #include "trig.h"
 #include "voltage_drive.h"
 
-#define TORQUE_ROUNDING_LOG2 (10U) /* the gain of the torque filter at rest is 1 within 2^-10 */
+/* at rest the gain of the torque filter differs from 1 by 2^-10 at most */
+#define TORQUE_ROUNDING_LOG2 (10U)
 #define Q14_TO_Q16 (4)
-/* Times longer than a rotor is lost for that it has to be held. */
+/* Failed starts are forgotten after this many times startup.lost_periods in RUN. */
 #define HELD_LOST_TIMES (100U)
-#define NEAR_SHARE (4) /* within 1/4 of the hand-over speed of its reference a rotor follows it */
+/*
+ * A rotor counts as following its speed reference while the difference is at most 1/4 of the
+ * hand-over speed.
+ */
+#define NEAR_SHARE (4)
 
 /*
- * Without a sensor nobody knows how the rotor has turned while it was not driven, so its turns are
- * counted anew. With one they are known, so a run goes on in the position control that the last one
- * ended in.
+ * Without a sensor the drive does not know how far the rotor has turned while it was not driven. So
+ * it counts the turns anew and begins in speed control. With a sensor it knows the turns. So it
+ * begins in position control if the last run ended in it.
  */
 static void reset_position(drive_t *drive)
 {
@@ -28,7 +33,7 @@ static void reset_position(drive_t *drive)
     } else if (drive->mode != (uint8_t)DRIVE_MODE_POSITION) {
         drive->mode = (uint8_t)DRIVE_MODE_SPEED;
     } else {
-        /* it goes on */
+        /* position control goes on */
     }
 }
 
@@ -65,8 +70,8 @@ void run_reset_sensed(drive_t *drive)
 }
 
 /*
- * The profile's place in position control: the rotor is beside it by what the control lacks, and a
- * target of 0 is not to move it.
+ * In position control the zero is set to the position of the profile, not to that of the rotor. The
+ * two differ by the error of the position control, and a target of 0 must not move the rotor.
  */
 void run_set_zero(drive_t *drive)
 {
@@ -78,10 +83,11 @@ void run_set_zero(drive_t *drive)
 }
 
 /*
- * The motion goes on as it is: the profile with this position and speed, the torque with the one
- * that acts. From there it goes on a slope: the torque that was asked for is not what the speed
- * loop would have, nor is the ramp of a profile that of a speed. What was turned without position
- * control does not count.
+ * Changes the mode without a jump: the position profile begins with this position and the present
+ * speed reference, the torque with the torque that acts. The next torque may be quite another one:
+ * a commanded torque differs from the torque of the speed loop, and a profile has another ramp than
+ * the speed. So the torque goes there on a slope (torque_loop_bridge()). Whole turns that the rotor
+ * made outside position control do not count.
  */
 static void change_mode(drive_t *drive, uint8_t mode, const rotor_position_t *position)
 {
@@ -97,9 +103,9 @@ static void change_mode(drive_t *drive, uint8_t mode, const rotor_position_t *po
 }
 
 /*
- * The speed loop's integral holds the load. While the speed changes it also holds the torque of a J
- * above that of the file, which is against the motion when the drive brakes. So only a torque in
- * the direction of the motion counts as a load.
+ * The integral of the speed loop is the load torque. While the speed changes, the integral also
+ * contains the torque for the part of J above the file's J. When the drive brakes, that torque is
+ * against the motion. So only a torque in the direction of the motion counts as a load.
  */
 static bool is_loaded(const drive_t *drive)
 {
@@ -111,9 +117,10 @@ static bool is_loaded(const drive_t *drive)
 }
 
 /*
- * The lowest speed of RUN. At low speed the dead time of a leg at its zero crossing is more than
- * the EMF. A torque current has it across the EMF, where it turns the angle by some degrees; i_d*
- * alone has it along the EMF, where it is a speed.
+ * Returns the lowest speed of RUN. At low speed a leg whose current crosses zero loses more voltage
+ * by its dead time than the EMF. With a torque current this voltage is at right angles to the EMF
+ * and turns the estimated angle by some degrees. With i_d* alone it is parallel to the EMF, and the
+ * observer takes it for speed. So the lowest speed is lower with a load.
  */
 static step_t lowest_speed(const drive_t *drive)
 {
@@ -123,9 +130,10 @@ static step_t lowest_speed(const drive_t *drive)
 }
 
 /*
- * Speed mode: below its lowest speed, RUN follows the ramp of an imposed vector, either way. The
- * torque that acts at the hand-back stays as the load angle of the vector: that of a steeper ramp
- * would throw the rotor out of its field. A position profile is soft there by itself.
+ * For speed mode. Below the lowest speed of RUN the reference changes no faster than the ramp of an
+ * imposed vector, upwards and downwards. At the hand-back the acting torque determines the load
+ * angle of the vector. With the torque of a steeper ramp the rotor would slip. A position profile
+ * is soft near standstill by itself.
  */
 static step_t gentle(const drive_t *drive, step_t wanted)
 {
@@ -139,15 +147,18 @@ static step_t gentle(const drive_t *drive, step_t wanted)
     return next;
 }
 
-/* The lowest speed of torque control: that of RUN, and 0 where no current is imposed below it. */
+/*
+ * Returns the lowest speed of torque control: the lowest speed of RUN, or 0 if the drive never
+ * imposes a current.
+ */
 static step_t lowest_torque_speed(const drive_t *drive)
 {
     return (drive->cfg->startup.current_hold != 0) ? lowest_speed(drive) : 0;
 }
 
 /*
- * In RUN the torque, and the speed that it leads to; below RUN the speed that an imposed vector is
- * to reach.
+ * In RUN, plans the torque and the speed to which it leads. Below RUN, plans the speed that the
+ * imposed vector is to reach.
  */
 NEVER_INLINED static void plan_torque(drive_t *drive, int32_t target_q28)
 {
@@ -170,8 +181,8 @@ NEVER_INLINED static void plan_torque(drive_t *drive, int32_t target_q28)
         reference = torque_loop_plan(&drive->torque_loop, &cfg->torque_loop, &in);
         if (drive->torque_loop.bound && !was_bound) {
             /*
-             * The slope begins here: from the speed of the rotor to it no acceleration is to be fed
-             * forward.
+             * The slope of the speed begins at this reference. Set it at once: no acceleration may
+             * be fed forward for the step from the rotor's speed to it.
              */
             drive->speed_loop.reference = reference;
         }
@@ -179,7 +190,7 @@ NEVER_INLINED static void plan_torque(drive_t *drive, int32_t target_q28)
     drive->speed_reference = reference;
 }
 
-/* As long as the zero is set, it is the target too. */
+/* While the command sets the zero, the target is the zero. */
 static int64_t target_position(const drive_t *drive, const drive_command_t *command)
 {
     const bool zero = (command->request & DRIVE_REQUEST_ZERO) != 0U;
@@ -206,7 +217,7 @@ void run_plan(drive_t *drive, const drive_command_t *command, const rotor_positi
     }
 }
 
-/* Commanded speed and rotor speed are both so low that a current has to be imposed. */
+/* Whether commanded speed and rotor speed are both so low that a current has to be imposed. */
 static bool is_slow(const drive_t *drive)
 {
     return (fx_abs(drive->observer.speed) < drive->cfg->startup.handover_speed) &&
@@ -214,8 +225,9 @@ static bool is_slow(const drive_t *drive)
 }
 
 /*
- * What the next i_d* follows from. At low speed it rises to the current that will be imposed. A
- * load below hold_speed is alone there: lowest_speed() says why.
+ * Returns the inputs for the next i_d*. When the speed is low, i_d* rises to the current that will
+ * be imposed. With a load below hold_speed it stays without a floor, for the reason given at
+ * lowest_speed().
  */
 static current_reference_in_t operating_point(const drive_t *drive)
 {
@@ -230,7 +242,10 @@ static current_reference_in_t operating_point(const drive_t *drive)
     };
 }
 
-/* The motor wants more voltage than the bus has, or nearly so. */
+/*
+ * Replaces `next` by the reference of field weakening. Called when the motor needs nearly all of
+ * the bus voltage, or more.
+ */
 NEVER_INLINED static void weaken(drive_t *drive, dq_t current, current_reference_t *next)
 {
     const weakening_in_t point = {
@@ -247,9 +262,10 @@ NEVER_INLINED static void weaken(drive_t *drive, dq_t current, current_reference
 }
 
 /*
- * i_d* takes of the current: a torque that took all of it as well would trip at over-current. What
- * the winding still bears counts: a motor that is too hot keeps the i_d that its speed needs, and
- * loses torque.
+ * i_d* takes a part of the allowed current, so it narrows the range of i_q*: with the whole current
+ * as torque on top, the drive would trip at over-current. The allowed current is what the winding
+ * can still bear (derating.thermal). So a motor that is too hot keeps the i_d that its speed needs,
+ * and loses torque.
  */
 INLINES_ALL static void limit_current(drive_t *drive, const instant_t *now)
 {
@@ -275,8 +291,8 @@ void run_limit(drive_t *drive, const instant_t *now)
 }
 
 /*
- * Change back to an imposed current: the d axis of the frame is set to the direction of the present
- * reference.
+ * Changes back to an imposed current: the d axis of the vector's frame is set to the direction of
+ * the present current reference.
  */
 static void hand_back(drive_t *drive, dq_t current)
 {
@@ -296,10 +312,11 @@ static void hand_back(drive_t *drive, dq_t current)
 }
 
 /*
- * While derating or field weakening narrows the torque, ramp and profile wait at the limit in
- * force. If they went on, the rotor would fall further behind in each period. It would then be
- * braked with the whole current as soon as the limit ends. An i_d* that rises to an imposed current
- * narrows it too: there the ramp goes on, down to standstill.
+ * While derating or field weakening narrows the range of torque, and the torque is at its limit,
+ * the ramp of the speed and the position profile wait. If they went on, the rotor would fall
+ * further behind in each period, and the drive would brake it with the whole current as soon as the
+ * limit ends. An i_d* that rises to an imposed current narrows the range too. The ramp goes on
+ * then, down to standstill.
  */
 static void wait_at_limit(drive_t *drive, step_t before)
 {
@@ -316,7 +333,7 @@ static void wait_at_limit(drive_t *drive, step_t before)
     }
 }
 
-/* change: ±2^30 */
+/* change: of the speed in this slow period, step_t, ±2^30 */
 static void accelerate_estimate(drive_t *drive, step_t change)
 {
     const int32_t share_q14 = drive->cfg->run.acceleration_q14;
@@ -326,8 +343,9 @@ static void accelerate_estimate(drive_t *drive, step_t change)
 }
 
 /*
- * A rotor that was caught turning, or that its torque cannot accelerate, is elsewhere than its
- * reference.
+ * Feeds the change of the reference forward to the observer, but only if the estimated speed was
+ * near the reference. A rotor that was caught turning, or that its torque cannot accelerate, is not
+ * near it and does not follow the ramp.
  */
 static void lead_along_ramp(drive_t *drive, step_t before)
 {
@@ -340,10 +358,11 @@ static void lead_along_ramp(drive_t *drive, step_t before)
 }
 
 /*
- * In torque control the reference is the estimate itself or the slope near standstill, and the
- * torque accelerates many times faster than a ramp. The rotor is where its torque takes it. Below
- * some 40 % of rated speed the observer of a motor with much R is too slow to find that from its
- * error: it lost the angle.
+ * Feeds the acceleration by the torque current forward to the observer. In torque control the speed
+ * reference does not show the acceleration: it is the estimate itself, or the slope near
+ * standstill. The torque may accelerate the rotor many times faster than a ramp. An observer of a
+ * motor with large R, below some 40 % of rated speed, is too slow to find this from its error: it
+ * lost the angle.
  */
 NEVER_INLINED static void lead_by_torque(drive_t *drive)
 {
@@ -353,11 +372,13 @@ NEVER_INLINED static void lead_by_torque(drive_t *drive)
                         speed_loop_response(&drive->speed_loop, &drive->cfg->speed_loop, torque));
 }
 
-/* While the rotor does what it is asked for, so does the estimate, without waiting for an error. */
+/*
+ * Moves the estimated speed with the expected acceleration, without waiting for an observer error.
+ */
 static void lead_estimate(drive_t *drive, step_t before)
 {
     if (drive->cfg->run.acceleration_q14 == 0) {
-        /* the published law */
+        /* the published observer: no feed-forward */
     } else if (drive->mode == (uint8_t)DRIVE_MODE_TORQUE) {
         lead_by_torque(drive);
     } else {
@@ -366,10 +387,12 @@ static void lead_estimate(drive_t *drive, step_t before)
 }
 
 /*
- * i_d* has risen to the imposed current, and its voltage and the torque have settled: the voltage
- * that made i_d rise is not the one that holds it. In speed mode the reference is on the ramp of
- * the imposed vector since the lowest speed, so 3/4 of that is low enough; further down a weak EMF
- * may lose the rotor. A position profile still brakes there.
+ * Whether to change back to an imposed current: i_d* has risen to it, and the speed reference is so
+ * far below the lowest speed of RUN that voltage and torque have settled. The voltage that makes
+ * i_d rise differs from the voltage that holds it. In speed and torque mode the reference follows
+ * the ramp of the imposed vector below the lowest speed, so 3/4 of the lowest speed is low enough.
+ * At lower speed the weak EMF may lose the rotor. A position profile still brakes at 3/4, so it has
+ * to reach 1/2.
  */
 static bool is_to_be_held(const drive_t *drive)
 {
@@ -383,10 +406,11 @@ static bool is_to_be_held(const drive_t *drive)
 }
 
 /*
- * The speed loop has its limits before the filter, so its integral stops where it stops without
- * one. The filter overshoots a limit that the speed loop has just reached: that is cut off. At rest
- * it is short of the limit by a rounding, and what asks whether the torque is at its limit would
- * not see it: there the torque is the limit.
+ * The speed loop applies its limits before the filter, so its integral stops at the same value as
+ * without a filter. The filter may overshoot a limit that the speed loop has just reached; the
+ * overshoot is cut off. At rest the output of the filter is a rounding short of the limit, and a
+ * check whether the torque is at its limit would fail. So near the limit the output is set to the
+ * limit.
  */
 static void filter_torque(drive_t *drive)
 {
@@ -400,12 +424,15 @@ static void filter_torque(drive_t *drive)
     } else if ((asked <= range.lower) && (torque <= (range.lower + near))) {
         torque = range.lower;
     } else {
-        /* between its limits, or on its way */
+        /* between the limits, or still on its way to one */
     }
     drive->current_ref.q = fx_clamp(torque, range.lower, range.upper);
 }
 
-/* The reference of position control also corrects the position: its change is no ramp. */
+/*
+ * Learns J from a ramp of the speed. In position control the change of the speed reference is not a
+ * ramp, because it also corrects the position.
+ */
 static void learn_inertia(drive_t *drive, step_t before, int32_t integral_before)
 {
     if (drive->mode == (uint8_t)DRIVE_MODE_SPEED) {
@@ -415,8 +442,8 @@ static void learn_inertia(drive_t *drive, step_t before, int32_t integral_before
 }
 
 /*
- * The torque is free within the window of speeds. Then no speed is asked for, and no ramp waits or
- * teaches.
+ * Sets i_q* while the torque is free within the window of speeds. No speed is commanded then, so no
+ * ramp waits and J is not learned.
  */
 NEVER_INLINED static void control_free_torque(drive_t *drive, torque_range_t range)
 {
@@ -436,7 +463,7 @@ static void control_rotor_speed(drive_t *drive, torque_range_t range)
                                            drive->speed_reference, drive->observer.speed, range);
 }
 
-/* The torque current, by the loop that has it. */
+/* Sets i_q* with the torque loop or the speed loop. */
 static void choose_current_q(drive_t *drive, torque_range_t range)
 {
     if (run_torque_is_free(drive)) {
@@ -453,7 +480,10 @@ static void filter_current_q(drive_t *drive)
     }
 }
 
-/* What a ramp of the speed leads to. At its limit the torque is not what the ramp asks for. */
+/*
+ * Learns J while the torque is between its limits. At a limit the torque is smaller than the ramp
+ * needs, so J cannot be learned and the ramp may have to wait.
+ */
 static void follow_ramp(drive_t *drive, step_t before, int32_t integral_before)
 {
     const torque_range_t range = drive->torque_range;
@@ -467,9 +497,9 @@ static void follow_ramp(drive_t *drive, step_t before, int32_t integral_before)
 }
 
 /*
- * After a change of the mode the torque goes on a slope. Until it has arrived, the ramp does not
- * wait and J is not learned. Apart from control_current_q(), so that a tick without a bridge does
- * not carry it.
+ * Sets i_q* after a change of the mode, while the torque goes on a slope. Until the slope has
+ * ended, the ramp of the speed does not wait and J is not learned. The function is separate from
+ * control_current_q() to keep its code out of a tick without a bridge.
  */
 RARE static void bridge_current_q(drive_t *drive)
 {
@@ -496,7 +526,10 @@ static void control_current_q(drive_t *drive)
     lead_estimate(drive, before);
 }
 
-/* HELD when the current is to be imposed. It has all that speed control needs within it. */
+/*
+ * Sets i_q*. Returns HELD when the drive changes back to an imposed current. The compiler inlines
+ * all of the speed control here.
+ */
 INLINES_ALL static drive_event_t control_torque(drive_t *drive, dq_t current)
 {
     drive_event_t event = DRIVE_EVENT_NONE;
@@ -514,8 +547,8 @@ INLINES_ALL static drive_event_t control_torque(drive_t *drive, dq_t current)
 }
 
 /*
- * Starts that failed are forgotten when RUN has lasted. A rotor that is lost again and again, each
- * time soon, ends in a fault.
+ * Forgets failed starts when RUN has lasted long enough. So a rotor that is lost again and again,
+ * each time soon after the start, leads to a fault.
  */
 RARE static void forget_attempts(drive_t *drive)
 {

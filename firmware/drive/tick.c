@@ -4,8 +4,7 @@
  *
  *     sample → attend → run | vector | probe | idle → compare
  *
- * The last function of this file is the tick; those before it are its parts, from the first to the
- * last.
+ * The last function of this file is the tick. The functions before it are its parts.
  */
 #include "attend.h"
 #include "drive.h"
@@ -19,11 +18,11 @@
 #include "schedule.h"
 #include "voltage_drive.h"
 
-#define SLOW_MASK (0xFFU) /* of slow_count */
+#define SLOW_MASK (0xFFU) /* all bits of drive_t.slow_count */
 
 /*
- * A setting that has flipped below its range would leave slots out, the one that finds it among
- * them.
+ * Returns the length of a slow period in ticks, at least one tick per slot. If flipped bits make
+ * the setting smaller, no slot is left out, not even CHECKS, which finds the flipped bits.
  */
 static uint8_t slow_period(const drive_cfg_t *cfg)
 {
@@ -31,8 +30,8 @@ static uint8_t slow_period(const drive_cfg_t *cfg)
 }
 
 /*
- * Ticks left in the slow period after this one. On the last one slow_step() reloads the count: a
- * tick without a slot has nothing more to test.
+ * Counts slow_count down. Returns the ticks left in the slow period after this one. slow_step()
+ * reloads the count on the last tick, so a tick without a slot need not test for it.
  */
 static uint32_t count_slow(drive_t *drive)
 {
@@ -42,7 +41,7 @@ static uint32_t count_slow(drive_t *drive)
     return left;
 }
 
-/* The slot of the slow schedule that falls on this tick. */
+/* Runs the slot of the slow schedule that falls on this tick. left: the number of that slot. */
 TICK_APART static void slow_step(drive_t *drive, const drive_in_t *in, const instant_t *now,
                                  uint32_t left, bool moving)
 {
@@ -74,8 +73,9 @@ static void open_gates(drive_t *drive, drive_out_t *out)
 }
 
 /*
- * The output of a tick that drives nothing: the safe state. The compare values of the last tick act
- * for one period more. They are those of the control, or equal ones, which short the motor too.
+ * Sets the output of a tick that drives nothing: the safe state. When it begins to short the motor,
+ * the gates are enabled at once, but the compare values of the last tick still act for one period.
+ * They are the values of the control, or three equal ones, which short the motor too.
  */
 NEVER_INLINED static void rest(drive_t *drive, sample_t sample, drive_out_t *out)
 {
@@ -92,8 +92,8 @@ NEVER_INLINED static void rest(drive_t *drive, sample_t sample, drive_out_t *out
 }
 
 /*
- * The alignment measures inductances: the voltage changes as it says; the integrals of the loop do
- * not.
+ * Returns the voltage while the alignment measures inductances: the voltage of the last tick plus
+ * the change that the alignment asks for. The integrals of the current control stay as they are.
  */
 static dq_t aligning_voltage(const drive_t *drive)
 {
@@ -105,7 +105,6 @@ static dq_t aligning_voltage(const drive_t *drive)
     };
 }
 
-/* The voltage of a vector that is imposed. */
 static dq_t imposed_voltage(drive_t *drive, const frame_t *frame, int32_t bus)
 {
     const bool aligning = (drive->state == DRIVE_STATE_ALIGN) &&
@@ -114,7 +113,7 @@ static dq_t imposed_voltage(drive_t *drive, const frame_t *frame, int32_t bus)
     return aligning ? aligning_voltage(drive) : frame_impose_current(drive, frame, bus);
 }
 
-/* The voltage to demand, Q15 of U_b. */
+/* Returns the voltage to demand, Q15 of U_b. */
 static dq_t control_voltage(drive_t *drive, const frame_t *frame, int32_t bus)
 {
     dq_t voltage;
@@ -129,7 +128,7 @@ static dq_t control_voltage(drive_t *drive, const frame_t *frame, int32_t bus)
     return voltage;
 }
 
-/* Currents to compare values, and θ̂ of the next instant. */
+/* Computes the compare values from the currents, and θ̂ of the next instant. */
 static void control(drive_t *drive, const frame_t *frame, int32_t bus, bool trained,
                     drive_out_t *out)
 {
@@ -145,8 +144,8 @@ static void control(drive_t *drive, const frame_t *frame, int32_t bus, bool trai
 }
 
 /*
- * The end of a tick whose parts may have changed the state. When no current is controlled now, the
- * safe state begins.
+ * Ends a tick whose parts may have changed the state: controls the current in the frame of the
+ * present state. If this state controls no current, sets the safe state instead.
  */
 static void act(drive_t *drive, const instant_t *now, bool trained, drive_out_t *out)
 {
@@ -188,7 +187,7 @@ TICK_WHOLE static void run_tick(drive_t *drive, const drive_in_t *in, sample_t s
     }
 }
 
-/* A tick of ALIGN to HANDOVER: the current is that of an imposed vector. */
+/* A tick of ALIGN to HANDOVER, in which the drive imposes a current vector. */
 static void vector_tick(drive_t *drive, const drive_in_t *in, sample_t sample, uint32_t left,
                         drive_out_t *out)
 {
@@ -204,7 +203,7 @@ static void vector_tick(drive_t *drive, const drive_in_t *in, sample_t sample, u
     act(drive, &now, trained, out);
 }
 
-/* A tick of PROBE. Its slow part may end it. */
+/* A tick of PROBE. The slot of this tick may end PROBE. */
 static void probe_tick(drive_t *drive, const drive_in_t *in, sample_t sample, uint32_t left,
                        drive_out_t *out)
 {
