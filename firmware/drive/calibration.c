@@ -3,10 +3,12 @@
 
 #include "state_guard.h"
 
-#define OFFSET_END (32768)          /* no sensor's zero is further away */
-#define OFFSET_SUM_MAX (0x10000000) /* of 2^12 counts */
+/* largest possible zero, Q15 of I_b: the upper end of the converter's range */
+#define OFFSET_END (32768)
+/* bound on the sums: 2^12 samples of 16 bits */
+#define OFFSET_SUM_MAX (0x10000000)
 
-/* Mean of 2^offset_log2 raw samples in Q15 of I_b. */
+/* Returns the mean of 2^offset_log2 raw samples, Q15 of I_b. */
 static int32_t mean_sample(const sampling_cfg_t *cfg, int32_t sum)
 {
     const uint64_t scaled = (uint64_t)sum << cfg->current_shift;
@@ -28,7 +30,7 @@ static drive_event_t finish_calibration(drive_t *drive, fault_t *fault)
     return (id == FAULT_NONE) ? DRIVE_EVENT_CALIBRATED : DRIVE_EVENT_FAULT;
 }
 
-/* Without current nothing but noise changes a sample. */
+/* Adds the changes since the last sample. Without current only noise changes a sample. */
 static void count_noise(calibration_t *sums, const drive_in_t *in)
 {
     const int32_t a = (int32_t)in->adc_ia - (int32_t)sums->before_a;

@@ -5,9 +5,10 @@
 
 #define COUNT_TO_ANGLE (65536U)
 #define Q16_TO_Q32_SHIFT (16U)
-/* while it is led, θ̂ closes 1/64 of its distance to the vector in a tick */
+/* While the network is not trained, θ̂ moves by 1/64 of its distance to the vector in each tick. */
 #define PULL_SHIFT (6U)
-#define RESIDUAL_SHIFT (3U) /* of the residual's filter, in slow periods */
+/* the filter of the residual has a time constant of 2^3 slow periods */
+#define RESIDUAL_SHIFT (3U)
 
 void estimate_start(drive_t *drive, step_t speed, dq_t current)
 {
@@ -19,8 +20,8 @@ void estimate_start(drive_t *drive, step_t speed, dq_t current)
 }
 
 /*
- * Electrical turns of the shaft from the sensor's zero, Q32: 2^16 · count · pole_pairs, of which
- * the product fits a word.
+ * Returns the electrical turns of the shaft from the sensor's zero, Q32: count · pole_pairs · 2^16.
+ * The product count · pole_pairs fits a word.
  */
 static int64_t turns_of(uint16_t count, uint32_t pole_pairs)
 {
@@ -30,8 +31,8 @@ static int64_t turns_of(uint16_t count, uint32_t pole_pairs)
 }
 
 /*
- * The loop begins at the angle that it is to follow: so the count begins at the sensor's zero,
- * whichever electrical turn that is.
+ * In INIT the tracking loop is set to the angle that it has to follow. So the turns are counted
+ * from the sensor's zero, whichever electrical turn the rotor is in.
  */
 void estimate_sense(drive_t *drive, uint16_t count)
 {
@@ -52,7 +53,8 @@ void estimate_start_sensed(drive_t *drive)
     const step_t speed = drive->angle_sensor.speed;
 
     drive->position = drive->angle_sensor.position;
-    rotor_position_step(&drive->position, speed); /* this tick controls nothing, so it ends here */
+    /* This tick controls no current, so estimate_advance() does not run: advance θ̂ here. */
+    rotor_position_step(&drive->position, speed);
     estimate_start(drive, speed, (dq_t){0, 0});
 }
 
@@ -112,8 +114,9 @@ void estimate_advance(drive_t *drive, bool trained)
 }
 
 /*
- * The speed for ρ of the observer: its estimate when that is far from zero, else the commanded
- * speed. A swing of the estimate through zero would change the sign of ρ and sustain itself.
+ * Returns the speed from which the observer computes ρ: its estimate when that is far from zero,
+ * otherwise the speed reference. A swing of the estimate through zero would change the sign of ρ,
+ * and the swing would go on by itself.
  */
 static step_t calm_speed(const drive_t *drive)
 {
@@ -124,9 +127,9 @@ static step_t calm_speed(const drive_t *drive)
 }
 
 /*
- * The current that the model does not explain. At rest the axis of a leg without current is q. Its
- * dead time takes the voltage that the control puts there, and the model computes a current from it
- * that does not flow. Along d all legs conduct.
+ * Returns the current that the model does not explain. At rest a leg without current lies along q.
+ * Its dead time takes up the voltage that the control applies along q, but the model computes a
+ * current from this voltage. Along d all legs conduct, so the error along d is used at rest.
  */
 static int32_t unexplained_current(const drive_t *drive)
 {

@@ -8,7 +8,7 @@
 #include "trig.h"
 
 #define HALVES_OF_SWING (2U)
-#define NEAR_SHIFT (4U) /* the voltage is at its limit from 15/16 of it on */
+#define NEAR_SHIFT (4U) /* from 15/16 of its limit on the voltage counts as at the limit */
 
 static fault_id_t check_phases(drive_t *drive, const sample_t *sample, fault_t *fault)
 {
@@ -26,7 +26,7 @@ static fault_id_t check_phases(drive_t *drive, const sample_t *sample, fault_t *
                                     fault);
 }
 
-/* Of a rotor at this speed, Q15 of U_b; without a sign. */
+/* Returns the magnitude of the EMF at this speed, Q15 of U_b. */
 static int32_t emf_at(const drive_t *drive, step_t speed)
 {
     const int32_t speed_q15 = drive_speed_q15(drive, fx_abs(speed));
@@ -60,11 +60,12 @@ static bool is_at_rest(const drive_t *drive)
 }
 
 /*
- * The control of an imposed current is soft, so a swinging rotor adds a current of its own. An open
- * wire takes half of the imposed current or all of it. So at rest the error counts half. Along the
- * vector only a current that is too small counts: a swing makes it larger too, an open wire does
- * not. While the rotor is pulled in or turned no error counts; there the check of the phases and
- * the start-up find the fault.
+ * Returns the current to compare with the reference. In RUN it is the measured current. An imposed
+ * current is controlled softly, so a swinging rotor adds a current to it. An open wire takes away
+ * half of the imposed current or all of it. So at rest the error counts half. Along the vector only
+ * a current that is too small counts: an open wire never makes it larger, a swing may. While the
+ * rotor is pulled in or turned, no error counts; then the check of the phases and the start-up find
+ * the fault.
  */
 static dq_t controlled_current(const drive_t *drive, const instant_t *now)
 {
@@ -76,12 +77,15 @@ static dq_t controlled_current(const drive_t *drive, const instant_t *now)
         current.d = fx_asr(current.d + fx_min(current.d, now->along_vector.d), 1U);
         current.q = fx_asr(current.q + now->along_vector.q, 1U);
     } else {
-        /* as asked for */
+        /* the reference itself: no error */
     }
     return current;
 }
 
-/* At its limit the voltage does not follow its demand, so the integrals stand at theirs. */
+/*
+ * Whether the voltage is at its limit. It does not follow its demand then, so the integrals go to
+ * their limits.
+ */
 static bool is_voltage_at_limit(const drive_t *drive, int32_t bus)
 {
     const dq_t voltage = drive->voltage;
@@ -91,14 +95,14 @@ static bool is_voltage_at_limit(const drive_t *drive, int32_t bus)
     return transforms_square(voltage) >= fx_unsigned(near * near);
 }
 
-/* The check of swings names them. */
+/* Whether the motion oscillates. The oscillation check reports that. */
 static bool is_swinging(const drive_t *drive)
 {
     return (drive->cfg->oscillation.act != (uint32_t)OSCILLATION_ACT_NONE) &&
            (drive->oscillation.halves >= HALVES_OF_SWING);
 }
 
-/* What may excuse a large voltage, or explain it. */
+/* Fills in the values that explain or excuse a large voltage. */
 RARE static void look_closer(const drive_t *drive, int32_t bus, supervision_voltage_t *measured)
 {
     measured->emf =
@@ -125,7 +129,10 @@ static fault_id_t check_voltage(drive_t *drive, int32_t bus, fault_t *fault)
     return supervision_check_voltage(&drive->supervision, cfg, &measured, fault);
 }
 
-/* As model_track_flux() corrects it. */
+/*
+ * Checks the flux only while model_track_flux() may correct it: flux correction is configured, and
+ * the speed is at least flux_speed_min.
+ */
 static fault_id_t check_flux(drive_t *drive, fault_t *fault)
 {
     const model_cfg_t *const cfg = &drive->cfg->model;
@@ -168,8 +175,8 @@ static fault_id_t check_current(drive_t *drive, const instant_t *now, fault_t *f
 }
 
 /*
- * With a torque that was asked for a rotor may stand, so it does not count as one that the speed
- * loop cannot move.
+ * Whether the torque is at a limit because the speed loop needs it. A commanded torque does not
+ * count, because a rotor may stand still with it.
  */
 static bool is_at_limit(const drive_t *drive, int32_t torque)
 {
@@ -196,8 +203,9 @@ static fault_id_t check_speed(drive_t *drive, fault_t *fault)
 }
 
 /*
- * What the user asks for: not the reference of the speed in position control, which follows the
- * measured position, nor in torque control, where it is the measured speed.
+ * Returns the motion that the user asks for. In position control it is the speed of the profile,
+ * because the speed reference also follows the measured position. In torque control it is the
+ * torque reference, because the speed reference is the measured speed.
  */
 static int32_t motion_asked(const drive_t *drive)
 {
@@ -214,8 +222,8 @@ static int32_t motion_asked(const drive_t *drive)
 }
 
 /*
- * Lowers the bandwidth if that is configured and has not been done since the start. A voltage drive
- * has another loop.
+ * Lowers the bandwidth of the speed loop and returns true, if that is configured and has not been
+ * done since the start. Not in the voltage drive, which has another speed loop.
  */
 static bool lowers_bandwidth(drive_t *drive)
 {
@@ -252,9 +260,10 @@ bool monitor_is_saturated(const drive_t *drive, const drive_in_t *in)
 }
 
 /*
- * A current heats the winding whoever drives it: also that of a short circuit, and that which a
- * fast rotor drives through the diodes. In a short circuit one that the converter cannot measure
- * counts as the largest; with open gates it is the sensor that is wrong.
+ * Returns the current that heats the winding while the drive controls no current: the current of a
+ * shorted motor, or the current that a fast rotor drives through the diodes. If the converter is
+ * saturated, a shorted motor counts as having the largest current. With open gates a saturated
+ * converter means that the sensor is wrong, so the current counts as 0.
  */
 RARE static dq_t uncontrolled_current(const drive_t *drive, const drive_in_t *in,
                                       const sample_t *sample)
@@ -267,12 +276,15 @@ RARE static dq_t uncontrolled_current(const drive_t *drive, const drive_in_t *in
     } else if (safe_state_is_short(&drive->safe_state)) {
         current = (dq_t){FX_Q15_MAX, FX_Q15_MAX};
     } else {
-        /* none, as far as anybody knows */
+        /* the sensor is wrong: assume no current */
     }
     return current;
 }
 
-/* Of a heat that has flipped, and its copy, one is true: the winding counts as the hotter one. */
+/*
+ * If the heat and its copy differ, a bit has flipped in one of them. The larger one is used, so
+ * that the winding never counts as colder than it is.
+ */
 static fault_id_t check_heat(drive_t *drive, dq_t current, uint16_t adc_temperature, fault_t *fault)
 {
     fault_id_t id = state_guard_check_heat(drive, fault);
@@ -289,7 +301,7 @@ static fault_id_t check_heat(drive_t *drive, dq_t current, uint16_t adc_temperat
     return id;
 }
 
-/* The configuration, and the state. */
+/* Checks the configuration and the state for flipped bits; also counts the window of late ticks. */
 static fault_id_t check_memory(drive_t *drive, fault_t *fault)
 {
     fault_id_t id;
@@ -324,7 +336,7 @@ fault_id_t monitor_next_check(drive_t *drive, const drive_in_t *in, const instan
             id = check_flux(drive, fault);
         }
     } else {
-        /* nothing of it is controlled in this state */
+        /* this check does not apply in this state */
     }
     return id;
 }

@@ -9,8 +9,10 @@
 #include "trig.h"
 
 #define SIXTH_TURN (0x2AAAAAAAU)
-#define SLIP_SHARE (2)          /* 1/2 of the hand-over speed between rotor and vector */
-#define NEAR_ZERO (0x02000000U) /* 1/128 of a turn */
+/* At a hand-over the speeds of rotor and vector differ by less than 1/2 of the hand-over speed. */
+#define SLIP_SHARE (2)
+/* A vector within ± 1/128 of a turn counts as lying along phase a. */
+#define NEAR_ZERO (0x02000000U)
 #define INVERSE_ROOT_3_Q15 (18918)
 #define Q13_ONE (8192)
 
@@ -27,8 +29,9 @@ static bool runs_backwards(const drive_command_t *command)
 }
 
 /*
- * The start angle of the vector: from there its sweep ends at angle 0. Every other attempt sweeps
- * the other way: a load that turns the rotor against the vector turns it with the vector then.
+ * Starts the alignment. The vector begins one sweep away from angle 0, so that the sweep ends at
+ * angle 0. Every other attempt sweeps in the other direction: a load that turned the rotor against
+ * the vector then turns it with the vector.
  */
 static drive_event_t start_alignment(drive_t *drive, const drive_command_t *command)
 {
@@ -46,8 +49,9 @@ static drive_event_t start_alignment(drive_t *drive, const drive_command_t *comm
 }
 
 /*
- * A start has failed before R was measured: the rotor has slipped, its load drives it, and an
- * observer with a wrong R would lose it. It is brought to rest first.
+ * Whether the rotor has to be brought to rest before another hand-over: a start has failed before R
+ * was measured. The rotor has slipped, its load drives it, and an observer with a wrong R would
+ * lose it.
  */
 static bool has_to_stand(const drive_t *drive)
 {
@@ -55,9 +59,9 @@ static bool has_to_stand(const drive_t *drive)
 }
 
 /*
- * R and L are measured at standstill. Until then L is what the pulses say: with a wrong one the
- * estimate swings. They give φ/L_q, of which φ and L_q/L_d of the file are believed. Where they do
- * not tell, a softer speed loop bears a wrong L.
+ * Sets L from the pulses of the flying start, until R and L are measured at standstill: with a
+ * wrong L the estimate swings. The pulses give φ/L_q; φ and L_q/L_d are taken from the file. If the
+ * pulses give no L, the bandwidth of the speed loop is lowered, so that it tolerates a wrong L.
  */
 static void use_pulses(drive_t *drive)
 {
@@ -76,7 +80,10 @@ static void use_pulses(drive_t *drive)
     }
 }
 
-/* The windings stay shorted, so the applied voltage is zero, until the first demand acts. */
+/*
+ * Starts the estimate with the angle and the speed that the flying start has found. The windings
+ * stay shorted until the first demand acts, so the applied voltage is zero until then.
+ */
 NEVER_INLINED static drive_event_t start_turning(drive_t *drive, ab_t current_ab)
 {
     const flying_start_t *const found = &drive->flying_start;
@@ -95,7 +102,7 @@ NEVER_INLINED static drive_event_t start_turning(drive_t *drive, ab_t current_ab
     return (fast && !has_to_stand(drive)) ? DRIVE_EVENT_TRACKED : DRIVE_EVENT_DRAGGED;
 }
 
-/* The speed from which the EMF between two phases is above the bus. */
+/* Returns the speed above which the EMF between two phases is larger than the bus voltage. */
 static step_t rectifying_speed(const drive_t *drive, int32_t bus)
 {
     const int32_t phase = fx_asr(bus * INVERSE_ROOT_3_Q15, 15U);
@@ -106,9 +113,10 @@ static step_t rectifying_speed(const drive_t *drive, int32_t bus)
 }
 
 /*
- * A current flows with open gates. It is a rotor's, whose EMF is above the bus and whose current
- * turns as fast as it does, or that of a channel that is stuck, which stands still. Half of the
- * speed lies between both.
+ * Returns the fault that explains a current with open gates. There are two causes. The EMF of a
+ * fast rotor is above the bus; then the current vector turns as fast as the rotor. Or a current
+ * channel is stuck; then the vector stands still. A vector that turns faster than half of the limit
+ * means a fast rotor.
  */
 static fault_t live_fault(const drive_t *drive, sample_t sample)
 {
@@ -152,7 +160,10 @@ drive_event_t open_loop_flying_start(drive_t *drive, const drive_in_t *in, sampl
     return event;
 }
 
-/* value: the current that has exceeded its limit, Q15 of I_b. */
+/*
+ * Begins the start again, or returns FAULT after the last attempt. value: the current that has
+ * exceeded its limit, Q15 of I_b.
+ */
 static drive_event_t repeat_start(drive_t *drive, int32_t value, int32_t limit, fault_t *fault)
 {
     drive_event_t event = DRIVE_EVENT_FAULT;
@@ -167,17 +178,19 @@ static drive_event_t repeat_start(drive_t *drive, int32_t value, int32_t limit, 
     return event;
 }
 
-/* After a sweep, but for roundings. A vector that was handed back lies anywhere. */
+/*
+ * True after a sweep, except for rounding errors of the angle. After a hand-back the vector may lie
+ * at any angle.
+ */
 static bool lies_along_phase_a(const drive_t *drive)
 {
     return (rotor_position_angle(&drive->vector.position) + NEAR_ZERO) < (2U * NEAR_ZERO);
 }
 
 /*
- * What the integral of the imposed current held of R·i and of the dead time, the model and the
- * compensation give from now on. The integral is slow: it would keep its part for some swings of
- * the rotor, and the voltage would be there twice. compensated: what the compensation adds from now
- * on, Q15 of the bus.
+ * Takes the voltage out of the integral that the model (R·i) and the dead-time compensation supply
+ * from now on. The integral is slow: without this, both would supply that voltage for some swings
+ * of the rotor. compensated: voltage that the compensation adds from now on, Q15 of the bus.
  */
 static void leave_rest_to_integral(drive_t *drive, int32_t bus, int32_t compensated)
 {
@@ -189,8 +202,8 @@ static void leave_rest_to_integral(drive_t *drive, int32_t bus, int32_t compensa
 }
 
 /*
- * Corrects the dead time. Returns what its compensation adds from now on along the vector, Q15 of
- * the bus.
+ * Corrects the dead time. Returns the voltage that the compensation adds along the vector from now
+ * on, Q15 of the bus.
  */
 static int32_t correct_dead_time(drive_t *drive, int32_t lost_voltage)
 {
@@ -228,8 +241,8 @@ static drive_event_t finish_alignment(drive_t *drive, const instant_t *now)
 }
 
 /*
- * A rotor that does not rest is looked for at once: while it slips, the load makes it faster. One
- * that only swings costs a start.
+ * If the rotor is not at rest, begins the start again at once, because the load accelerates a
+ * slipping rotor. A rotor that only swings costs an attempt too.
  */
 static drive_event_t judge_rest(drive_t *drive, fault_t *fault)
 {
@@ -243,7 +256,10 @@ static drive_event_t judge_rest(drive_t *drive, fault_t *fault)
     return event;
 }
 
-/* What is found is evaluated in one tick and acted on in the next one. */
+/*
+ * One tick of ALIGN. The measurement is evaluated in one tick, and its result is used in the next
+ * one.
+ */
 static drive_event_t align(drive_t *drive, const instant_t *now, fault_t *fault)
 {
     const bool done = drive->align.phase == ALIGN_DONE;
@@ -263,8 +279,8 @@ static drive_event_t align(drive_t *drive, const instant_t *now, fault_t *fault)
 }
 
 /*
- * The imposed current. It is larger while the vector moves, because the rotor has to be accelerated
- * too.
+ * Returns the next imposed current. It is larger while the vector moves, because it has to
+ * accelerate the rotor too.
  */
 static int32_t next_imposed_current(const drive_t *drive)
 {
@@ -276,13 +292,16 @@ static int32_t next_imposed_current(const drive_t *drive)
     return fx_towards(present, wanted, cfg->current_slope);
 }
 
-/* How far the vector is ahead of the rotor. */
+/* Returns the angle by which the vector is ahead of the rotor. */
 static angle_t load_angle(const drive_t *drive)
 {
     return rotor_position_angle(&drive->vector.position) - rotor_position_angle(&drive->position);
 }
 
-/* The observer turns with the vector and is near it, and its model explains the current. */
+/*
+ * Whether the observer has found the rotor: its angle and speed are near those of the vector, and
+ * its model explains the current.
+ */
 static bool has_found_rotor(const drive_t *drive)
 {
     const startup_cfg_t *const cfg = &drive->cfg->startup;
@@ -294,9 +313,9 @@ static bool has_found_rotor(const drive_t *drive)
 }
 
 /*
- * From the frame of the vector to that of the rotor. The q current of the vector's frame is the
- * torque of the ramp: the speed loop feeds that forward itself, so its integral begins with the
- * rest, the load.
+ * Changes from the frame of the vector to the frame of the rotor. i_q* in the vector's frame is the
+ * torque of the ramp. The speed loop feeds that torque forward, so its integral begins with the
+ * rest of i_q*: the torque of the load.
  */
 static drive_event_t hand_over(drive_t *drive)
 {
@@ -309,8 +328,8 @@ static drive_event_t hand_over(drive_t *drive)
 }
 
 /*
- * While it was dragged slowly, the observer may have learned a load angle: it gets time to leave
- * it.
+ * Returns TRACKED when the observer takes over. While the vector turned slowly, the observer may
+ * have learned a load angle. It has settle_periods to correct that.
  */
 static drive_event_t judge_handover(drive_t *drive, fault_t *fault)
 {
@@ -329,10 +348,11 @@ static drive_event_t judge_handover(drive_t *drive, fault_t *fault)
 }
 
 /*
- * The back-EMF of a rotor that slips does not fit a model at standstill, nor one that follows it,
- * and it persists. It passes through zero twice in each turn of the slip, so periods without it
- * count back. While the model follows the vector untrained, a load angle looks like an error, so
- * there is no check then.
+ * Whether the rotor has slipped for so long that it counts as lost. The EMF of a slipping rotor
+ * fits neither a model at standstill nor a model that is trained, so the residual stays large. In
+ * each turn of the slip the EMF passes through zero twice, so a period with a small residual only
+ * counts down by one. While the network follows the vector untrained, a load angle looks like an
+ * error, so nothing is checked then.
  */
 static bool has_lost_rotor(drive_t *drive)
 {
@@ -345,12 +365,15 @@ static bool has_lost_rotor(drive_t *drive)
     } else if (drive->lost_periods > 0U) {
         drive->lost_periods--;
     } else {
-        /* as it should be */
+        /* nothing to count */
     }
     return drive->lost_periods >= cfg->lost_periods;
 }
 
-/* After a flying start R and L are not measured yet. The first standstill is used for that. */
+/*
+ * Returns the event of a vector at rest. After a flying start R and L have not been measured yet:
+ * the first standstill is used for it.
+ */
 static drive_event_t hold(drive_t *drive)
 {
     const bool at_rest = drive->state == DRIVE_STATE_HOLD;
@@ -363,7 +386,7 @@ static drive_event_t hold(drive_t *drive)
     return event;
 }
 
-/* What follows from the speed of the vector in HOLD, IF_RAMP and HANDOVER. */
+/* Returns the event that follows from the speed of the vector in HOLD, IF_RAMP and HANDOVER. */
 static drive_event_t judge_speed(drive_t *drive, fault_t *fault)
 {
     const step_t handover_speed = drive->cfg->startup.handover_speed;
@@ -385,7 +408,10 @@ static drive_event_t judge_speed(drive_t *drive, fault_t *fault)
     return event;
 }
 
-/* The vector does not wait for the rotor. The ramp leaves torque for load and inertia. */
+/*
+ * The vector does not wait for the rotor. So its ramp is slow enough to leave torque for load and
+ * inertia.
+ */
 void open_loop_plan(drive_t *drive, const drive_command_t *command)
 {
     const step_t ramp = drive->cfg->startup.ramp;

@@ -41,7 +41,7 @@ static void note_sample(drive_t *drive, sample_t measured, dq_t current, dq_t e)
     probe_note(&drive->probe, &sample);
 }
 
-/* What the current control has demanded, less what R and L need of it. */
+/* Returns the EMF: the demanded voltage minus the voltage that R and L need. */
 static dq_t emf_of(const drive_t *drive, dq_t current)
 {
     const dq_t model = current_loop_model(&drive->current_loop, current);

@@ -6,7 +6,7 @@
 #include "open_loop.h"
 #include "run.h"
 
-/* HOLD to HANDOVER: the motion loops move the vector. */
+/* HOLD to HANDOVER, in which the motion loops move the vector. */
 static bool moves_vector(drive_state_t state)
 {
     return (state > DRIVE_STATE_ALIGN) && (state < DRIVE_STATE_RUN);

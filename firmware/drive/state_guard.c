@@ -4,10 +4,13 @@
 #include "inlining.h"
 #include "io.h"
 
-#define PERIODS_LOG2 (2U) /* slow periods from look to look */
-#define ERROR_MAX (8192)  /* of the observer, what the flux is corrected by */
+/* log2 of the slow periods in a supervision period, the time between two calls of look() */
+#define PERIODS_LOG2 (2U)
+/* largest current error of the observer, which corrects the flux, Q15 of I_b */
+#define ERROR_MAX (8192)
 #define IDENTIFIED (0x55AA0000UL)
-#define CHANGE_MAX (0x100000) /* of an integral in a tick, more than any gain allows */
+/* more than any gain changes an integral in a tick, Q26 */
+#define CHANGE_MAX (0x100000)
 #define HALF_TURN_Q16 (32768U)
 #define Q13_TO_Q17_LOG2 (4U)
 
@@ -19,7 +22,10 @@ RARE static fault_id_t found(uint32_t part, fault_t *fault)
     return FAULT_MEMORY;
 }
 
-/* A bit that flips in one of them flips in the word. Memory of zeros is not sound. */
+/*
+ * Returns the check word of the measured values. A flipped bit in one of them is a flipped bit in
+ * the word. For a drive_t that is all zeros the word is not 0, so it differs from the kept one.
+ */
 static uint32_t word_of_measured(const drive_t *drive)
 {
     const uint32_t word = fx_unsigned(drive->offset_a ^ ~drive->offset_b);
@@ -68,7 +74,10 @@ static uint32_t word_of_speed_loop(const speed_loop_cfg_t *cfg)
            cfg->error_shift;
 }
 
-/* Of the settings that a flip in makes speed or current wrong within 100 ms. */
+/*
+ * Returns the check word of the settings in which a flipped bit makes speed or current wrong within
+ * 100 ms.
+ */
 static uint32_t word_of_config(const drive_cfg_t *cfg)
 {
     const uint32_t sampling =
@@ -92,7 +101,7 @@ static bool asks_speed(const drive_t *drive)
     return drive->mode == (uint8_t)DRIVE_MODE_SPEED;
 }
 
-/* The parts that a supervision period may change by so much only. */
+/* Whether the speed reference has changed no faster than its ramp. */
 static bool is_ramp(const drive_t *drive)
 {
     const step_t change = fx_abs(drive->speed_loop.reference - drive->state_guard.reference);
@@ -108,9 +117,10 @@ static bool is_drift(const drive_t *drive)
 }
 
 /*
- * Whole turns hold for good, and any number of them may be right. But in a supervision period no
- * rotor goes half a turn further than the speed that it had, and was to have, leads it. What it has
- * now may come from the same flip.
+ * Whether the rotor can have moved so far since the last look. Any number of turns may be right, so
+ * only the change is checked. In a supervision period a rotor moves at most half a turn further
+ * than the sum of its speed and its speed reference at the last look leads it. The present speed
+ * may be wrong by the same flipped bit, so it is not used.
  */
 static bool is_way(const drive_t *drive)
 {
@@ -146,7 +156,7 @@ static fault_id_t look_at_position(const drive_t *drive, fault_t *fault)
     } else if (!is_way(drive)) {
         id = found((uint32_t)STATE_GUARD_TURNS, fault);
     } else {
-        /* it may be there */
+        /* the position is possible */
     }
     return id;
 }
@@ -156,7 +166,7 @@ static bool asks_position(const drive_t *drive)
     return drive->mode == (uint8_t)DRIVE_MODE_POSITION;
 }
 
-/* In RUN. */
+/* Checks the values that change only a little in RUN. */
 static fault_id_t look_at_run(drive_t *drive, fault_t *fault)
 {
     state_guard_t *const guard = &drive->state_guard;
@@ -189,8 +199,8 @@ static bool is_integral(const drive_t *drive, const pi_cfg_t *cfg, int32_t now, 
 }
 
 /*
- * Of a rotor that rests in the field. What has left the circle of the voltage would cut an integral
- * at once.
+ * Whether the integrals have changed by no more than their gains allow. Only at the voltage limit
+ * an integral may change faster, and a rotor at rest in the field needs less voltage than that.
  */
 static bool has_soft_integrals(const drive_t *drive)
 {
@@ -203,7 +213,7 @@ static bool has_soft_integrals(const drive_t *drive)
                        guard->integral_q_q26);
 }
 
-/* In HOLD with a vector that rests. */
+/* Checks the angle of a resting vector, and the integrals, in HOLD. */
 static fault_id_t look_at_rest(drive_t *drive, fault_t *fault)
 {
     state_guard_t *const guard = &drive->state_guard;
@@ -236,7 +246,7 @@ static fault_id_t look(drive_t *drive, fault_t *fault)
     } else if (drive_is_held(drive)) {
         id = look_at_rest(drive, fault);
     } else {
-        /* nothing rests */
+        /* these states have no values that change so little */
     }
     drive->state_guard.state = drive->state;
     return id;
@@ -251,7 +261,7 @@ static bool holds_limits(const drive_t *drive)
            (drive->limits.bus_max == due.bus_max) && (drive->limits.bus_min == due.bus_min);
 }
 
-/* J as a ratio to that of the file. */
+/* Whether the learned J is within its limits. Both are ratios to the file's J. */
 static bool has_inertia(const drive_t *drive)
 {
     const speed_loop_cfg_t *const cfg = &drive->cfg->speed_loop;
@@ -271,7 +281,7 @@ static bool holds_choices(const drive_t *drive)
            (drive->speed_loop.halvings <= 1U);
 }
 
-/* A start that fails so often is a fault already. */
+/* A larger number of failed starts would have been a fault before. */
 static bool holds_start(const drive_t *drive)
 {
     return drive->attempts <= drive->cfg->startup.attempts;
@@ -302,7 +312,9 @@ static bool holds(drive_t *drive, uint32_t part)
     return sound;
 }
 
-/* What a part that does not hold is. */
+/*
+ * Returns the fault of a part that does not hold: MEMORY, or CONFIGURATION for STATE_GUARD_CONFIG.
+ */
 RARE static fault_id_t found_part(const drive_t *drive, uint32_t part, fault_t *fault)
 {
     fault_id_t id = found(part, fault);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "transitions.h"
 
-#define NUMBER_SHIFT (4U) /* of the number in a code: state.h */
+#define NUMBER_SHIFT (4U) /* the upper four bits of a code are the number (state.h) */
 #define IN(state) (1UL << ((uint32_t)(state) >> NUMBER_SHIFT))
 #define FROM_HOLD_TO_HANDOVER \
     (IN(DRIVE_STATE_HOLD) | IN(DRIVE_STATE_IF_RAMP) | IN(DRIVE_STATE_HANDOVER))
@@ -38,7 +38,8 @@ drive_state_t transitions_next(drive_state_t state, drive_event_t event)
 {
     static const struct {
         drive_state_t next;
-        uint32_t from; /* in these states; in others the event changes nothing */
+        /* states in which the event acts, one bit each; in others it changes nothing */
+        uint32_t from;
     } table[DRIVE_EVENTS] = {
         [DRIVE_EVENT_NONE] = {DRIVE_STATE_INIT, 0U},
         [DRIVE_EVENT_CALIBRATE] = {DRIVE_STATE_OFFSET_CAL,

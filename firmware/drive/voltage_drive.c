@@ -6,27 +6,32 @@
 #include "trig.h"
 
 #define QUARTER_TURN_STEP (0x40000000)
-#define SPEED_SHIFT (5U) /* of the speed asked for, what may be missing */
-#define END_SHIFT (3U)   /* at 7/8 of brake_max it is left: the angle of a small voltage is rough */
-#define HYSTERESIS_SHIFT (2U) /* the limit for leaving is 1/4 below the one for entering */
+/* For the change to the voltage drive the speed error is at most 1/32 of the commanded speed. */
+#define SPEED_SHIFT (5U)
+/*
+ * The voltage drive ends at 7/8 of brake_max, before the limit, because the angle of a small
+ * voltage is rough.
+ */
+#define END_SHIFT (3U)
+#define HYSTERESIS_SHIFT (2U) /* 1/4 of a limit, between beginning and end of the voltage drive */
 
-/* ω·φ, Q15 of U_b. */
+/* Returns the EMF at this speed, ω·φ, Q15 of U_b. */
 static int32_t emf(const drive_t *drive, step_t speed)
 {
     return fx_sat16(fx_asr(drive_speed_q15(drive, speed) * drive->model.run_loop.emf_q13,
                            CURRENT_LOOP_GAIN_BITS));
 }
 
-/* What is missing to the speed asked for, Q15 of 2·Ω_b. */
+/* Returns the speed error, reference − ω̂, Q15 of 2·Ω_b. */
 static int32_t half_error(const drive_t *drive, step_t reference)
 {
     return fx_sat16(fx_asr(reference - drive->observer.speed, drive->cfg->speed_loop.error_shift));
 }
 
 /*
- * Start with this magnitude and lead, and with the commanded speed. What is missing to it has its
- * proportional part in the PI's first output: the integral begins without it, or the voltage would
- * jump by more than R·i.
+ * Starts the voltage drive with this magnitude and lead, and with the present speed reference. The
+ * first output of the PI contains the proportional part of the speed error. So the integral begins
+ * smaller by that part; otherwise the voltage would jump by more than R·i.
  */
 static void take_over(drive_t *drive, int32_t magnitude, int32_t lead)
 {
@@ -41,7 +46,7 @@ static void take_over(drive_t *drive, int32_t magnitude, int32_t lead)
     pi_reset(&vd->pi, fx_sat16(integral));
     vd->magnitude = magnitude;
     virtual_resistance_start(&vd->damping, drive->current_ref);
-    drive->current_ref = (dq_t){0, 0}; /* nothing is asked of the current */
+    drive->current_ref = (dq_t){0, 0}; /* the voltage drive has no current reference */
     vd->end_periods = 0U;
     vd->active = true;
 }
@@ -66,8 +71,8 @@ dq_t voltage_drive_step(drive_t *drive, dq_t current, int32_t bus)
 }
 
 /*
- * i_d* is 0: the compensator has left no i_d, and there may be no start-up with a slope to remove
- * it.
+ * i_d* begins at 0. The compensator has kept i_d near 0, and a configuration without start-up may
+ * have no slope that would bring another i_d* to 0.
  */
 void voltage_drive_end(drive_t *drive)
 {
@@ -82,7 +87,7 @@ void voltage_drive_end(drive_t *drive)
     pi_reset(&drive->current_loop.pi_q, fx_sat16(drive->voltage.q - modelled.q));
     speed_loop_start(&drive->speed_loop, drive->speed_loop.reference, drive->current_ref.q);
     torque_filter_start(&drive->torque_filter, drive->current_ref.q);
-    weakening_reset(&drive->weakening); /* it has seen no bus since the voltage drive began */
+    weakening_reset(&drive->weakening); /* it was not updated during the voltage drive */
     drive->voltage_drive.active = false;
     drive->voltage_drive.calm_periods = 0U;
 }
@@ -100,8 +105,8 @@ static void set_magnitude(drive_t *drive, int32_t bus)
 }
 
 /*
- * The lead of the present voltage in the direction in which it turns the rotor, 2^32 = one turn, ±
- * a quarter.
+ * Returns the lead of this voltage in the direction in which it turns the rotor, 2^32 = one turn,
+ * ±1/4 turn.
  */
 static int32_t present_lead(dq_t voltage)
 {
@@ -113,7 +118,8 @@ static int32_t present_lead(dq_t voltage)
 }
 
 /*
- * The voltage drive is commanded and the speed is high enough. The limit to leave it is 1/4 lower.
+ * Whether the voltage drive is enabled, the command is a speed, and both commanded and estimated
+ * speed are at least speed_min.
  */
 static bool is_wanted(const drive_t *drive, const drive_command_t *command, step_t speed_min)
 {
@@ -124,7 +130,7 @@ static bool is_wanted(const drive_t *drive, const drive_command_t *command, step
            (fx_abs(drive->observer.speed) >= speed_min);
 }
 
-/* The current exceeds the limit of current control, by derating or by the motor. */
+/* Whether the mean current is beyond the limits that current control would keep. */
 static bool is_overloaded(const drive_t *drive)
 {
     const torque_range_t range = drive->torque_range;
@@ -137,8 +143,8 @@ static bool is_overloaded(const drive_t *drive)
 }
 
 /*
- * The lead is at its limit towards braking, or the current is so small that the legs switch near
- * its zero crossing.
+ * Whether the lead is near its limit towards braking, or the current is so small that the legs
+ * switch near its zero crossing.
  */
 static bool is_at_end(const drive_t *drive)
 {
@@ -167,7 +173,7 @@ void voltage_drive_motion(drive_t *drive, const drive_command_t *command, int32_
 }
 
 /*
- * Speed and currents have reached their references, and the lead is within the range of the
+ * Whether speed and currents have reached their references, and the lead is within the range of the
  * compensator.
  */
 static bool is_calm(const drive_t *drive, step_t target, dq_t current, int32_t lead)
@@ -184,8 +190,9 @@ static bool is_calm(const drive_t *drive, step_t target, dq_t current, int32_t l
 }
 
 /*
- * The voltage that holds the reference: integrals and model, without the proportional part. That of
- * one tick has the converter's noise times the gain of the current loop, which is more than R·i.
+ * Returns the voltage that holds the reference: integrals plus model. The proportional part is left
+ * out: in a single tick it is the converter's noise times the gain of the current loop, which is
+ * more than R·i.
  */
 static dq_t settled_voltage(const drive_t *drive)
 {
