@@ -19,7 +19,7 @@
 /*
  * Call before the first tick of OFFSET_CAL. It ends a safe state. It forgets J, because J was
  * learned from the speed that the observer saw before the fault. R, L and φ stay: they were
- * measured, or are bound to their files.
+ * measured, or lie within a range around the values of the files.
  */
 drive_event_t calibration_begin(drive_t *drive);
 

@@ -6,8 +6,7 @@
  *
  * reads its state and one frame of raw measurements and command. It writes its state and one frame
  * of compare values. It has no clock, no hardware, no globals and no allocation. The same inputs
- * give the same outputs on every machine. drive_t is a plain value: to copy it is to take a
- * snapshot.
+ * give the same outputs on every machine. drive_t is a plain value: a copy of it is a snapshot.
  *
  * Timing. The frame of tick k is sampled at t_k, the start of PWM period k. Its compare values act
  * from t_k+1 to t_k+2; gate_enable acts at once.
@@ -84,7 +83,7 @@ static inline bool drive_reads_slow_inputs(const drive_t *drive)
     return drive->slow_count == ((uint32_t)SLOT_CHECKS + 1U);
 }
 
-/* The same for the tick that has just ended; call after drive_step(). */
+/* Whether the tick that has just ended has read them. Call after drive_step(). */
 static inline bool drive_has_read_slow_inputs(const drive_t *drive)
 {
     return drive->slow_count == (uint32_t)SLOT_CHECKS;

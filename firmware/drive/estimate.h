@@ -49,12 +49,15 @@ ab_t estimate_applied_voltage(ab_t ratio, int32_t bus_before, int32_t bus_now);
 dq_t estimate_step(drive_t *drive, sample_t sample, bool trained);
 
 /*
- * Last in such a tick: θ̂ of the next instant (23). If the network is not trained, θ̂ also approaches
- * the angle of the vector.
+ * Call last in a tick that controls a current: advances θ̂ to the next instant (23). If the network
+ * is not trained, θ̂ also approaches the angle of the vector.
  */
 void estimate_advance(drive_t *drive, bool trained);
 
-/* Once per slow period: residual, flux correction, and what nn_observer_refresh() computes. */
+/*
+ * Once per slow period: updates the residual and the flux correction, and calls
+ * nn_observer_refresh().
+ */
 void estimate_refine(drive_t *drive);
 
 #endif

@@ -13,13 +13,13 @@
 
 typedef struct {
     angle_t angle;                  /* at this instant */
-    step_t step;                    /* turn of the frame in a tick */
+    step_t step;                    /* turn of the frame per tick */
     dq_t current;                   /* measured, in this frame */
     const current_loop_cfg_t *loop; /* gains and decoupling */
-    bool imposed;                   /* the frame of the vector */
+    bool imposed;                   /* true: the frame of the imposed vector */
 } frame_t;
 
-/* The frame of the rotor. current: of estimate_step(). */
+/* Returns the frame of the rotor. current: as estimate_step() returns it. */
 static inline frame_t frame_of_rotor(const drive_t *drive, dq_t current)
 {
     return (frame_t){
@@ -31,7 +31,7 @@ static inline frame_t frame_of_rotor(const drive_t *drive, dq_t current)
     };
 }
 
-/* The frame of the imposed vector. current: of frame_measure(). */
+/* Returns the frame of the imposed vector. current: as frame_measure() returns it. */
 static inline frame_t frame_of_vector(const drive_t *drive, dq_t current)
 {
     return (frame_t){

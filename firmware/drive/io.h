@@ -30,7 +30,7 @@ typedef enum {
 #define DRIVE_REQUEST_FAIL (0x10U)
 
 #define DRIVE_FLAG_BREAK (0x0001U) /* the power stage opened the gates by itself */
-/* The last tick ended too late: zero voltage acted in place of its demand. */
+/* The last tick ended too late: zero voltage acts in place of its demand. */
 #define DRIVE_FLAG_LATE (0x0002U)
 
 /* The user's command. */
@@ -62,7 +62,7 @@ typedef struct {
     uint16_t adc_bus;
     uint16_t flags;
     drive_command_t command;
-    /* After the command: before it, this field would cost a Cortex-M0+ 57 instructions. */
+    /* This field comes after the command: before it, it would cost a Cortex-M0+ 57 instructions. */
     uint16_t adc_temperature;
     uint16_t angle;
 } drive_in_t;

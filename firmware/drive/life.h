@@ -20,7 +20,7 @@ void life_follow(drive_t *drive, drive_event_t event);
  */
 void life_fail(drive_t *drive, const fault_t *fault, const sample_t *sample);
 
-/* life_fail() with DRIVE_EVENT_FAULT, else life_follow(). */
+/* Calls life_fail() if the event is DRIVE_EVENT_FAULT, otherwise life_follow(). */
 void life_react(drive_t *drive, drive_event_t event, const fault_t *fault, const sample_t *sample);
 
 /* Act on the event of a part that can also find a fault. Most ticks have no event. */
@@ -33,11 +33,11 @@ static inline void life_follow_or_fail(drive_t *drive, drive_event_t event, cons
 }
 
 /*
- * With this configuration some words of the state mean something else, so the drive begins anew and
- * calibrates. It keeps its tick count, a latched fault with its scene, and the heat, converted to
- * the new scale. The slow period goes on, because this tick reads the slow inputs. A motor that is
- * too fast for open gates is shorted first. Until the calibration the last zeros of the current
- * sensors stay in force, because they hold in any scale.
+ * The drive begins anew with this configuration, in which some words of the state have another
+ * meaning, and calibrates. It keeps its tick count, a latched fault with its scene, and the heat,
+ * converted to the new scale. The slow period goes on, because this tick reads the slow inputs. A
+ * motor that is too fast for open gates is shorted first. Until the calibration the last zeros of
+ * the current sensors stay in force, because they hold in any scale.
  */
 void life_restart(drive_t *drive, const drive_cfg_t *cfg);
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Gives supervision, derating and the guard of the configuration what they look at.
+ * Runs supervision, derating, and the guards of configuration and state, with the values that they
+ * check.
  *
  * Part of the drive; called from drive_step only, in every state, each function once per slow
  * period. Faults as fault.h says.
@@ -19,8 +20,8 @@
 fault_id_t monitor_phases(drive_t *drive, const sample_t *sample, fault_t *fault);
 
 /*
- * The next of four checks that take turns: derating; late ticks, configuration and state; current,
- * from PROBE to RUN; speed and flux, in RUN.
+ * Runs the next of four checks that take turns: derating; late ticks, configuration and state;
+ * current, from PROBE to RUN; speed and flux, in RUN.
  */
 fault_id_t monitor_next_check(drive_t *drive, const drive_in_t *in, const instant_t *now,
                               fault_t *fault);

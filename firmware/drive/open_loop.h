@@ -31,8 +31,9 @@ drive_event_t open_loop_flying_start(drive_t *drive, const drive_in_t *in, sampl
                                      drive_out_t *out, fault_t *fault);
 
 /*
- * Each tick of ALIGN, HOLD, IF_RAMP, HANDOVER: sets the imposed current. HELD at the end of ALIGN.
- * SEARCH when the rotor moves while R and L are measured; FAULT when that was the last attempt.
+ * Each tick of ALIGN, HOLD, IF_RAMP, HANDOVER: sets the imposed current. Returns HELD at the end of
+ * ALIGN, and SEARCH when the rotor moves while R and L are measured, or FAULT if that was the last
+ * attempt.
  */
 drive_event_t open_loop_step(drive_t *drive, const instant_t *now, fault_t *fault);
 

@@ -12,7 +12,7 @@
  *     SPEED    open_loop_drag, in RUN run_control_speed         HOLD to RUN      each period
  *
  * Part of the drive; schedule_step() is called from drive_step only. control_isr() and the recorder
- * ask drive.h for the slot CHECKS (drive_reads_slow_inputs()).
+ * find the tick of the slot CHECKS with drive_reads_slow_inputs() (drive.h).
  */
 #ifndef SCHEDULE_H
 #define SCHEDULE_H

@@ -2,10 +2,10 @@
 /*
  * The whole state of a drive, its states and the events that change them.
  *
- * drive_t is a plain value: to copy it is to take a snapshot. state.def holds the range of each
- * field. Two fields describe the rotor: `position` (θ̂) and `observer.speed` (ω̂). estimate.h says
- * which source they come from. The currents are controlled in a frame (frame.h): in RUN the frame
- * of this rotor, otherwise the frame of `vector`.
+ * drive_t is a plain value: a copy of it is a snapshot. state.def holds the range of each field.
+ * Two fields describe the rotor: `position` (θ̂) and `observer.speed` (ω̂). estimate.h says which
+ * source they come from. The currents are controlled in a frame (frame.h): in RUN the frame of this
+ * rotor, otherwise the frame of `vector`.
  */
 #ifndef STATE_H
 #define STATE_H
@@ -72,17 +72,17 @@ typedef enum {
 
 /* Sums that OFFSET_CAL forms to measure the zeros of the current sensors. */
 typedef struct {
-    int32_t sum_a; /* of raw counts, 0…2^28 */
+    int32_t sum_a; /* sum of the raw counts of sensor a, 0…2^28; sum_b: of sensor b */
     int32_t sum_b;
     uint32_t samples;
     uint32_t before_a; /* raw counts of the last sample */
     uint32_t before_b;
-    int32_t noise; /* sum of the changes of both from sample to sample, counts, 0…2^28 */
+    int32_t noise; /* sum of |change from sample to sample| of both sensors, counts, 0…2^28 */
 } calibration_t;
 
 /*
- * Values at the moment of a fault. They tell its possible causes apart, and would have changed by
- * the time somebody looks.
+ * Values at the moment of a fault, kept for the diagnosis: they tell its possible causes apart.
+ * After the fault the variables themselves change.
  */
 typedef struct {
     drive_state_t state;
@@ -96,35 +96,39 @@ typedef struct {
 
 /* The values with which state_guard.c compares the state. */
 typedef struct {
-    uint32_t at;            /* part that is checked next */
-    uint32_t measured;      /* check word of offset_a, offset_b and identified */
-    drive_state_t state;    /* at the last look; INIT: none, nothing is compared with it */
-    step_t reference;       /* of the speed loop, in RUN with a speed asked for */
-    int32_t flux_q30;       /* of the model, in RUN */
-    int32_t integral_d_q26; /* of the current control, with an imposed current */
+    uint32_t at;       /* part that is checked next */
+    uint32_t measured; /* check word of offset_a, offset_b and identified */
+    /* state of the drive at the last look; INIT: there are no values to compare with */
+    drive_state_t state;
+    step_t reference; /* speed reference at the last look, in RUN */
+    int32_t flux_q30; /* φ̂ at the last look, in RUN */
+    /* integrals of the current control at the last look, with a vector at rest */
+    int32_t integral_d_q26;
     int32_t integral_q_q26;
-    angle_t angle;    /* of a vector that rests */
-    int32_t heat_q24; /* as derating.c has left it */
+    angle_t angle;    /* angle of the vector at the last look, at rest */
+    int32_t heat_q24; /* copy of derating.heat_q24 after its last intended change */
     uint32_t config;  /* check word of settings that act at once */
-    uint32_t turns;   /* whole turns of the rotor, in RUN … */
+    uint32_t turns;   /* whole turns of the rotor at the last look, in RUN … */
     angle_t turned;   /* … and the fraction of a turn */
-    step_t speed;     /* in RUN */
+    step_t speed;     /* ω̂ at the last look, in RUN */
 } state_guard_t;
 
 /* The current vector that is imposed below RUN. */
 typedef struct {
     rotor_position_t position; /* of the vector */
-    step_t step;               /* its turn in a tick */
-    dq_t current_mean;         /* measured in its frame, over some 32 ticks */
+    step_t step;               /* turn of the vector per tick */
+    dq_t current_mean;         /* mean of the measured current over some 32 ticks, in its frame */
 } current_vector_t;
 
 /* RUN without current regulators, see voltage_drive.h. */
 typedef struct {
     bool active;
-    uint32_t calm_periods; /* slow periods in a row in which the change to it was allowed */
-    uint32_t end_periods;  /* slow periods in a row with lead or current at their lower limit */
-    pi_t pi;               /* speed PI */
-    int32_t magnitude;     /* U, Q15 of U_b, + forwards; may exceed a limit that has fallen since */
+    /* slow periods in a row in which the conditions for the voltage drive held */
+    uint32_t calm_periods;
+    uint32_t end_periods; /* slow periods in a row with lead or current at their lower limit */
+    pi_t pi;              /* speed PI */
+    /* U, Q15 of U_b, + forwards; may exceed the voltage limit when the bus has fallen since */
+    int32_t magnitude;
     phase_compensator_t compensator;
     virtual_resistance_t damping; /* also holds the mean of the current in the frame of θ̂ */
 } voltage_drive_t;
@@ -137,25 +141,28 @@ typedef struct {
     rotor_position_t position; /* θ̂ and whole turns, (23) */
     const drive_cfg_t *cfg;
     drive_state_t state;
-    /* N…1: ticks to the end of the slow period; a byte: a flipped bit cannot make it very long */
+    /*
+     * ticks to the end of the slow period, N…1. It is a byte, so that a flipped bit cannot make the
+     * period very long
+     */
     uint8_t slow_count;
     protection_limits_t limits; /* in force in this state */
     int32_t offset_a;           /* sensor zero, Q15 of I_b, nominal 16384 */
     int32_t offset_b;
     int32_t bus; /* voltage in the last tick that has ended, Q15 of U_b */
     modulator_t modulator;
-    ab_t ratio_acting; /* demand / bus, Q15, that acted since the last instant */
-    ab_t ratio_next;   /* the same, that acts from the last instant on */
+    ab_t ratio_acting; /* demand / bus, Q15, that has acted from the last instant to this one */
+    ab_t ratio_next;   /* demand / bus, Q15, of the last tick: it acts from this instant on */
     current_loop_t current_loop;
     nn_observer_t observer; /* ω̂, (22) */
     dq_t current_ref;       /* i_d*, i_q* in the frame of the current control, Q15 of I_b */
     dq_t voltage;           /* last demand, in the same frame, Q15 of U_b */
-    uint32_t tick;          /* since drive_init, wraps */
+    uint32_t tick;          /* ticks since drive_init(), wraps */
     voltage_drive_t voltage_drive;
     step_t speed_reference;
     speed_loop_t speed_loop;
     position_loop_t position_loop;
-    uint8_t mode; /* of the running motion loops */
+    uint8_t mode; /* drive_mode_t in which the motion loops run */
     calibration_t calibration;
     model_t model;   /* motor model in force; kept from run to run */
     bool identified; /* R and L of the model were measured */
@@ -175,12 +182,12 @@ typedef struct {
     flying_start_t flying_start;
     align_t align;
     probe_t probe;
-    weakening_t weakening;       /* of the field, in RUN with current control */
+    weakening_t weakening;       /* field weakening, in RUN with current control */
     torque_range_t torque_range; /* allowed range of i_q* in this slow period */
     derating_t derating;
     supervision_t supervision;
     oscillation_t oscillation;
-    torque_filter_t torque_filter; /* of i_q* in RUN with current control */
+    torque_filter_t torque_filter; /* filter of i_q*, in RUN with current control */
     torque_loop_t torque_loop;     /* in RUN; its bridge is used in every mode */
     safe_state_t safe_state;       /* of the gates while nothing is driven */
     config_guard_t guard;
@@ -207,7 +214,7 @@ static inline bool drive_is_imposed(drive_state_t state)
     return (state > DRIVE_STATE_PROBE) && (state < DRIVE_STATE_RUN);
 }
 
-/* The vector rests, and holds a rotor that has been aligned or stopped. */
+/* Whether the vector rests and holds a rotor that has been aligned or stopped. */
 static inline bool drive_is_held(const drive_t *drive)
 {
     return (drive->state == DRIVE_STATE_HOLD) && (drive->vector.step == 0);
@@ -246,7 +253,7 @@ static inline int64_t drive_position_q32(const drive_t *drive)
     return drive->position.turns_q32;
 }
 
-/* The same, counted from the zero that position targets count from. */
+/* Position estimate relative to the zero of position targets, Q32 electrical turns. */
 static inline int64_t drive_position_from_zero_q32(const drive_t *drive)
 {
     const uint64_t zero = fx_unsigned64(drive->position_loop.zero_q32);
@@ -273,7 +280,7 @@ static inline model_nominal_t drive_nominal(const drive_t *drive)
     return nominal;
 }
 
-/* ψ: the flux with which i_q* makes torque. */
+/* Returns ψ, the flux with which i_q* makes torque. */
 static inline int32_t drive_flux(const drive_t *drive)
 {
     return current_reference_flux(&drive->model.run_loop, drive_current_in_force(drive).d);

@@ -48,13 +48,20 @@ typedef enum {
     STATE_GUARD_WEAKENING,
     STATE_GUARD_PROFILE, /* of position control, or its zero */
     STATE_GUARD_TURNS,
-    STATE_GUARD_STATE /* or more: this plus a code that is not one of drive_state_t */
+    /*
+     * this or more: STATE_GUARD_STATE + the code in drive_t.state, which is not one of
+     * drive_state_t
+     */
+    STATE_GUARD_STATE
 } state_guard_part_t;
 
 /* Checks the next part, and the values that change only a little. Once per supervision period. */
 fault_id_t state_guard_step(drive_t *drive, fault_t *fault);
 
-/* Call when values have been set anew: the next check compares nothing with the last one. */
+/*
+ * Call when values have been set anew: the next check does not compare with the values of the last
+ * one.
+ */
 void state_guard_forget(drive_t *drive);
 
 /* Call when the zeros of the current sensors, or R and L, have been measured. */

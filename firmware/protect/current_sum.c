@@ -3,7 +3,8 @@
 
 #include "fx.h"
 
-#define SAMPLES_MIN (16U) /* in a window; fewer do not give a mean */
+/* a window with fewer samples goes on, because its mean would be rough */
+#define SAMPLES_MIN (16U)
 #define SHARE_SHIFT (15U)
 
 void current_sum_begin(current_sum_t *state)
@@ -28,7 +29,10 @@ void current_sum_zero(current_sum_t *state, int32_t sum)
     }
 }
 
-/* The sum of this sample without its zero. If the zero is not known, the sum counts as 0. */
+/*
+ * Returns the sum of the three currents of this sample, corrected by its zero. If the zero is not
+ * known, the sum counts as 0.
+ */
 static int32_t sum_of(const current_sum_t *state, const current_sum_in_t *in)
 {
     int32_t sum = 0;
@@ -39,7 +43,7 @@ static int32_t sum_of(const current_sum_t *state, const current_sum_in_t *in)
     return sum;
 }
 
-/* The largest mean of |i_a + i_b + i_c| that is allowed at the currents of this window. */
+/* Returns the largest mean of |i_a + i_b + i_c| that is allowed at the currents of this window. */
 static uint32_t largest_sum(const current_sum_t *state, const supervision_cfg_t *cfg)
 {
     const uint64_t share = (uint64_t)state->flowing * fx_unsigned(cfg->sum_share_q15);

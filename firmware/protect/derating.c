@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "derating.h"
 
-#define HEAT_BITS (10U) /* of the heat: Q24 has so many more than Q14 */
+#define HEAT_BITS (10U) /* the heat has this many more fractional bits in Q24 than in Q14 */
 #define HEAT_MAX ((uint32_t)DERATING_HEAT_MAX_Q24)
 #define HEAT_MAX_BITS (30U)
 /* largest change of the heat in a period, so that the sum fits into a word */
@@ -9,8 +9,8 @@
 #define RATIO_BITS (16U)
 #define SPLIT_BITS (15U)
 #define SPLIT_MASK (0x7FFFU)
-#define VOLTAGE_SHIFT (2U) /* of the voltage's filter, in slow periods */
-/* largest distance beyond the zero of a fade; a heat is up to 2^20 */
+#define VOLTAGE_SHIFT (2U) /* the filter of the voltage has a time constant of 2^2 slow periods */
+/* an x further beyond the zero of a fade counts as this far; a heat is up to 2^20 */
 #define DISTANCE_MAX (65535)
 
 void derating_reset(derating_t *derating, const derating_cfg_t *cfg)
@@ -22,7 +22,7 @@ void derating_reset(derating_t *derating, const derating_cfg_t *cfg)
     };
 }
 
-/* (top + rest / 2^15) · 2^up, with rest below 2^15. Saturated, rounded down. */
+/* Returns (top + rest / 2^15) · 2^up, with rest below 2^15, saturated, rounded down. */
 static int32_t heat_shifted_up(uint32_t top, uint32_t rest, uint32_t up)
 {
     uint32_t heat = HEAT_MAX;
@@ -35,15 +35,16 @@ static int32_t heat_shifted_up(uint32_t top, uint32_t rest, uint32_t up)
 
         heat = (top << up) + lower;
     } else {
-        /* as hot as it can be */
+        /* saturated */
     }
     return (int32_t)((heat < HEAT_MAX) ? heat : HEAT_MAX);
 }
 
 /*
- * The heat in the other scale is heat · ratio · 2^(shift − SPLIT_BITS), with a ratio below 2^15.
- * Two products of 32 bits hold heat · ratio, because a Cortex-M0+ has no longer ones. Rounded down;
- * an equal configuration changes no bit.
+ * Converts the heat to the other scale: heat · ratio · 2^(shift − SPLIT_BITS), with a ratio below
+ * 2^15. The product heat · ratio is computed as two products of 32 bits, because a Cortex-M0+ has
+ * no multiplication with a longer result. Rounded down. If the scales are equal, no bit of the heat
+ * changes.
  */
 void derating_change(derating_t *derating, const derating_cfg_t *from, const derating_cfg_t *to)
 {
@@ -87,13 +88,13 @@ int32_t derating_share(const fade_t *fade, int32_t x)
     return share;
 }
 
-/* `current` · share. The largest share is one LSB below 1 and gives all of `current`. */
+/* Returns `current` · share. The largest share is one LSB below 1 and gives all of `current`. */
 static int32_t scaled(int32_t current, int32_t share)
 {
     return fx_asr((current * share) + FX_Q15_MAX, 15U);
 }
 
-/* change · 2^up / 2^down, at most STEP_MAX either way. */
+/* Returns change · 2^up / 2^down, limited to ±STEP_MAX. */
 static int32_t scaled_by(int32_t change, uint32_t up, uint32_t down)
 {
     int32_t result;
@@ -112,10 +113,10 @@ static int32_t scaled_by(int32_t change, uint32_t up, uint32_t down)
 }
 
 /*
- * Low-pass of the squared current. In the scale of the heat there is no room for the squares of
- * currents above some limit, at least four times the continuous current. Then the heat is shifted
- * into the scale of the square instead. Returns whether this current holds the heat above its
- * limit.
+ * Updates the heat: a low-pass of the squared current. The scale of the heat has no room for the
+ * squares of very large currents, beyond at least four times the continuous current. Then the heat
+ * is shifted into the scale of the square instead. Returns whether the heat is above its limit and
+ * this current would keep it there.
  */
 static bool heat_up(derating_t *derating, const derating_cfg_t *cfg, dq_t current)
 {
@@ -147,8 +148,8 @@ static uint32_t flag(uint32_t name, int32_t share)
 }
 
 /*
- * TEMPERATURE_SENSOR if a working sensor cannot have this count, else OVERTEMPERATURE. The limit is
- * the bound that the count is beyond.
+ * Returns TEMPERATURE_SENSOR if a working sensor cannot have this count, otherwise OVERTEMPERATURE.
+ * The limit of the fault is the bound that the count has passed.
  */
 static fault_t temperature_fault(const derating_cfg_t *cfg, int32_t raw)
 {
@@ -161,12 +162,14 @@ static fault_t temperature_fault(const derating_cfg_t *cfg, int32_t raw)
         fault.id = FAULT_OVERTEMPERATURE;
         fault.limit = cfg->temperature.zero;
     } else {
-        /* below its lowest */
+        /* below the lowest count of a working sensor */
     }
     return fault;
 }
 
-/* The share of the current that the temperature leaves; 0 if the temperature is not known. */
+/*
+ * Returns the share of the current that the temperature allows; 0 if the temperature is not known.
+ */
 static int32_t share_by_temperature(const derating_cfg_t *cfg, int32_t raw)
 {
     const bool known = (raw >= cfg->temperature_lowest) && (raw <= cfg->temperature_highest);
@@ -202,12 +205,12 @@ fault_id_t derating_step(derating_t *derating, const derating_cfg_t *cfg, dq_t c
         *fault = temperature_fault(cfg, raw);
         id = fault->id;
     } else {
-        /* neither */
+        /* no fault */
     }
     return id;
 }
 
-/* |i_q| that makes `power`, Q30 of I_b·U_b, at v_q, in either direction; at most current_max. */
+/* Returns the |i_q| that makes `power`, Q30 of I_b·U_b, at this v_q; at most current_max. */
 static int32_t current_of(const derating_cfg_t *cfg, int32_t power, int32_t voltage_q)
 {
     const uint32_t voltage = fx_unsigned(fx_max(fx_abs(voltage_q), 1));
@@ -216,7 +219,10 @@ static int32_t current_of(const derating_cfg_t *cfg, int32_t power, int32_t volt
     return fx_min(fx_signed(current), cfg->current_max);
 }
 
-/* Limit of |i_q|: the power that the bus may give or take, minus the power of i_d. */
+/*
+ * Returns the limit of |i_q|: the power that the bus may supply or absorb, minus the power of i_d,
+ * divided by v_q.
+ */
 static int32_t limit_by_power(const derating_cfg_t *cfg, int32_t largest, int32_t bus,
                               int32_t power_d, int32_t voltage_q)
 {
@@ -228,7 +234,10 @@ static int32_t limit_by_power(const derating_cfg_t *cfg, int32_t largest, int32_
     return limit;
 }
 
-/* i_q with the sign of v_q takes power; with the other sign it feeds power back. */
+/*
+ * Narrows the range of i_q to the limits of the bus current. i_q with the sign of v_q takes power
+ * from the bus, with the other sign it feeds power back.
+ */
 static torque_range_t limit_bus_current(derating_t *derating, const derating_cfg_t *cfg,
                                         const derating_motion_t *motion, torque_range_t range)
 {

@@ -58,9 +58,9 @@ typedef struct {
     int32_t heat_gain;
     int32_t heat_rate;        /* period / time constant = heat_rate / 2^(16 + heat_rate_shift) */
     uint32_t heat_rate_shift; /* 0…30 */
-    int32_t heat_max_q14;     /* OVERLOAD above it, 1…2^20 */
-    fade_t heat;              /* of current_max − current_continuous; x: heat, Q14 */
-    fade_t temperature;       /* of current_max; x: raw count of the sensor */
+    int32_t heat_max_q14;     /* a heat above this may lead to OVERLOAD, Q14, 1…2^20 */
+    fade_t heat;              /* share of current_max − current_continuous; x: heat, Q14 */
+    fade_t temperature;       /* share of current_max; x: raw count of the sensor */
     /*
      * counts that a working sensor can have; beyond them it is broken, and the share is 0. 0…65535
      */
@@ -68,11 +68,11 @@ typedef struct {
     int32_t temperature_highest;
     /* OVERTEMPERATURE or TEMPERATURE_SENSOR when the share is 0 for more periods than this */
     uint32_t temperature_periods;
-    fade_t bus_high;              /* of the braking current; x: bus */
-    fade_t bus_low;               /* of the motoring current; x: bus */
+    fade_t bus_high;              /* share of the braking current; x: bus */
+    fade_t bus_low;               /* share of the motoring current; x: bus */
     step_t regeneration_speed;    /* below this |speed| no current counts as braking, 0…2^29 */
     int32_t bus_current_max;      /* motoring, Q15 of 1.5·I_b, 0…32767, 0: no limit */
-    int32_t bus_regeneration_max; /* braking, likewise */
+    int32_t bus_regeneration_max; /* braking, Q15 of 1.5·I_b, 0…32767, 0: no limit */
 } derating_cfg_t;
 
 /* Flags of the limits that reduce the torque range now: motoring, braking or both. */
@@ -86,14 +86,17 @@ typedef struct {
 #define DERATING_HEAT_MAX_Q24 (0x40000000) /* the largest heat that is counted: 64 */
 
 typedef struct {
-    int32_t heat_q24;    /* 2^24 = steady state at the continuous current, 0…2^30 */
-    int32_t thermal;     /* current limit by heat and temperature */
-    uint32_t too_hot;    /* consecutive periods with a temperature share of 0, hot or not known */
-    int32_t motoring;    /* current limit by all but the bus current, 0…current_max */
-    int32_t braking;     /* likewise */
-    dq_t voltage;        /* of the motor, mean of some slow periods, ±32767 */
-    uint32_t flags_slow; /* of heat and temperature */
-    uint32_t flags;      /* DERATING_…, of all */
+    int32_t heat_q24; /* 2^24 = steady state at the continuous current, 0…2^30 */
+    int32_t thermal;  /* current limit by heat and temperature */
+    /* consecutive periods with a temperature share of 0: too hot, or not known */
+    uint32_t too_hot;
+    /* limit of the motoring current by all but the bus current, 0…current_max */
+    int32_t motoring;
+    /* limit of the braking current by all but the bus current, 0…current_max */
+    int32_t braking;
+    dq_t voltage;        /* demand, mean of some slow periods, Q15 of U_b, ±32767 */
+    uint32_t flags_slow; /* DERATING_…, of heat and temperature only */
+    uint32_t flags;      /* DERATING_…, of all limits */
 } derating_t;
 
 /* Returns the limit of the heat: heat_max_q14 as Q24. Pure. */
@@ -136,9 +139,9 @@ typedef struct {
 } derating_motion_t;
 
 /*
- * One slow period: limits and flags at this bus voltage. Returns the range of i_q*. Torque against
- * the speed counts as braking; for the bus current, braking is power that flows back. Rounds
- * towards less current.
+ * Call once per slow period: sets limits and flags for this bus voltage. Returns the range of i_q*.
+ * Torque against the speed counts as braking; for the bus current, braking means power that flows
+ * back. Rounds towards less current.
  */
 torque_range_t derating_range(derating_t *derating, const derating_cfg_t *cfg,
                               const derating_motion_t *motion);

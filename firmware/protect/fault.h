@@ -2,10 +2,10 @@
 /*
  * Faults: why the gates were opened, with the measured value and the limit.
  *
- * A check that can find a fault takes a `fault_t *fault`. It returns FAULT_NONE and leaves *fault
- * as it is; or it writes all of *fault but the tick, and returns the id. The drive latches a fault
- * in the tick that finds it. Derating only reduces the current and is not a fault, see derating.h.
- * Names, units and advice as text: fault_text.h.
+ * A check that can find a fault takes a `fault_t *fault`. Without a fault it returns FAULT_NONE and
+ * leaves *fault as it is. With a fault it writes all of *fault but the tick, and returns the id.
+ * The drive latches a fault in the tick that finds it. Derating only reduces the current and is not
+ * a fault, see derating.h. Names, units and advice as text: fault_text.h.
  */
 #ifndef FAULT_H
 #define FAULT_H
@@ -18,22 +18,24 @@
  */
 typedef enum {
     FAULT_NONE = 0,
-    FAULT_BREAK, /* comparator of the power stage, value: the largest phase current, limit: 0 */
+    /* the power stage has opened its gates by itself; value: the largest phase current, limit: 0 */
+    FAULT_BREAK,
     FAULT_OVERCURRENT,    /* value: the largest phase current */
     FAULT_OVERVOLTAGE,    /* value: bus */
     FAULT_UNDERVOLTAGE,   /* value: bus */
-    FAULT_CURRENT_OFFSET, /* value: offset of the worse sensor from mid-scale */
-    FAULT_ADC_SATURATED,  /* a current sample at an end of its converter, value as OVERCURRENT */
+    FAULT_CURRENT_OFFSET, /* value: the larger offset of the two sensors from mid-scale */
+    /* a current sample is at an end of the converter's range; value as OVERCURRENT */
+    FAULT_ADC_SATURATED,
     /*
-     * a current is constant while the rotor turns, value: its range; or, with open gates, a current
-     * flows and does not turn, value: the larger measured one
+     * a current is constant while the rotor turns, value: its range; or a current flows with open
+     * gates and its vector does not turn, value: the larger one of the two measured currents
      */
     FAULT_ADC_STUCK,
-    /* value: range of the weakest phase, its current, or error of the current */
+    /* value: range of the weakest phase, current of that phase, or error of the current control */
     FAULT_LOST_PHASE,
     FAULT_OVERLOAD,          /* i²t, value: heat, Q14, 1 = steady state at the continuous current */
     FAULT_OVERTEMPERATURE,   /* value: raw count of the sensor */
-    FAULT_OBSERVER_LOST,     /* value: mean error of the current of the model */
+    FAULT_OBSERVER_LOST,     /* value: mean of the error between measured and modelled current */
     FAULT_SPEED_IMPLAUSIBLE, /* value: |ω̂ − reference|, or |ω̂| at the observer's limit; step_t */
     FAULT_STALL,             /* value: |ω̂|, step_t */
     FAULT_OVERSPEED,         /* value: |ω̂|, step_t */
@@ -41,7 +43,8 @@ typedef enum {
     FAULT_CONFIGURATION,     /* value: CRC of the configuration, limit: the CRC stored with it */
     FAULT_STARTUP,           /* value, limit: see open_loop.c */
     FAULT_CURRENT_IMPLAUSIBLE, /* value: voltage that the measured current does not explain */
-    FAULT_OSCILLATION,         /* value: amplitude of i_q*, the frequency: oscillation.h */
+    /* value: amplitude of i_q*; the frequency follows from oscillation_t.span */
+    FAULT_OSCILLATION,
     /* value: raw count of the sensor, limit: the last count that a working sensor can have */
     FAULT_TEMPERATURE_SENSOR,
     /* value: mean of |i_a + i_b + i_c|, limit: the allowed mean at these currents */
@@ -52,7 +55,7 @@ typedef enum {
      * state_guard.h, or an index, config_guard.h
      */
     FAULT_MEMORY,
-    FAULT_COUNT /* number of entries, no fault */
+    FAULT_COUNT /* number of entries, not a fault */
 } fault_id_t;
 
 /* Fault, measured value, limit, and tick. Currents Q15 of I_b, bus Q15 of U_b. */

@@ -4,7 +4,7 @@
 #include <stddef.h>
 
 #define OF(number) ((uint32_t)1U << (uint32_t)(number))
-/* If derating leaves less torque than the load takes, one of these follows. */
+/* faults that follow when derating leaves less torque than the load takes */
 #define IN_RUN \
     (OF(FAULT_OSCILLATION) | OF(FAULT_OVERCURRENT) | OF(FAULT_OVERSPEED) | \
      OF(FAULT_SPEED_IMPLAUSIBLE) | OF(FAULT_OBSERVER_LOST) | OF(FAULT_STALL) | \
@@ -12,10 +12,11 @@
 #define ROWS (sizeof(advices) / sizeof(advices[0]))
 
 /*
- * The first row of a fault whose sign is present applies; the last row of each fault needs no sign.
+ * The advice of a fault is its first row whose sign is present. The last row of each fault needs no
+ * sign.
  */
 static const struct {
-    uint32_t faults; /* bit k: of the fault k */
+    uint32_t faults; /* bit k: the row is for the fault k */
     fault_sign_t sign;
     const char *text;
 } advices[] = {
@@ -172,7 +173,10 @@ const fault_text_t *fault_text(fault_id_t id)
     return &texts[(index < (unsigned int)FAULT_COUNT) ? index : 0U];
 }
 
-/* Index of the first row that has one of the faults and one of the signs; ROWS: there is none. */
+/*
+ * Returns the index of the first row that has one of the faults and one of the signs, or ROWS if
+ * there is none.
+ */
 static uint32_t find_row(uint32_t faults, uint32_t signs)
 {
     uint32_t k = 0U;

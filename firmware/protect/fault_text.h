@@ -29,29 +29,34 @@ typedef enum {
  * Signs: facts that the drive knows in addition to a fault; diagnosis.c decides which are present.
  */
 typedef enum {
-    FAULT_SIGN_NONE = 0,      /* no sign is needed */
-    FAULT_SIGN_DERATED_BUS,   /* in RUN a low bus leaves less than 3/4 of the motoring current */
-    FAULT_SIGN_DERATED_OTHER, /* likewise heat, temperature or the limit of the bus current */
-    FAULT_SIGN_SWING,         /* in RUN some half-waves of a swing had been seen */
+    FAULT_SIGN_NONE = 0,    /* no sign is needed */
+    FAULT_SIGN_DERATED_BUS, /* in RUN a low bus leaves less than 3/4 of the motoring current */
+    /* in RUN heat, temperature or the limit of the bus current leaves less than 3/4 of it */
+    FAULT_SIGN_DERATED_OTHER,
+    FAULT_SIGN_SWING, /* in RUN some half-waves of a swing were seen before the fault */
     /*
-     * a swing that the speed loop does not cause by itself has the frequency of the shaft, or half,
-     * twice or three times that
+     * The next four are for a swing that the speed loop does not cause by itself. SHAFT: its
+     * frequency is the frequency of the shaft, or 1/2, 2 or 3 times it.
      */
     FAULT_SIGN_SHAFT,
-    FAULT_SIGN_ELECTRIC,          /* … of the electrical turn, or twice that */
-    FAULT_SIGN_SHAFT_OR_ELECTRIC, /* … both, with few pole pairs */
-    FAULT_SIGN_SIX,               /* … six times the electrical turn */
-    /* a swing near the frequency at which the speed loop lags by half a turn */
+    FAULT_SIGN_ELECTRIC,          /* its frequency is the electrical frequency, or twice it */
+    FAULT_SIGN_SHAFT_OR_ELECTRIC, /* both of these fit, with few pole pairs */
+    FAULT_SIGN_SIX,               /* its frequency is six times the electrical frequency */
+    /* a swing near the frequency at which the speed loop has a phase lag of 180° */
     FAULT_SIGN_LAG,
-    /* noise of the current sensors at rest is large against the residual that the start allows */
+    /*
+     * the noise of the current sensors at rest is large compared with the residual that the start
+     * allows
+     */
     FAULT_SIGN_NOISE,
-    FAULT_SIGN_PROBE,        /* the motor was being measured */
-    FAULT_SIGN_ALIGN,        /* the rotor was being aligned, R and L measured */
-    FAULT_SIGN_START,        /* the start had aligned the rotor and held or turned it */
-    FAULT_SIGN_OPEN_GATES,   /* nothing was driven */
-    FAULT_SIGN_BRAKES,       /* the torque was against the speed, or a high bus took it away */
-    FAULT_SIGN_SLOW,         /* in RUN, slower than the hand-over speed of the start */
-    FAULT_SIGN_NOT_FOLLOWED, /* the rotor did not turn with the vector of the start */
+    FAULT_SIGN_PROBE,      /* the drive was in PROBE */
+    FAULT_SIGN_ALIGN,      /* the drive was in ALIGN */
+    FAULT_SIGN_START,      /* the rotor was aligned, and an imposed current held or turned it */
+    FAULT_SIGN_OPEN_GATES, /* nothing was driven */
+    /* the torque was against the speed, or a high bus had derated such a torque */
+    FAULT_SIGN_BRAKES,
+    FAULT_SIGN_SLOW,         /* the drive was in RUN below the hand-over speed */
+    FAULT_SIGN_NOT_FOLLOWED, /* the rotor did not follow the imposed vector */
     FAULT_SIGN_RUN,          /* the drive was in RUN */
     FAULT_SIGN_SENSED,       /* a sensor measures the angle */
     /* one of the two measured phases does not change while the other does */
@@ -73,8 +78,9 @@ typedef struct {
 const fault_text_t *fault_text(fault_id_t id);
 
 /*
- * One line, ASCII: the likeliest cause and what to do, a semicolon, and what to try next. signs:
- * bit k stands for the sign k. Without any sign it names the most frequent cause. Never NULL.
+ * Returns one line in ASCII: the likeliest cause and what to do, a semicolon, and what to try next.
+ * signs: bit k stands for the sign k. Without any sign it names the most frequent cause. Never
+ * NULL.
  */
 const char *fault_advice(fault_id_t id, uint32_t signs);
 

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 #include "oscillation.h"
 
-/* i_q* has turned when it has come back by a quarter of the last half-wave */
+/* a turning point is found when i_q* has come back from it by 1/4 of the last half-wave */
 #define BACK_SHIFT (2U)
-/* in a half-wave, so a swing is not faster than a quarter of the slow rate */
+/*
+ * slow periods that a half-wave takes at least, so a swing is not faster than 1/4 of the slow rate
+ */
 #define PERIODS_LEAST (2U)
-#define HIGHEST_SHIFT (1U) /* a run ends below a half of its highest half-wave */
+#define HIGHEST_SHIFT (1U) /* a half-wave lower than 1/2 of the highest one ends the run */
 
-/* Word by word: a library's memset takes five times as long. */
+/* Clears word by word, because a library's memset takes five times as long. */
 void oscillation_reset(oscillation_t *state)
 {
     state->now = 0U;
@@ -26,7 +28,7 @@ void oscillation_reset(oscillation_t *state)
     state->span = 0U;
 }
 
-/* No half-wave counts, and the next one begins here. */
+/* Forgets all half-waves of the run. The next half-wave begins here. */
 static void forget_run(oscillation_t *state, const oscillation_cfg_t *cfg, int32_t current)
 {
     state->extreme = current;
@@ -38,8 +40,8 @@ static void forget_run(oscillation_t *state, const oscillation_cfg_t *cfg, int32
 }
 
 /*
- * Half to twice as long as `before`, and longer than the single period after which noise mostly
- * turns.
+ * Whether a half-wave is half to twice as long as `before`, and at least two periods long, because
+ * noise mostly turns after a single one.
  */
 static bool is_as_long(uint32_t periods, uint32_t before)
 {
@@ -67,7 +69,7 @@ static void count_half(oscillation_t *state, int32_t height)
     *before = periods;
 }
 
-/* i_q* has turned at its extreme and is on its way in the other direction, at `current`. */
+/* Ends a half-wave: i_q* has turned at its extreme, and has come back to `current`. */
 static void end_half(oscillation_t *state, const oscillation_cfg_t *cfg, int32_t current)
 {
     const int32_t height = fx_abs(state->extreme - state->turned);
@@ -106,7 +108,7 @@ static fault_id_t follow_wave(oscillation_t *state, const oscillation_cfg_t *cfg
             id = end_swing(state, cfg, current, fault);
         }
     } else {
-        /* on its way back, or ripple */
+        /* i_q* has turned but not come back far enough, or this is ripple */
     }
     if ((state->now - state->since) > cfg->periods_max) {
         forget_run(state, cfg, current);

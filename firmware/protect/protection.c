@@ -35,7 +35,7 @@ static fault_id_t first_fault(const protection_limits_t *limits, const sample_t 
     return id;
 }
 
-/* The largest magnitude of the three phase currents. */
+/* Returns the largest magnitude of the three phase currents. */
 static int32_t largest_current(const sample_t *in)
 {
     const int32_t a = in->phase_a;

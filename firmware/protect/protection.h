@@ -2,8 +2,8 @@
 /*
  * Protection: the limits of a single sample. A sample beyond a limit opens the gates at once.
  *
- * The drive calls it in every control tick before the control. It latches the fault and opens the
- * gates in the same tick. Pure. Currents Q15 of I_b, bus Q15 of U_b.
+ * The drive checks each sample before it controls. It latches a fault and opens the gates in the
+ * same tick. Pure. Currents Q15 of I_b, bus Q15 of U_b.
  */
 #ifndef PROTECTION_H
 #define PROTECTION_H
@@ -22,8 +22,8 @@ typedef struct {
 } protection_cfg_t;
 
 /*
- * The limits in force. Each is the configured limit, or one that no sample reaches while its check
- * is off (protection_limits()).
+ * The limits in force. Each is the configured limit or, while its check is off, a limit that no
+ * sample reaches (protection_limits()).
  */
 typedef struct {
     int32_t current_max;
@@ -31,14 +31,17 @@ typedef struct {
     int32_t bus_min;
 } protection_limits_t;
 
-/* What the converter has sampled at one instant, per unit, the offsets removed. */
+/* The samples of one instant, per unit, corrected by the offsets. */
 typedef struct {
     int32_t phase_a; /* −16384…16383 */
     int32_t phase_b;
     int32_t bus; /* 0…32767 */
 } sample_t;
 
-/* Over-voltage is always checked; currents and under-voltage only while the drive runs. */
+/*
+ * Returns the limits in force. Over-voltage is always checked; currents and under-voltage only
+ * while the drive runs.
+ */
 protection_limits_t protection_limits(const protection_cfg_t *cfg, bool running);
 
 /*

@@ -28,8 +28,8 @@ void safe_state_break(safe_state_t *safe)
 }
 
 /*
- * Whether the rotor is too fast for open gates: the current has changed by more than a slow rotor
- * changes it. This is judged at the end of each span only.
+ * Whether the rotor is too fast for open gates: within a span the current has changed by change_min
+ * or more. This is judged at the end of each span only.
  */
 static bool is_fast(safe_state_t *safe, const safe_state_cfg_t *cfg, ab_t current)
 {

@@ -30,14 +30,17 @@
 #include <stdint.h>
 
 typedef struct {
-    /* opening the gates is safe up to this speed, 0…2^29; 0: always, the motor is never shorted */
+    /*
+     * opening the gates is safe up to this speed, 0…2^29; 0: safe at any speed, so the motor is
+     * never shorted
+     */
     step_t open_speed;
-    uint32_t span_ticks; /* a change of the current is taken over so many ticks, 0…1024 */
-    /* a smaller change shows a rotor that is slow enough, Q15 of I_b, 0…32767 */
+    uint32_t span_ticks; /* the change of the current is measured over this many ticks, 0…1024 */
+    /* a change below this shows that the rotor is slow enough, Q15 of I_b, 0…32767 */
     int32_t change_min;
     /*
-     * the gates open after so many ticks without a large change and with the bus within its limit,
-     * 0…2^20
+     * the gates open after this many ticks without a large change and with the bus within its
+     * limit, 0…2^20
      */
     uint32_t settle_ticks;
 } safe_state_cfg_t;
@@ -50,34 +53,39 @@ typedef enum {
 
 typedef struct {
     safe_state_phase_t phase;
-    uint32_t ticks;      /* of this span, 0…1023 */
-    ab_t before;         /* current at its beginning */
-    uint32_t slow_ticks; /* without a large change and with the bus within its limit, 0…2^20 */
+    uint32_t ticks; /* ticks of this span so far, 0…1023 */
+    ab_t before;    /* current at the beginning of this span */
+    /* ticks without a large change and with the bus within its limit, 0…2^20 */
+    uint32_t slow_ticks;
 } safe_state_t;
 
-/* What is measured in a tick. */
+/* Measured values of a tick. */
 typedef struct {
-    ab_t current;    /* −16384…16383, −28379…28379 */
+    ab_t current;    /* alpha −16384…16383, beta −28379…28379 */
     int32_t bus;     /* 0…32767 */
     int32_t bus_max; /* 1…32766 */
 } safe_state_in_t;
 
-/* Open, and nothing is broken. */
+/* Goes to SAFE_STATE_OPEN, also from SAFE_STATE_BROKEN. */
 void safe_state_reset(safe_state_t *safe);
 
 /*
- * The drive stops driving in this tick. `speed`, 0…2^30, is an upper bound on the speed of the
- * rotor. If it is above cfg->open_speed, the motor is shorted.
+ * Call in the tick in which the drive stops driving. `speed`, 0…2^30, is an upper bound on the
+ * speed of the rotor. If it is above cfg->open_speed, the motor is shorted; otherwise the gates
+ * open.
  */
 void safe_state_leave(safe_state_t *safe, const safe_state_cfg_t *cfg, step_t speed);
 
-/* The power stage has opened the gates by itself. They stay open until safe_state_reset(). */
+/*
+ * Call when the power stage has opened the gates by itself. They stay open until
+ * safe_state_reset().
+ */
 void safe_state_break(safe_state_t *safe);
 
 /*
- * One tick that drives nothing. A bus above its limit shorts the motor too: a load turns it, and
- * the diodes charge the bus. Returns true when all low sides must be on, false when the gates must
- * be open.
+ * Call in each tick that drives nothing. Returns true when all low sides must be on, false when the
+ * gates must be open. A bus above its limit also shorts the motor, because it shows that a load
+ * turns the rotor and the diodes charge the bus.
  */
 bool safe_state_step(safe_state_t *safe, const safe_state_cfg_t *cfg, const safe_state_in_t *in);
 
