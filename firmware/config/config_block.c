@@ -11,7 +11,7 @@
 #define POLE_PAIRS_MAX (50U)
 #define SPEED_MAX_RPM (200000)
 
-/* No padding, so a config_block_t in memory is the block, word by word. */
+/* There is no padding, so the words of a config_block_t in memory are the words of the block. */
 #define BYTES_BEFORE_NAME (32U) /* eight words */
 _Static_assert(offsetof(config_block_t, about.name) == BYTES_BEFORE_NAME,
                "padding before the name");
@@ -21,7 +21,7 @@ _Static_assert(sizeof(config_block_t) ==
                    (offsetof(config_block_t, cfg) + sizeof(drive_cfg_t) + WORDS_BYTES),
                "padding behind the configuration");
 
-/* The offset of word `at`, bytes. */
+/* Returns the offset of word `at` in bytes. */
 static uint32_t block_offset(uint32_t at)
 {
     return at * WORDS_BYTES;
@@ -61,7 +61,7 @@ void config_block_set_word(config_block_t *block, uint32_t at, uint32_t word)
     }
 }
 
-/* The CRC of all words but the last. */
+/* Returns the CRC of all words but the last. */
 static uint32_t block_crc(const config_block_t *block)
 {
     const uint8_t *const bytes = (const uint8_t *)block;
@@ -102,7 +102,10 @@ void config_block_decode(config_block_t *block, const uint8_t *bytes)
     }
 }
 
-/* Returns `before`, unless it is good and these two numbers differ. */
+/*
+ * Returns a verdict with `fault` if `before` is good and these two numbers differ; otherwise
+ * returns `before`.
+ */
 static config_block_verdict_t compare(config_block_verdict_t before, config_block_fault_t fault,
                                       uint32_t found, uint32_t expected)
 {
@@ -114,7 +117,7 @@ static config_block_verdict_t compare(config_block_verdict_t before, config_bloc
     return verdict;
 }
 
-/* The path of the first setting that is wrong, or NULL. */
+/* Returns the path of the first setting that is wrong, or NULL. */
 static const char *bad_setting(const config_block_t *block)
 {
     const config_about_t *const about = &block->about;
@@ -131,7 +134,7 @@ static const char *bad_setting(const config_block_t *block)
     } else if ((bad == NULL) && (config_guard_crc(&block->cfg) != block->cfg.crc)) {
         bad = "crc";
     } else {
-        /* what config_check() says */
+        /* `bad` is the result of config_check() */
     }
     return bad;
 }

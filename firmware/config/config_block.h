@@ -44,7 +44,7 @@ typedef struct {
 /* Facts about the motor that the integers do not contain. */
 typedef struct {
     uint32_t pole_pairs;   /* 1…50 */
-    int32_t speed_max_rpm; /* of the shaft, either way, 1…200000 */
+    int32_t speed_max_rpm; /* highest speed of the shaft, in either direction, 1…200000 */
     /* 1: an example motor of the project, so nobody has said which motor is connected; else 0 */
     uint32_t is_example;
     /* names of motor, board and tuning: text, then zeros; the last byte is always 0 */
@@ -54,7 +54,7 @@ typedef struct {
 typedef struct {
     uint32_t magic;
     uint32_t version;
-    uint32_t words; /* of the block, with its CRC */
+    uint32_t words; /* length of the block, with its CRC */
     config_identity_t identity;
     config_about_t about;
     drive_cfg_t cfg;
@@ -66,10 +66,10 @@ typedef struct {
 
 typedef enum {
     CONFIG_BLOCK_GOOD = 0,
-    CONFIG_BLOCK_NO_BLOCK,      /* another magic */
-    CONFIG_BLOCK_OTHER_VERSION, /* of the layout */
+    CONFIG_BLOCK_NO_BLOCK,      /* the magic number differs: this is not a block */
+    CONFIG_BLOCK_OTHER_VERSION, /* the layout has another version */
     CONFIG_BLOCK_OTHER_LENGTH,
-    CONFIG_BLOCK_BROKEN, /* the CRC */
+    CONFIG_BLOCK_BROKEN, /* the CRC does not match */
     CONFIG_BLOCK_OTHER_SCHEMA,
     CONFIG_BLOCK_OTHER_BOARD,
     CONFIG_BLOCK_BAD_SETTING, /* out of its range, or against a rule of config_check.h */

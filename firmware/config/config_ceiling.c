@@ -4,7 +4,10 @@
 #include "config_rule.h"
 
 #define RATE_SHIFT_MAX (30U)
-/* a rate may be lower by less than 1/1024: it is rounded, and its mantissa has 14 bits at least */
+/*
+ * A rate may be lower than the rate of the image by less than 1/1024, because it is rounded and its
+ * mantissa has at least 14 bits.
+ */
 #define ROUNDING (1024U)
 
 /*
@@ -20,13 +23,14 @@ static bool ends_later(const fade_t *image, const fade_t *fade)
     } else if (image->gain < 0) {
         later = (fade->gain >= 0) || (fade->zero < image->zero);
     } else {
-        /* the image takes nothing either */
+        /* the image has no such derating either */
     }
     return later;
 }
 
 /*
- * A rate per supervision period, scaled to a common exponent. The tuning sets how long a period is.
+ * Returns the heat rate per supervision period, scaled to a common exponent. The length of a period
+ * depends on the tuning.
  */
 static uint64_t rate_of(const drive_cfg_t *cfg)
 {
@@ -36,8 +40,8 @@ static uint64_t rate_of(const drive_cfg_t *cfg)
 }
 
 /*
- * Whether the winding of `cfg` warms more slowly. It compares rate / slow_ticks, both sides
- * multiplied by both slow_ticks.
+ * Whether the heat of `cfg` rises more slowly than the heat of the image. The function compares
+ * rate / slow_ticks, both sides multiplied by both slow_ticks.
  */
 static bool warms_later(const drive_cfg_t *image, const drive_cfg_t *cfg)
 {
@@ -48,8 +52,8 @@ static bool warms_later(const drive_cfg_t *image, const drive_cfg_t *cfg)
 }
 
 /*
- * Whether the stage may be hot for longer. A time is rounded up to whole periods, so one period
- * more is allowed.
+ * Whether the power stage may be too hot for longer than in the image. Times are rounded up to
+ * whole periods, so one period more is allowed.
  */
 static bool waits_longer(const drive_cfg_t *image, const drive_cfg_t *cfg)
 {

@@ -4,7 +4,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* `before` when a setting before this one differs, else `path` when this one does, else NULL. */
+/*
+ * Returns `before` if it is not NULL: an earlier setting differs. Otherwise returns `path` if this
+ * setting differs, and NULL if it does not.
+ */
 static const char *first_different(const char *before, const char *path, bool differs)
 {
     const char *result = before;
@@ -15,7 +18,7 @@ static const char *first_different(const char *before, const char *path, bool di
     return result;
 }
 
-/* The first row for which the drive has to be at rest. */
+/* Returns the path of the first REST row in which the configurations differ, or NULL. */
 static const char *compare_rows(const drive_cfg_t *from, const drive_cfg_t *to)
 {
     const char *refused = NULL;

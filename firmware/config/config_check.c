@@ -15,7 +15,7 @@
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
                "words_get() reads the memory of the host");
 
-/* When the range of a row counts. */
+/* Condition under which the range of a row is checked. */
 typedef enum {
     CONFIG_USE_ALWAYS = 0,
     CONFIG_USE_STARTUP,      /* startup.current_hold is not 0 */
@@ -32,7 +32,7 @@ typedef struct {
     uint8_t use;     /* config_use_t */
 } config_row_t;
 
-/* `bad` when something was wrong before, else `name` when lower is above upper, else NULL. */
+/* Returns `bad` if it is not NULL; otherwise `name` if lower > upper, and NULL if not. */
 static const char *in_order(const char *bad, const char *name, int64_t lower, int64_t upper)
 {
     const char *result = bad;
@@ -52,8 +52,8 @@ static bool lies_outside(const config_row_t *row, const drive_cfg_t *cfg)
 }
 
 /*
- * The path of the first row of this use whose setting is out of its range, in the order of cfg.def;
- * NULL: there is none. A row of CFG_BOTH becomes two here, the second one for the start-up.
+ * Returns the path of the first row of this use whose setting is out of its range, in the order of
+ * cfg.def, or NULL. A row of CFG_BOTH becomes two here, the second one for the start-up.
  */
 static const char *first_outside(const drive_cfg_t *cfg, config_use_t use)
 {
@@ -95,8 +95,8 @@ static const char *check_rows(const drive_cfg_t *cfg)
 }
 
 /*
- * The limits of the currents. With any offset, a sample at an end of the converter range has to
- * exceed the over-current limit, see protection.h.
+ * Checks the limits of bus and currents. With any allowed offset, a sample at an end of the
+ * converter's range has to exceed the over-current limit, see protection.h.
  */
 static const char *check_limits(const char *before, const drive_cfg_t *cfg)
 {

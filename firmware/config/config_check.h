@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Whether the arithmetic can take a configuration: first the ranges of cfg.def, then the rules
- * between two settings.
+ * Checks whether the arithmetic can work with a configuration: first the ranges of cfg.def, then
+ * the rules between two settings.
  */
 #ifndef CONFIG_CHECK_H
 #define CONFIG_CHECK_H
@@ -9,8 +9,9 @@
 #include "drive_cfg.h"
 
 /*
- * Check every setting but crc. Returns NULL when all are right, else the path in drive_cfg_t of the
- * first that is not, as a constant string ("startup.align.sweep_speed"). Pure, any context.
+ * Check every setting but crc. Returns NULL when all are right. Otherwise it returns the path in
+ * drive_cfg_t of the first one that is not, as a constant string ("startup.align.sweep_speed").
+ * Pure, any context.
  */
 const char *config_check(const drive_cfg_t *cfg);
 

@@ -4,7 +4,7 @@
 #include "crc32.h"
 #include "inlining.h"
 
-/* all before the last field, crc */
+/* all fields before the last one, crc */
 #define GUARDED_BYTES (sizeof(drive_cfg_t) - sizeof(uint32_t))
 #define BYTES_AT_ONCE (4U)
 
@@ -44,7 +44,10 @@ static fault_id_t check_next_word(config_guard_t *guard, const drive_cfg_t *cfg,
     return id;
 }
 
-/* A bit of the index has flipped by itself: the index would lead out of the configuration. */
+/*
+ * Begins again at the first byte, and finds MEMORY: a bit of the index has flipped by itself, and
+ * the index is beyond the configuration.
+ */
 RARE static fault_id_t begin_again(config_guard_t *guard, fault_t *fault)
 {
     const uint32_t end = GUARDED_BYTES;

@@ -5,15 +5,15 @@
 #include "config_rule.h"
 #include "fx.h"
 
-/* Whether a limit is higher, or gone. 0 means that there is no limit. */
+/* Whether a limit has become higher or has been removed. 0 means that there is no limit. */
 static bool is_lifted(uint32_t from, uint32_t to)
 {
     return (from != 0U) && ((to == 0U) || (to > from));
 }
 
 /*
- * Whether a time is longer. It counts periods, which are as long as the tuning makes them, and is
- * rounded up to whole ones.
+ * Whether a time has become longer. It is a number of periods, whose length depends on the tuning.
+ * It is rounded up to whole periods, so a difference of less than one period does not count.
  */
 static bool is_longer(const drive_cfg_t *from, uint32_t from_periods, const drive_cfg_t *to,
                       uint32_t to_periods)
@@ -24,8 +24,8 @@ static bool is_longer(const drive_cfg_t *from, uint32_t from_periods, const driv
 }
 
 /*
- * Whether the threshold at which a check begins is less than half. If it moved far enough, the
- * check would never begin.
+ * Whether the threshold at which a check begins has fallen below half. With a threshold that is low
+ * enough the check would never begin.
  */
 static bool is_half(int32_t from, int32_t to)
 {
@@ -33,15 +33,18 @@ static bool is_half(int32_t from, int32_t to)
 }
 
 /*
- * Whether the gates may open at more than twice the speed. Above it a stop shorts the motor; 0:
- * never.
+ * Whether the gates may open at more than twice the speed as before. Above open_speed a stop shorts
+ * the motor; with 0 it never does.
  */
 static bool is_open_further(step_t from, step_t to)
 {
     return (from != 0) && ((to == 0) || ((to / 2) > from));
 }
 
-/* The first setting that protects less than the same setting of `from`. */
+/*
+ * Returns the path of the first setting that protects less than the same setting of `from`, or
+ * NULL.
+ */
 static const char *choice_refused(const drive_cfg_t *from, const drive_cfg_t *to)
 {
     const supervision_cfg_t *const before = &from->supervision;
@@ -77,8 +80,8 @@ static const char *choice_refused(const drive_cfg_t *from, const drive_cfg_t *to
 }
 
 /*
- * In the order of the paths below. Times are in ticks: 100 ticks · 10^6 periods = 10^8 fit into a
- * word.
+ * The limits are in the order of `paths` below. Times are in ticks: 100 ticks · 10^6 periods = 10^8
+ * fit into a word.
  */
 void config_lock_keep(config_lock_t *lock, const drive_cfg_t *cfg)
 {
@@ -93,7 +96,10 @@ void config_lock_keep(config_lock_t *lock, const drive_cfg_t *cfg)
          fx_unsigned(now->sum_share_q15), fx_unsigned(cfg->oscillation.amplitude_max)}};
 }
 
-/* The first limit that is more than twice as wide as the one that was unlocked last. */
+/*
+ * Returns the path of the first limit that is more than twice as wide as the limit in `lock`, or
+ * NULL.
+ */
 static const char *limit_refused(const config_lock_t *lock, const drive_cfg_t *to)
 {
     static const char *const paths[CONFIG_LOCK_LIMITS] = {

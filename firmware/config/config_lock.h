@@ -10,8 +10,9 @@
  *
  * Limits that follow from the constants of the motor may become twice as wide, because they do so
  * when somebody corrects these constants. These are the limits of the supervision, the amplitude of
- * a swing, and the speed up to which the gates open. For most of them twice is counted from the
- * configuration that was unlocked last, so that many small changes lead no further than one.
+ * a swing, and the speed up to which the gates open. For most of them the factor of two is relative
+ * to the configuration that was unlocked last, so many small changes cannot widen a limit further
+ * than one change.
  *
  * Pure. Context: background.
  */
@@ -22,14 +23,17 @@
 
 #define CONFIG_LOCK_LIMITS (12U)
 
-/* The limits that follow from the constants of the motor, as they were unlocked last. */
+/*
+ * Copy of the limits that follow from the constants of the motor, taken at the start and whenever
+ * an unlocked configuration is taken over.
+ */
 typedef struct {
     uint32_t limits[CONFIG_LOCK_LIMITS];
 } config_lock_t;
 
 /*
- * Keeps the limits of `cfg` as the ones that were unlocked last. Call at the start, and when an
- * unlocked configuration is taken.
+ * Copies the limits of `cfg` to `lock`. Call at the start, and when an unlocked configuration is
+ * taken over.
  */
 void config_lock_keep(config_lock_t *lock, const drive_cfg_t *cfg);
 

@@ -37,29 +37,38 @@ typedef struct {
     uint32_t sensor_pole_pairs; /* electrical turns per turn of the angle sensor, 0…50; 0: none */
 } sampling_cfg_t;
 
-/* RUN, with or without a start-up. */
+/* Settings of RUN, used with and without a start-up. */
 typedef struct {
     /*
      * share of a change of the speed reference by which ω̂ changes at once, 0…16384; 0: the
-     * published law. In torque control it is a share of the change of speed that the torque causes
+     * published observer, without feed-forward. In torque control it is a share of the change of
+     * speed that the torque causes
      */
     int32_t acceleration_q14;
 } run_cfg_t;
 
-/* RUN without current regulators. */
+/* The voltage drive: RUN without current regulators. */
 typedef struct {
-    /* 0: never; 1: when a speed is commanded and the conditions of voltage_drive.h hold */
+    /*
+     * 0: the voltage drive is never used; 1: it is used when a speed is commanded and the
+     * conditions of voltage_drive.h hold
+     */
     uint32_t enabled;
     pi_cfg_t pi;      /* speed error Q15 of 2·Ω_b in, U in Q15 of U_b out; paper B (28)–(30) */
     step_t speed_min; /* current control below this speed, 0…2^29 */
     uint32_t settle_periods; /* slow periods for which the conditions must hold, 1…10000 */
     phase_compensator_cfg_t compensator;
-    virtual_resistance_cfg_t damping; /* of the natural mode of the currents */
+    /* virtual resistance, damps the natural oscillation of the currents */
+    virtual_resistance_cfg_t damping;
 } voltage_drive_cfg_t;
 
 /* The line between the drive and a PC. */
 typedef struct {
-    uint32_t timeout_ticks; /* the drive stops after so long without a message, 0…2^30; 0: never */
+    /*
+     * the drive stops after this many ticks without a message, 0…2^30; 0: it does not stop for this
+     * reason
+     */
+    uint32_t timeout_ticks;
 } link_cfg_t;
 
 /* The parts that a tick of RUN uses come first, see drive_t. */

@@ -15,21 +15,22 @@ typedef struct {
     flying_start_cfg_t flying_start;
     align_cfg_t align;
     /*
-     * imposed at standstill, Q15 of I_b, 1…16384. 0: no start-up; RUN begins and assumes that the
-     * rotor is at rest at angle 0
+     * current imposed at standstill, Q15 of I_b, 1…16384. 0: no start-up; RUN begins and assumes
+     * that the rotor is at rest at angle 0
      */
     int32_t current_hold;
-    int32_t current_move;  /* imposed while the reference moves, Q15 of I_b, current_hold…16384 */
+    /* current imposed while the reference moves, Q15 of I_b, current_hold…16384 */
+    int32_t current_move;
     int32_t current_slope; /* change of the imposed current per tick, Q15 of I_b, 1…16384 */
     /*
-     * beyond these an imposed current is controlled firmly, along its vector and across it, Q15 of
-     * I_b, 1…16384
+     * limits beyond which an imposed current is controlled firmly: along its vector and across it,
+     * Q15 of I_b, 1…16384
      */
     int32_t along_max;
     int32_t across_max;
     step_t ramp; /* speed mode: largest change of the vector's speed per slow period, 1…2^29 */
     /*
-     * from this speed of the vector on the observer runs free; below, it follows the vector,
+     * at this speed of the vector and above, the observer is trained; below, it follows the vector,
      * 1…handover_speed
      */
     step_t track_speed;
@@ -59,12 +60,12 @@ typedef struct {
      */
     int32_t residual_lost;
     /*
-     * … the start is repeated when the slow periods with it outnumber the others by so many,
-     * 1…60000
+     * … the start is repeated when the number of slow periods with such a residual exceeds the
+     * number of the others by this, 1…60000
      */
     uint32_t lost_periods;
     uint32_t settle_periods; /* slow periods that HANDOVER takes at least, 0…handover_periods − 1 */
-    /* slow periods that HANDOVER may take; after them the start is repeated, 1…60000 */
+    /* slow periods that HANDOVER may take; then the start is repeated, 1…60000 */
     uint32_t handover_periods;
     uint32_t attempts; /* failed starts until FAULT_STARTUP, 1…100 */
 } startup_cfg_t;

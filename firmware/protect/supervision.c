@@ -1,20 +1,27 @@
 /* SPDX-License-Identifier: MIT */
 #include "supervision.h"
 
-/* half a turn: over it the current of each phase changes by at least the length of the vector */
+/*
+ * An arc is half an electrical turn: in it the current of each phase changes by at least the length
+ * of the current vector.
+ */
 #define ARC_Q16 (32768)
 #define ARC_SAMPLES_MIN (8U)
-#define ARCS_MAX (3U)        /* a load step can make one arc lopsided, two at most */
-#define WEAK_SHARE_LOG2 (3U) /* a phase is weak below an eighth of the strongest */
+/*
+ * A phase that is weak in this many arcs in a row is a fault. A load step can make one arc
+ * lopsided, two at most.
+ */
+#define ARCS_MAX (3U)
+#define WEAK_SHARE_LOG2 (3U) /* a phase is weak if its range is below 1/8 of the largest one */
 #define ROOT_3_HALF_Q15 (28378)
 #define NO_PHASE (SUPERVISION_PHASES)
-/* φ̂ settles and is compared over 2^4 windows of a mean: about a second */
+/* φ̂ settles, and is compared with its mean, over 2^4 windows of the other means: about a second */
 #define FLUX_TIME_SHIFT (4U)
 #define EMF_SHARE_SHIFT (2U)
 #define Q30_TO_Q14 (16U)
 #define FLUX_OF_FILE_Q30 (0x40000000)
 
-/* Word by word: a library's memset takes five times as long. */
+/* Clears word by word, because a library's memset takes five times as long. */
 void supervision_forget_imposed(supervision_t *state)
 {
     state->absent = NO_PHASE;
@@ -79,8 +86,8 @@ static int32_t range_of(const supervision_t *state, uint32_t phase)
 }
 
 /*
- * The fault of a weak phase: an open wire has no current, a dead channel reads a constant one.
- * Phase c is not measured, so it has no channel that can be dead.
+ * Returns the fault of a weak phase. An open wire carries no current, a dead channel reads a
+ * constant one. Phase c is not measured, so it has no channel that can be dead.
  */
 static fault_t suspect(const supervision_t *state, const supervision_cfg_t *cfg, uint32_t weak,
                        int32_t current, int32_t limit)
@@ -94,7 +101,7 @@ static fault_t suspect(const supervision_t *state, const supervision_cfg_t *cfg,
     };
 }
 
-/* The end of an arc: finds the weak phase, and counts its arcs in a row. */
+/* Ends an arc: finds the weak phase, and counts the arcs in a row in which it was weak. */
 static fault_id_t compare_phases(supervision_t *state, const supervision_cfg_t *cfg,
                                  const int32_t current[SUPERVISION_PHASES], fault_t *fault)
 {
@@ -123,7 +130,7 @@ static fault_id_t compare_phases(supervision_t *state, const supervision_cfg_t *
     return id;
 }
 
-/* Electrical turns since the start of this arc, wrapping. */
+/* Returns the electrical turns since the start of this arc, Q16, wrapping. */
 static int32_t turned_q16(const supervision_t *state, int32_t turns_q16)
 {
     const uint32_t turned = fx_unsigned(turns_q16) - fx_unsigned(state->start_q16);
@@ -161,8 +168,8 @@ fault_id_t supervision_check_phases(supervision_t *state, const supervision_cfg_
 }
 
 typedef struct {
-    uint32_t phase;  /* that should have a current and has none; NO_PHASE: there is none */
-    int32_t current; /* measured in it, absolute */
+    uint32_t phase;  /* phase that should carry a current and does not; NO_PHASE: there is none */
+    int32_t current; /* magnitude of the current measured in this phase */
 } absent_t;
 
 static absent_t absent_phase(const supervision_cfg_t *cfg, const supervision_imposed_t *in)
@@ -201,7 +208,7 @@ fault_id_t supervision_check_imposed(supervision_t *state, const supervision_cfg
         id = FAULT_CURRENT_IMPLAUSIBLE;
         *fault = (fault_t){.id = id, .value = voltage, .limit = voltage_max};
     } else {
-        /* as it should be */
+        /* no fault */
     }
     return id;
 }
@@ -246,8 +253,9 @@ void supervision_forget_flux(supervision_t *state)
 }
 
 /*
- * The allowed change of the EMF: a share of the EMF, and a part for dead time and resistance. In
- * healthy drives whose files do not fit, changes of up to half of it were measured.
+ * Returns the allowed change of the EMF: a share of the EMF, and a part for dead time and
+ * resistance. In healthy drives whose files do not fit, changes of up to half of this limit were
+ * measured.
  */
 static int32_t emf_change_max(const supervision_cfg_t *cfg, int32_t emf)
 {
@@ -276,7 +284,7 @@ fault_id_t supervision_check_flux(supervision_t *state, const supervision_cfg_t 
     return id;
 }
 
-/* Adds a sample to a mean; returns the mean without it. */
+/* Adds a sample to a mean. Returns the mean before this sample. */
 static int32_t average(int32_t *sum, int32_t sample, uint32_t shift)
 {
     const int32_t before = *sum;
@@ -321,9 +329,10 @@ fault_id_t supervision_check_observer(supervision_t *state, const supervision_cf
 }
 
 /*
- * Full torque brakes a rotor that turns against it. Each time the rotor has become slower by
- * stall_speed, the count begins anew. The speed is compared with the speed when this happened last,
- * so ripple of the estimate does not count as braking.
+ * Whether the rotor has stalled. A rotor that turns against the torque is not stalled while the
+ * torque brakes it: each time it has become slower by stall_speed, the count begins anew. The speed
+ * is compared with the speed when this happened last, so ripple of the estimate does not count as
+ * braking.
  */
 static bool is_stalled(supervision_t *state, const supervision_cfg_t *cfg,
                        const supervision_speed_t *in)

@@ -26,23 +26,28 @@
 #define SUPERVISION_PHASES (3U)
 
 typedef struct {
-    /* phases are compared when the range or the reference of one is above this, 1…65535 */
+    /*
+     * phases are compared when the largest range of a phase is above this; with an imposed current
+     * a phase is judged when its reference is above this; 1…65535
+     */
     int32_t phase_range_min;
     int32_t phase_zero_max; /* a phase that stays within ± this is an open wire, 0…16384 */
     step_t phase_speed_max; /* above this speed an arc has too few samples to compare, 1…2^30 */
     /*
-     * slow periods; a symptom on an imposed current that lasts longer is not caused by a swinging
-     * rotor
+     * slow periods for which a swinging rotor may cause a symptom on an imposed current; a symptom
+     * that lasts longer has another cause
      */
     uint32_t swing_periods;
     /*
-     * CURRENT_IMPLAUSIBLE: voltage of an imposed current minus the voltage of the model, Q15 of
-     * U_b, 1…32767
+     * CURRENT_IMPLAUSIBLE: limit of the voltage of an imposed current minus the voltage of the
+     * model, Q15 of U_b, 1…32767
      */
     int32_t voltage_max;
-    int32_t follow_error_max; /* LOST_PHASE: mean error of the current control, 1…65535 */
-    int32_t residual_max;     /* OBSERVER_LOST: mean of the larger current error, 1…8191 */
-    uint32_t mean_shift;      /* both means are over 2^mean_shift periods, 0…14 */
+    /* LOST_PHASE: limit of the mean error of the current control, 1…65535 */
+    int32_t follow_error_max;
+    /* OBSERVER_LOST: limit of the mean of the larger current error, 1…8191 */
+    int32_t residual_max;
+    uint32_t mean_shift; /* both means are over 2^mean_shift periods, 0…14 */
     /*
      * SPEED_IMPLAUSIBLE: |ω̂ − reference| above this while the torque is not at its limit, 1…2^30 …
      */
@@ -63,10 +68,10 @@ typedef struct {
 typedef struct {
     uint32_t step;                      /* the next of the other checks, 0…SUPERVISION_STEPS − 1 */
     uint32_t late;                      /* late ticks in this window */
-    uint32_t late_periods;              /* of this window */
+    uint32_t late_periods;              /* periods of this window so far */
     int32_t start_q16;                  /* angle at the start of this arc, Q16 electrical turns */
-    uint32_t samples;                   /* of this arc; 0: begin a new one */
-    int32_t lowest[SUPERVISION_PHASES]; /* of each phase in this arc */
+    uint32_t samples;                   /* samples of this arc; 0: a new arc begins */
+    int32_t lowest[SUPERVISION_PHASES]; /* lowest and highest current of each phase in this arc */
     int32_t highest[SUPERVISION_PHASES];
     uint32_t weak;      /* the phase that was weak in the last arcs … */
     uint32_t weak_arcs; /* … and the number of these arcs in a row */
@@ -75,7 +80,10 @@ typedef struct {
     uint32_t absent_periods; /* … and for how many slow periods */
     uint32_t unexplained;    /* slow periods with too much voltage, counted up and down */
     dq_t off_current;        /* mean error of the current, Q15 times 2^mean_shift */
-    /* periods, counted up and down; so are unmodelled, flux_off and runaway to stalled */
+    /*
+     * periods with ω̂ off its reference. This count, unmodelled, flux_off, runaway, too_fast and
+     * stalled go up by one in a period with the symptom and down by one in a period without it
+     */
     uint32_t off_reference;
     uint32_t unmodelled; /* periods of RUN with too much voltage */
     int32_t flux_q30;    /* φ̂ of about a second ago: its low-pass, Q30 of the file's flux */
@@ -93,7 +101,7 @@ typedef struct {
      * slowed the rotor by stall_speed
      */
     step_t onwards;
-    int32_t residual; /* Q15 times 2^mean_shift */
+    int32_t residual; /* mean of the larger error of the observer, Q15 times 2^mean_shift */
 } supervision_t;
 
 /* Clear all counts and means. Call at a start. */
@@ -118,8 +126,8 @@ typedef struct {
     int32_t a; /* phase currents, −16384…16383 */
     int32_t b;
     ab_t expected; /* current reference, ±32767 */
-    dq_t voltage;  /* of the current control minus the voltage of the model, Q15 of U_b */
-    int32_t emf;   /* of a rotor at the speed of the frame, Q15 of U_b, 0…97500 */
+    dq_t voltage;  /* voltage of the current control minus the voltage of the model, Q15 of U_b */
+    int32_t emf;   /* EMF of a rotor at the speed of the frame, Q15 of U_b, 0…97500 */
 } supervision_imposed_t;
 
 /*
@@ -139,7 +147,7 @@ fault_id_t supervision_check_imposed(supervision_t *state, const supervision_cfg
 typedef struct {
     /* integrals of the current control: the voltage that its model does not explain, Q15 of U_b */
     dq_t voltage;
-    int32_t emf; /* of the rotor, Q15 of U_b, 0…97500 */
+    int32_t emf; /* EMF of the rotor, Q15 of U_b, 0…97500 */
     /*
      * |ω̂ − reference|, 0…2^30. From speed_error_max/2 on the voltage counts as right, because a
      * swinging rotor causes such a voltage too
@@ -174,7 +182,8 @@ void supervision_forget_flux(supervision_t *state);
  * the cause is a bus sensor that has lost its gain, or a wrong clock. Call only while φ̂ is
  * corrected.
  *
- * flux_q30: φ̂, Q30 of the flux of the file, 2^29…1.5·2^30. emf: of the rotor, Q15 of U_b, 0…97500.
+ * flux_q30: φ̂, Q30 of the flux of the file, 2^29…1.5·2^30. emf: EMF of the rotor, Q15 of U_b,
+ * 0…97500.
  */
 fault_id_t supervision_check_flux(supervision_t *state, const supervision_cfg_t *cfg,
                                   int32_t flux_q30, int32_t emf, fault_t *fault);
@@ -204,7 +213,7 @@ fault_id_t supervision_check_observer(supervision_t *state, const supervision_cf
 typedef struct {
     step_t speed; /* ω̂ */
     step_t reference;
-    step_t speed_limit;   /* of the observer */
+    step_t speed_limit;   /* largest ω̂ that the observer allows */
     int32_t current_ref;  /* i_q* */
     bool torque_at_limit; /* i_q* is at its limit */
 } supervision_speed_t;
@@ -217,7 +226,7 @@ typedef struct {
 fault_id_t supervision_check_speed(supervision_t *state, const supervision_cfg_t *cfg,
                                    const supervision_speed_t *in, fault_t *fault);
 
-/* LATE. In any state; call in each tick that follows a late one. */
+/* Finds LATE. Call in each tick that follows a late one, in any state. */
 fault_id_t supervision_count_late(supervision_t *state, const supervision_cfg_t *cfg,
                                   fault_t *fault);
 
