@@ -22,7 +22,7 @@
  * ones, a 0 and the lowest k bits of z. If there were 10 ones or more, the code is 10 ones, a 0 and
  * the 16 bits of z instead. A change is coded as its first, second and fourth word.
  *
- * No piece of a code has more than 24 bits, so one shift puts it.
+ * No piece of a code has more than 24 bits, so put_bits() needs only one shift for it.
  */
 #include "frame_code.h"
 
@@ -32,8 +32,9 @@
 #define MODE_BITS (6U)
 #define RICE_MAX (14U)
 #define RICES (RICE_MAX + 1U)
-#define SAMPLE (32U)    /* the first entries, by which prediction and parameter are chosen */
-#define FIRST_ONES (3U) /* differences whose prediction has too few values before them */
+#define SAMPLE (32U) /* prediction and parameter are chosen from the first 32 entries */
+/* the predictions of the first 3 differences have too few values before them */
+#define FIRST_ONES (3U)
 #define ONES_MAX (10U)
 #define ESCAPE_BITS (11U) /* ONES_MAX ones, then 0 before a value, or 1 before a change */
 #define ESCAPE_VALUE (0x3FFU)
@@ -42,13 +43,13 @@
 #define VALUE_BITS (16U)
 #define VALUE_MASK (0xFFFFU)
 #define SIGN_BIT (0x8000U)
-#define CHANGE_MARK (0x8000U) /* in the third word */
+#define CHANGE_MARK (0x8000U) /* bit of the third word, marks a change */
 #define MARK_WORD (2U)
 #define ENTRY_WORDS (4U)
 #define BYTE_BITS (8U)
 #define BYTE_MASK (0xFFU)
 
-/* The place of a channel in an entry that is a frame. */
+/* Place of each channel in the entry of a frame. */
 static const struct {
     uint32_t word;
     uint32_t shift;
@@ -58,7 +59,7 @@ typedef enum {
     BEFORE,  /* the value before */
     LINE,    /* the line through the two values before */
     SMOOTH,  /* the value before, plus half the step from v4 to v2 */
-    CONSTANT /* no prediction; also the number of predictions */
+    CONSTANT /* no prediction; as a number it is the number of predictions */
 } prediction_t;
 
 #define PREDICTIONS ((uint32_t)CONSTANT)
@@ -67,13 +68,13 @@ typedef enum {
 typedef struct {
     prediction_t prediction;
     uint32_t rice;
-    uint32_t v1; /* the value before, then the ones before it */
+    uint32_t v1; /* the last value; v2 to v4 are the values before it */
     uint32_t v2;
     uint32_t v3;
     uint32_t v4;
 } channel_t;
 
-/* For coding and decoding: the channels, and whether there was a frame. */
+/* State of the coding or decoding: the channels, and whether the first frame has been coded. */
 typedef struct {
     channel_t channels[CHANNELS];
     bool began;
@@ -89,7 +90,7 @@ static uint32_t value_of(const recorder_entry_t *entry, uint32_t channel)
     return (entry->word[places[channel].word] >> places[channel].shift) & VALUE_MASK;
 }
 
-/* 0, 1, 2, 3, … for 0, −1, 1, −2, … of a difference of 16 bits. */
+/* Returns 0, 1, 2, 3, … for a difference of 16 bits of 0, −1, 1, −2, … */
 static uint32_t fold(uint32_t difference)
 {
     const uint32_t all_if_negative = 0U - ((difference >> 15U) & 1U);
@@ -104,13 +105,13 @@ static uint32_t unfold(uint32_t folded)
     return ((folded & 1U) != 0U) ? ~half : half;
 }
 
-/* Half of a difference of 16 bits, rounded down. */
+/* Returns half of a difference of 16 bits, rounded down. */
 static uint32_t halve(uint32_t difference)
 {
     return (((difference ^ SIGN_BIT) & VALUE_MASK) >> 1U) - (SIGN_BIT / 2U);
 }
 
-/* The predicted value. Only its lowest 16 bits count. */
+/* Returns the predicted value. Only its lowest 16 bits are valid. */
 static uint32_t predict(const channel_t *channel, prediction_t prediction)
 {
     uint32_t value = channel->v1;
@@ -156,8 +157,8 @@ static void add_difference(sums_t *sums, const channel_t *history, uint32_t valu
 }
 
 /*
- * The first differences are wrong, because their prediction has too few values. So none counts for
- * more than the most bits that its code can take.
+ * Limits the sums of the first differences. These are too large, because their predictions have too
+ * few values before them. So each counts at most as much as the longest code has bits.
  */
 static void limit_first(sums_t *sums)
 {
@@ -168,7 +169,7 @@ static void limit_first(sums_t *sums)
     }
 }
 
-/* The first frame of these entries; NULL when all are changes. */
+/* Returns the first frame of these entries, or NULL when all are changes. */
 static const recorder_entry_t *first_frame(const recorder_entry_t *entries, uint32_t count)
 {
     const recorder_entry_t *found = NULL;
@@ -179,7 +180,7 @@ static const recorder_entry_t *first_frame(const recorder_entry_t *entries, uint
     return found;
 }
 
-/* The bits in which any frame differs from the first one, in the places of a frame. */
+/* Sets in `bits` each bit in which any frame differs from the first one. */
 static void find_changing_bits(const recorder_entry_t *entries, uint32_t count,
                                recorder_entry_t *bits)
 {
@@ -219,15 +220,15 @@ static sums_t sum_up(const recorder_entry_t *entries, uint32_t count, uint32_t c
 }
 
 /*
- * The bits of `count` codes with parameter k whose z have this sum. The error is less than a bit a
- * code.
+ * Returns the number of bits of `count` codes with parameter k, from the sum of their z. The error
+ * is less than a bit per code.
  */
 static uint32_t cost_of(uint32_t count, uint32_t sum, uint32_t k)
 {
     return (count * (k + 1U)) + (sum >> k);
 }
 
-/* The cost falls as k rises to the best one, and rises after it. */
+/* Returns the k with the least cost. The cost falls up to this k and rises after it. */
 static uint32_t best_rice(uint32_t count, uint32_t sum)
 {
     uint32_t k = 0U;
@@ -256,8 +257,8 @@ static void plan_channel(channel_t *channel, const sums_t *sums)
 }
 
 /*
- * The code of the first channel carries the escape of a change. So this channel counts as constant
- * only if there is no change.
+ * Chooses the code of each channel. The code of the first channel carries the escape of a change.
+ * So this channel counts as constant only if there is no change.
  */
 static void plan_code(code_t *code, const recorder_entry_t *entries, uint32_t count)
 {
@@ -282,12 +283,12 @@ static void plan_code(code_t *code, const recorder_entry_t *entries, uint32_t co
     code->began = false;
 }
 
-/* Bytes beyond `room` are counted and not written. */
+/* A writer of bits. Bytes beyond `room` are counted but not written. */
 typedef struct {
     uint8_t *bytes;
     uint32_t room;
     uint32_t length; /* whole bytes */
-    uint32_t bits;   /* of the byte that is not whole */
+    uint32_t bits;   /* bits of the last byte, which is not whole yet */
     uint32_t count;
 } bits_out_t;
 
@@ -431,9 +432,9 @@ uint32_t frame_code_encode(const recorder_entry_t *entries, uint32_t count, uint
 
 typedef struct {
     const uint8_t *bytes;
-    uint32_t length; /* in bits */
+    uint32_t length; /* length of the code in bits */
     uint32_t at;
-    bool is_bad; /* a bit beyond the end was asked for, or bits have no meaning */
+    bool is_bad; /* the code is wrong: a bit beyond its end was read, or bits have no meaning */
 } bits_in_t;
 
 static uint32_t get_bit(bits_in_t *reader)
@@ -460,8 +461,8 @@ static uint32_t get_bits(bits_in_t *reader, uint32_t count)
 }
 
 /*
- * Takes the ones up to the next 0, and that 0 too. Stops after ONES_MAX ones, and takes nothing
- * after them.
+ * Reads the ones up to the next 0, and this 0 too. After ONES_MAX ones it stops and reads no 0.
+ * Returns the number of ones.
  */
 static uint32_t get_ones(bits_in_t *reader)
 {
@@ -473,7 +474,7 @@ static uint32_t get_ones(bits_in_t *reader)
     return count;
 }
 
-/* Takes the rest of a code after its `quotient` ones. */
+/* Reads the rest of a Rice code after its `quotient` ones. Returns z. */
 static uint32_t get_rice(bits_in_t *reader, uint32_t quotient, uint32_t rice)
 {
     uint32_t folded;
@@ -513,7 +514,7 @@ static void get_first(bits_in_t *reader, code_t *code, recorder_entry_t *entry)
 }
 
 /*
- * Takes the next value of a channel that is not constant. Returns true when the escape of a change
+ * Reads the next value of a channel that is not constant. Returns true when the escape of a change
  * stands in its place.
  */
 static bool get_value(bits_in_t *reader, channel_t *channel)
@@ -530,8 +531,8 @@ static bool get_value(bits_in_t *reader, channel_t *channel)
 }
 
 /*
- * Takes the next frame. Returns true when a change stands in its place. The escape of a change is
- * in the first channel only.
+ * Reads the next frame. Returns true when a change stands in its place. Only the first channel
+ * carries the escape of a change.
  */
 static bool get_next(bits_in_t *reader, code_t *code, recorder_entry_t *entry)
 {
@@ -584,7 +585,7 @@ static void get_modes(bits_in_t *reader, code_t *code)
     code->began = false;
 }
 
-/* Whether less than a byte is left, with zeros only. */
+/* Whether less than a byte is left and all its bits are zeros. */
 static bool ends_here(bits_in_t *reader)
 {
     const uint32_t left = reader->length - reader->at;

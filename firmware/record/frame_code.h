@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Entries of the flight recorder in few bytes: the inputs of the ticks, to be sent over a line. The
- * outputs are left out, because a receiver computes them from the inputs.
+ * Codes entries of the flight recorder in few bytes, so that the inputs of the ticks can be sent
+ * over a line. The outputs are left out, because a receiver computes them from the inputs.
  *
  * A code is complete in itself: it begins with whole values and needs no code before it. Each later
  * value is coded as its difference from a prediction. There are three predictions: the value
@@ -29,8 +29,9 @@ uint32_t frame_code_encode(const recorder_entry_t *entries, uint32_t count, uint
 
 /*
  * Decodes exactly `count` entries, 1…FRAME_CODE_ENTRIES_MAX; the words of the outputs are 0.
- * Returns false when the bytes are not a code of so many entries, or are longer; the entries may
- * then hold anything. It never reads beyond `length`, whatever the bytes are. Pure.
+ * Returns false when the bytes are not a code of `count` entries, or when there are more bytes than
+ * the code needs; the entries may then hold anything. It never reads beyond `length`, whatever the
+ * bytes are. Pure.
  */
 bool frame_code_decode(const uint8_t *bytes, uint32_t length, recorder_entry_t *entries,
                        uint32_t count);

@@ -8,15 +8,15 @@
 
 #include <stddef.h>
 
-#define NONE (RECORDER_SEGMENTS)  /* no segment */
+#define NONE (RECORDER_SEGMENTS)  /* in place of a segment: there is none */
 #define END (RECORDER_SEGMENTS)   /* in place of a segment: the recording ends */
-#define SPARE (RECORDER_SEGMENTS) /* the state that belongs to no segment */
+#define SPARE (RECORDER_SEGMENTS) /* index of the state that belongs to no segment */
 #define HALF_MASK (0xFFFFU)
 #define BYTE_MASK (0xFFU)
 #define COMPARE_MASK (0x7FFFU)
 #define CHANGE_MARK (0x8000U)
 #define GATE_BIT (15U)
-#define TICK_ENTRIES (3U) /* reserved for a tick */
+#define TICK_ENTRIES (3U) /* entries reserved for a tick */
 #define SLACK_SHARE (2U)  /* at most 1/2 of a segment is slack, even in a long slow period */
 
 _Static_assert(sizeof(recorder_entry_t) == (1U << RING_ENTRY_LOG2), "an entry has 16 bytes");
@@ -34,7 +34,7 @@ static uint32_t slow_part(const drive_in_t *in)
     return pair(command, in->adc_temperature);
 }
 
-/* The index of a segment, even if a bit of it has flipped by itself. */
+/* Returns an index within the ring, even if a bit of `segment` has flipped by itself. */
 static uint32_t in_ring(uint32_t segment)
 {
     return segment % RECORDER_SEGMENTS;
@@ -48,9 +48,9 @@ static recorder_entry_t *first_of(const recorder_t *recorder, uint32_t segment)
 }
 
 /*
- * Entries at the end of the ring that a tick normally leaves free. A stop with a flipped bit is
- * found once in a slow period only. Until then the ticks may go beyond the true stop, into these
- * entries.
+ * Returns the number of entries that the ticks leave free at the end of this segment; only the last
+ * segment of the ring has such entries. A flipped bit in the stop is found only once per slow
+ * period. Until then the ticks may write beyond the true stop, into these entries.
  */
 static uint32_t slack(const recorder_t *recorder, uint32_t segment, uint32_t slow_ticks)
 {
@@ -62,8 +62,8 @@ static uint32_t slack(const recorder_t *recorder, uint32_t segment, uint32_t slo
 }
 
 /*
- * The place where the last tick of a segment begins. A tick needs two entries at most; three are
- * reserved, because the proof cannot show it.
+ * Returns the last place in a segment at which a tick may begin. A tick needs two entries at most;
+ * three are reserved, because the proof cannot show it.
  */
 static const recorder_entry_t *stop_of(const recorder_t *recorder, uint32_t segment,
                                        uint32_t slow_ticks)
@@ -97,7 +97,8 @@ static void set_stop(recorder_t *recorder, uint32_t segment, uint32_t slow_ticks
 }
 
 /*
- * Whether a slow input has changed. Compared by bit operations, so that there is only one branch.
+ * Whether a slow input has changed. Bit operations compare the inputs, so that there is only one
+ * branch.
  */
 static bool has_changed(const recorder_t *recorder, const drive_in_t *in)
 {
@@ -107,7 +108,8 @@ static bool has_changed(const recorder_t *recorder, const drive_in_t *in)
 }
 
 /*
- * Whether the stop has flipped or a slow input has changed. Asked in one tick of each slow period.
+ * Whether a bit of the stop has flipped or a slow input has changed. Called in one tick of each
+ * slow period.
  */
 static bool needs_attention(const recorder_t *recorder, const drive_in_t *in)
 {
@@ -136,7 +138,7 @@ static recorder_entry_t *put_frame(recorder_entry_t *at, const drive_in_t *in,
     return &at[1];
 }
 
-/* The current segment ends here. */
+/* Ends the current segment here. */
 static void leave_segment(recorder_t *recorder)
 {
     if (recorder->current != NONE) {
@@ -156,8 +158,8 @@ static void enter_segment(recorder_t *recorder, const drive_t *drive, const driv
 }
 
 /*
- * The place for this tick in the current segment, after the change if there is one; NULL if there
- * is no room.
+ * Returns the place for this tick in the current segment, after the change if there is one, or NULL
+ * if there is no room.
  */
 static recorder_entry_t *room_for_tick(recorder_t *recorder, const drive_t *drive,
                                        const drive_in_t *in)
@@ -176,7 +178,10 @@ static recorder_entry_t *room_for_tick(recorder_t *recorder, const drive_t *driv
     return at;
 }
 
-/* The place for the entries of this tick; NULL when the recording is frozen or there is no room. */
+/*
+ * Returns the place for the entries of this tick, or NULL when the recording is frozen or there is
+ * no room.
+ */
 static recorder_entry_t *next_room(recorder_t *recorder, const drive_t *drive, const drive_in_t *in)
 {
     const bool fits = recorder->offered && (recorder->next_tick == (drive->tick - 1U));
@@ -198,14 +203,20 @@ static recorder_entry_t *next_room(recorder_t *recorder, const drive_t *drive, c
     return at;
 }
 
-/* If place or size of the ring have flipped, nothing is written to it any more. */
+/*
+ * Returns the place for the entries of this tick, or NULL if a bit in the place or the size of the
+ * ring has flipped: then nothing is written to the ring any more.
+ */
 RARE static recorder_entry_t *turn_over(recorder_t *recorder, const drive_t *drive,
                                         const drive_in_t *in)
 {
     return is_ring_sound(recorder) ? next_room(recorder, drive, in) : NULL;
 }
 
-/* Something has changed: a stop that has flipped by itself, or the slow inputs. */
+/*
+ * Handles a flipped bit of the stop and a change of the slow inputs. Returns the place for the
+ * frame, or NULL.
+ */
 RARE static recorder_entry_t *attend_change(recorder_t *recorder, recorder_entry_t *at,
                                             const drive_t *drive, const drive_in_t *in)
 {
@@ -237,8 +248,8 @@ void recorder_step(recorder_t *recorder, const drive_t *drive, const drive_in_t 
 }
 
 /*
- * With a stop of NULL the next tick finds its segment full. Only such a tick looks at `changed`, so
- * no other tick has to.
+ * With the stop NULL, the next tick finds its segment full. Only such a tick reads `changed`, so
+ * the other ticks save that time.
  */
 void recorder_change(recorder_t *recorder, const drive_cfg_t *before)
 {
@@ -254,14 +265,17 @@ uint32_t recorder_newest(const recorder_t *recorder)
     return (current == NONE) ? 0U : recorder->segments[in_ring(current)].number;
 }
 
-/* Restart with the same memory. The interrupt does not touch a frozen recorder. */
+/*
+ * Restarts with the same memory. While the recorder is frozen the interrupt does not touch it, so
+ * `frozen` is cleared last.
+ */
 static void begin_anew(recorder_t *recorder)
 {
     for (uint32_t k = 0U; k < RECORDER_SEGMENTS; k++) {
         recorder->segments[k] = (recorder_segment_t){0};
     }
     recorder->at = recorder->entries;
-    recorder->stop = NULL; /* before any place, so the next tick calls turn_over() */
+    recorder->stop = NULL; /* no place is within it, so the next tick calls turn_over() */
     recorder->current = NONE;
     recorder->offered = false;
     recorder->gap = false;
@@ -289,12 +303,12 @@ const char *recorder_init(recorder_t *recorder, recorder_entry_t *entries, uint3
     } else if (post_ticks > RECORDER_POST_TICKS_MAX) {
         bad = "post_ticks";
     } else {
-        /* as it should be */
+        /* both are valid */
     }
     return bad;
 }
 
-/* The number of the next segment. It skips 0, which means an empty segment. */
+/* Returns the number of the next segment. It skips 0, which means an empty segment. */
 static uint32_t number_after(const recorder_t *recorder)
 {
     const uint32_t newest = recorder_newest(recorder);
@@ -416,8 +430,8 @@ static uint32_t segment_before(uint32_t segment)
 }
 
 /*
- * The number of entries of a segment up to `end`. Found by bisection, because a reader asks for it
- * in each of its passes.
+ * Returns the number of entries of a segment up to `end`. It is found by bisection to save time,
+ * because a reader calls this in each of its passes.
  */
 static uint32_t count_entries(const recorder_t *recorder, uint32_t segment,
                               const recorder_entry_t *end)
@@ -438,7 +452,10 @@ static uint32_t count_entries(const recorder_t *recorder, uint32_t segment,
     return least;
 }
 
-/* The second of the two configurations that a history can have; NULL when it can have only one. */
+/*
+ * Returns the second of the two configurations that a history can have, or NULL when it can have
+ * only one.
+ */
 static const drive_cfg_t *other_config(const recorder_t *recorder, const drive_cfg_t *begin)
 {
     const drive_cfg_t *const end = recorder->states[SPARE].cfg;
@@ -451,7 +468,7 @@ static bool is_entry_of_change(const recorder_entry_t *entry)
     return (entry->word[2] & CHANGE_MARK) != 0U;
 }
 
-/* The number of ticks from the state before a segment to the state after it. */
+/* Returns the number of ticks from the state before a segment to the state after it. */
 static uint32_t ticks_of_segment(const recorder_t *recorder, uint32_t segment)
 {
     const uint32_t after =
@@ -461,9 +478,9 @@ static uint32_t ticks_of_segment(const recorder_t *recorder, uint32_t segment)
 }
 
 /*
- * Whether a segment is sound. Its changes have only the two configurations of a history that begins
- * with `begin`, and it has a frame for each of its ticks. If a bit of the write pointer flips by
- * itself, old frames remain, or new ones are overwritten, so the number of frames differs.
+ * Whether a segment is sound: its changes name only the two configurations of a history that begins
+ * with `begin`, and it has a frame for each of its ticks. If a bit of the write pointer has
+ * flipped, old frames remain or new ones are overwritten, so the number of frames differs.
  */
 static bool has_only_two(const recorder_t *recorder, uint32_t segment, const drive_cfg_t *begin)
 {
@@ -501,8 +518,8 @@ static bool is_configured(const recorder_t *recorder, uint32_t segment)
 }
 
 /*
- * The number of segments of the history, up to the current one: there is no gap between them, and
- * their configurations are known.
+ * Returns the number of segments of the history, up to the current one: there is no gap between
+ * them, and their configurations are known.
  */
 static uint32_t count_segments(const recorder_t *recorder)
 {
@@ -526,7 +543,7 @@ recorder_history_t recorder_history(const recorder_t *recorder)
     if (recorder->frozen && is_ring_sound(recorder)) {
         uint32_t count;
 
-        barrier_compiler(); /* what was recorded is read after `frozen` */
+        barrier_compiler(); /* read the recording only after `frozen` */
         count = count_segments(recorder);
         if (count > 0U) {
             history.first =

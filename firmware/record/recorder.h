@@ -37,8 +37,8 @@
 #define RECORDER_SEGMENTS (4U)
 #define RECORDER_STATES (5U)  /* one more than segments; a literal, because the proof needs one */
 #define RECORDER_MARGIN (16U) /* entries left in a segment when the next is offered */
-#define RECORDER_ENTRIES_MIN (4U * RECORDER_MARGIN) /* of a segment */
-#define RECORDER_ENTRIES_MAX (65535U)               /* of a segment */
+#define RECORDER_ENTRIES_MIN (4U * RECORDER_MARGIN) /* smallest size of a segment */
+#define RECORDER_ENTRIES_MAX (65535U)               /* largest size of a segment */
 #define RECORDER_POST_TICKS_MAX (1000000U)
 
 /* Input and output of a tick. */
@@ -48,12 +48,12 @@ typedef struct {
 } recorder_frame_t;
 
 typedef struct {
-    /* the place after its last entry, valid once the segment is complete */
+    /* the place after the last entry of the segment, valid once the segment is complete */
     const recorder_entry_t *end;
     /* counts the segments from 1 on, wrapping; 0: the segment is empty */
     uint32_t number;
-    uint32_t config_crc; /* of the configuration before its first frame */
-    bool follows;        /* it continues the segment before it without a gap */
+    uint32_t config_crc; /* CRC of the configuration before the first frame of the segment */
+    bool follows;        /* the segment continues the one before it without a gap */
 } recorder_segment_t;
 
 typedef struct {
@@ -62,26 +62,30 @@ typedef struct {
     /* the last place at which a tick may begin; NULL: the next tick calls turn_over() */
     const recorder_entry_t *volatile stop;
     /*
-     * `at` may be at most so many entries before the stop. It has 16 bits: whatever bits of it
-     * flip, it stays below the huge distance of an `at` beyond the stop (ring.h).
+     * largest distance of `at` before the stop, in entries. It has 16 bits: whatever bits of it
+     * flip, it stays below the huge distance of an `at` beyond the stop (ring.h)
      */
     uint16_t span;
     const recorder_entry_t *due_stop; /* `stop` as the interrupt has set it */
     uint32_t target;                  /* first word of the last change */
-    uint32_t slow;                    /* its second word: mode, request, temperature */
-    volatile uint32_t current;        /* the segment that is written; RECORDER_SEGMENTS: none yet */
-    volatile bool offered;            /* segment `next` may begin in the tick `next_tick` */
+    /* second word of the last change: mode, request, temperature */
+    uint32_t slow;
+    volatile uint32_t current; /* the segment that is written; RECORDER_SEGMENTS: none yet */
+    volatile bool offered;     /* segment `next` may begin in the tick `next_tick` */
     volatile bool frozen;
-    uint32_t next;  /* segment, or RECORDER_SEGMENTS: the end */
+    uint32_t next;  /* segment that is offered; RECORDER_SEGMENTS: the recording ends */
     uint32_t ended; /* number of the last segment before the recording began anew */
     uint32_t next_tick;
     bool gap;         /* a tick was not recorded */
     bool triggered;   /* freeze … */
     uint32_t trigger; /* … post_ticks after this tick */
     bool held;        /* keep the recording once it is frozen */
-    /* a reader follows the ring: a fault does not freeze the recording … */
+    /* a reader follows the ring: a fault does not freeze the recording */
     bool followed;
-    /* … nor does it after the reader has left, while the drive stays in FAULT */
+    /*
+     * the drive is in FAULT, and a reader follows or has followed since then: this fault does not
+     * freeze the recording, even when the reader has left
+     */
     bool passed;
     uint32_t kept;             /* number of the segment whose state a reader has kept, 0: none */
     bool changed;              /* the next frame is the first with another configuration */
@@ -144,7 +148,7 @@ void recorder_release(recorder_t *recorder);
  * background.
  */
 typedef struct {
-    uint32_t first; /* segment */
+    uint32_t first; /* oldest segment */
     uint32_t entries;
     uint32_t of_segment[RECORDER_SEGMENTS]; /* entries of each segment, from the first one on */
 } recorder_history_t;
@@ -186,11 +190,11 @@ uint32_t recorder_newest(const recorder_t *recorder);
 /* A segment of the ring. */
 typedef struct {
     const recorder_entry_t *first;
-    uint32_t entries;     /* so far */
+    uint32_t entries;     /* number of entries written so far */
     bool complete;        /* there will not be more entries */
     bool follows;         /* nothing is missing between the segment before it and this one */
-    uint32_t config_crc;  /* of the configuration of `state` */
-    const drive_t *state; /* before its first frame */
+    uint32_t config_crc;  /* CRC of the configuration of `state` */
+    const drive_t *state; /* state before the first frame of the segment */
 } recorder_view_t;
 
 /*

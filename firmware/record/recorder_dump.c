@@ -9,7 +9,8 @@
 
 #define CONFIG_WORDS ((uint32_t)(sizeof(drive_cfg_t) / WORDS_BYTES))
 #define ENTRY_WORDS ((uint32_t)(sizeof(recorder_entry_t) / WORDS_BYTES))
-#define LINE_BYTES ((RECORDER_LINE_WORDS + 2U) * WORDS_BYTES) /* with number and CRC */
+/* the words with the number of the line and its CRC */
+#define LINE_BYTES ((RECORDER_LINE_WORDS + 2U) * WORDS_BYTES)
 
 _Static_assert((LINE_BYTES % 3U) == 0U, "a line of base64 without padding");
 _Static_assert((sizeof(drive_cfg_t) % WORDS_BYTES) == 0U, "a configuration of words");
@@ -26,7 +27,7 @@ void recorder_about_name(recorder_about_t *about, const char *name)
     }
 }
 
-/* Fills in how the recording ends. */
+/* Fills in the words of the header that describe the end of the recording. */
 static void describe_end(recorder_header_t *header, const drive_t *end)
 {
     const bool failed = end->state == DRIVE_STATE_FAULT;
@@ -69,7 +70,7 @@ uint32_t recorder_dump_lines(const recorder_dump_t *dump)
     return ((dump->header.words + RECORDER_LINE_WORDS) - 1U) / RECORDER_LINE_WORDS;
 }
 
-/* Word `at` of the entries. */
+/* Returns word `at` of the entries. */
 static uint32_t entry_word(const recorder_dump_t *dump, uint32_t at)
 {
     const recorder_entry_t *const entry =
@@ -78,7 +79,7 @@ static uint32_t entry_word(const recorder_dump_t *dump, uint32_t at)
     return entry->word[at % ENTRY_WORDS];
 }
 
-/* Word `at` of the object that begins at `first`. */
+/* Returns word `at` of the object that begins at `first`. */
 static uint32_t word_at(const uint8_t *first, uint32_t at)
 {
     const uint32_t offset = at * WORDS_BYTES;
@@ -86,7 +87,7 @@ static uint32_t word_at(const uint8_t *first, uint32_t at)
     return words_get(&first[offset]);
 }
 
-/* Word `at` of the file; not the last one, which is the CRC. */
+/* Returns word `at` of the file; not for the last word, which is the CRC. */
 static uint32_t word_of(const recorder_dump_t *dump, uint32_t at)
 {
     const uint32_t config = RECORDER_HEADER_WORDS;
@@ -109,7 +110,7 @@ static uint32_t word_of(const recorder_dump_t *dump, uint32_t at)
     return word;
 }
 
-/* Puts the next word to `to`; zero after the end. */
+/* Writes the next word of the file to `to`, or zero after the end of the file. */
 static void put_next(recorder_dump_t *dump, uint8_t *to)
 {
     const uint32_t last = dump->header.words - 1U;
@@ -123,7 +124,7 @@ static void put_next(recorder_dump_t *dump, uint8_t *to)
     dump->next++;
 }
 
-/* LINE_BYTES as base64 (RFC 4648). */
+/* Writes LINE_BYTES bytes as base64 (RFC 4648). */
 static void encode(const uint8_t *bytes, char *to)
 {
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";

@@ -30,7 +30,7 @@
 #define RECORDER_VERSION (4U)
 #define RECORDER_LINE_MARK ('~')
 #define RECORDER_LINE_WORDS (13U)
-/* without the 0 at its end */
+/* characters of a line, without the terminating 0 */
 #define RECORDER_LINE_CHARACTERS (1U + (((RECORDER_LINE_WORDS + 2U) / 3U) * 16U))
 
 #define RECORDER_BUILD_WORDS (5U) /* 20 bytes: a GNU build-id */
@@ -56,19 +56,23 @@ typedef struct {
  */
 void recorder_about_name(recorder_about_t *about, const char *name);
 
-/* All its members are words, in this order. */
+/* The header of the file. All members are words, in this order. */
 typedef struct {
     uint32_t magic;
     uint32_t version;
-    uint32_t words;        /* of the file */
-    uint32_t config_words; /* this and the next differ when another firmware has recorded */
+    uint32_t words; /* length of the file in words */
+    /*
+     * length of the configuration; this or state_words differs when another firmware has recorded
+     */
+    uint32_t config_words;
     uint32_t state_words;
     uint32_t entries;
-    uint32_t further;    /* configurations after the entries, 0 or 1 */
-    uint32_t first_tick; /* of the frames */
+    uint32_t further;    /* number of configurations after the entries, 0 or 1 */
+    uint32_t first_tick; /* tick of the first frame */
     uint32_t end_tick;   /* the tick after the last frame */
     uint32_t end_hash;   /* drive_words_hash() of the state at the end */
-    uint32_t fault_id;   /* of the fault if it ends in FAULT, else 0 */
+    /* fault_id_t if the recording ends in FAULT, otherwise 0; so are the next three */
+    uint32_t fault_id;
     uint32_t fault_value;
     uint32_t fault_limit;
     uint32_t fault_tick;
@@ -79,13 +83,13 @@ typedef struct {
 
 typedef struct {
     const recorder_t *recorder;
-    const drive_cfg_t *cfg;     /* at the begin of the history */
-    const drive_cfg_t *further; /* NULL: none */
+    const drive_cfg_t *cfg;     /* configuration at the beginning of the history */
+    const drive_cfg_t *further; /* the other configuration of the history, or NULL */
     recorder_history_t history;
     recorder_header_t header;
-    uint32_t next; /* word */
+    uint32_t next; /* index of the next word of the file */
     uint32_t line;
-    uint32_t crc; /* of the words before `next` */
+    uint32_t crc; /* CRC-32 of the words before `next` */
 } recorder_dump_t;
 
 /*

@@ -13,7 +13,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define RING_ENTRY_LOG2 (4U) /* bytes */
+#define RING_ENTRY_LOG2 (4U) /* log2 of the bytes of an entry */
 #define RING_TOP_SHIFT ((8U * sizeof(size_t)) - RING_ENTRY_LOG2)
 
 /*
