@@ -20,7 +20,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Opaque: whatever the binding needs. A target may have exactly one. */
+/* Opaque: the data of the binding. A target may have exactly one. */
 typedef struct hal hal_t;
 
 /*
@@ -99,7 +99,7 @@ hal_health_t hal_health(const hal_t *hal);
  * HAL_STORE_UNITS. A board without a store returns false from all three.
  */
 #define HAL_STORE_SLOTS (2U)
-#define HAL_STORE_UNITS (256U) /* in a slot */
+#define HAL_STORE_UNITS (256U) /* units in a slot */
 #define HAL_STORE_UNIT_BYTES (8U)
 
 /*

@@ -24,7 +24,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* A channel whose count is replaced: `forced` puts `count` in place of the right one. */
+/* A channel whose count can be replaced: if `forced` is true, `count` replaces the true one. */
 typedef struct {
     bool forced;
     uint16_t count;
@@ -45,17 +45,17 @@ typedef struct {
 } hal_host_faults_t;
 
 struct hal {
-    plant_t *plant; /* NULL: frames are fed */
+    plant_t *plant; /* NULL: hal_host_feed() gives the frames */
     drive_in_t fed;
     hal_host_faults_t faults; /* all 0: none */
     bool late;                /* the last tick ended too late */
     uint32_t late_ticks;
-    uint16_t seen_ia; /* counts that the last tick was given */
+    uint16_t seen_ia; /* counts that the last hal_sample() gave */
     uint16_t seen_ib;
     uint16_t seen_ic;
     hal_host_line_t *line;   /* NULL: none */
     hal_host_flash_t *flash; /* NULL: no store */
-    uint32_t ticks;          /* PWM periods since the binding */
+    uint32_t ticks;          /* PWM periods since hal_host_init() */
     uint32_t kept[HAL_KEPT_WORDS];
 };
 

@@ -18,8 +18,8 @@ bool hal_send(hal_t *hal, uint8_t byte)
 }
 
 /*
- * The three currents add up to zero, and each has its zero at half scale. The third count is
- * limited to the range of a converter.
+ * Returns the count of the third phase. The three currents add up to zero, and each has its zero at
+ * half scale. The count is limited to the range of a converter.
  */
 static uint32_t third_count(const hal_t *hal, uint32_t most)
 {
@@ -31,8 +31,8 @@ static uint32_t third_count(const hal_t *hal, uint32_t most)
 }
 
 /*
- * A board with two sensors computes the third phase from the counts that it gave the drive for the
- * other two.
+ * Returns the count of the third phase as the board would. A board with two sensors computes it
+ * from the counts that it gave the drive for the other two.
  */
 static uint16_t third_phase(const hal_t *hal)
 {

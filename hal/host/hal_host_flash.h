@@ -33,7 +33,7 @@ typedef enum {
 
 typedef struct {
     uint64_t before; /* old value of a half-done unit */
-    uint64_t after;  /* its new value; of any other unit the value */
+    uint64_t after;  /* new value of a half-done unit; value of any other unit */
     bool half_done;
     hal_host_flash_half_t half; /* what a half-done unit holds, unless unstable */
 } hal_host_flash_unit_t;
@@ -42,7 +42,7 @@ typedef struct {
     hal_host_flash_unit_t units[HAL_STORE_SLOTS][HAL_STORE_UNITS];
     uint32_t left; /* whole steps until power fails; HAL_HOST_FLASH_NEVER: it does not fail */
     uint32_t steps;
-    uint32_t erases; /* begun */
+    uint32_t erases; /* erases that were begun */
     bool unstable;
     bool refuses_erase;
     bool refuses_program;
@@ -53,7 +53,7 @@ typedef struct {
     void (*power_fails)(void); /* NULL: nothing is called */
 } hal_host_flash_t;
 
-/* Erased, without a fault. Each seed gives a random sequence of its own. */
+/* Sets up an erased flash without a fault. Each seed gives a random sequence of its own. */
 void hal_host_flash_init(hal_host_flash_t *flash, uint32_t seed);
 
 /* As the three functions of hal.h. */

@@ -39,7 +39,7 @@ typedef struct {
     hal_host_fifo_t received;
     hal_host_fifo_t sending;
     hal_host_bytes_t to_pc;
-    uint32_t lost; /* bytes, both ways */
+    uint32_t lost; /* lost bytes, in both directions */
 } hal_host_line_t;
 
 /* An empty line. baud: 1…4000000 bits per second; tick_ps: a PWM period, 1 or more. */

@@ -12,8 +12,8 @@
 #include <stdint.h>
 
 struct hal {
-    drive_in_t measured; /* of this tick; its command is not used */
-    drive_out_t applied; /* of this tick */
+    drive_in_t measured; /* input frame of this tick; its command is not used */
+    drive_out_t applied; /* output frame of this tick */
     uint32_t ticks;
 };
 

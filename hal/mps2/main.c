@@ -13,8 +13,8 @@
 
 #include <stddef.h>
 
-#define EXIT_REFUSED (2U)    /* file, header or configuration */
-#define EXIT_UNEXPECTED (3U) /* an exception that nobody handles */
+#define EXIT_REFUSED (2U)    /* the file, its header or the configuration is refused */
+#define EXIT_UNEXPECTED (3U) /* an unexpected exception has come */
 
 /* Ticks that are read, run and written together: the RAM of the smallest board is small. */
 #define BLOCK_TICKS (16U)

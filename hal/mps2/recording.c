@@ -100,7 +100,7 @@ const char *recording_refuse(const recording_header_t *header, uint32_t config_h
     } else if (header->config_hash != config_hash) {
         why = "the recording was made with another configuration\n";
     } else {
-        /* as it should be */
+        /* the frames can be replayed */
     }
     return why;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A recorded run: the input frames of every tick, and the results of the drive.
+ * A recorded run: the input frame of every tick, and the results of the drive.
  *
- * Two files of one layout: a header, then one record a tick. All numbers are little-endian and
+ * Two files of one layout: a header, then one record per tick. All numbers are little-endian and
  * packed; each field is written by itself, so the bytes depend neither on the compiler nor on the
  * machine. The simulator's host and the targets compile this one file.
  *
@@ -36,7 +36,7 @@ typedef struct {
     uint32_t ticks;
 } recording_header_t;
 
-/* The header that this version writes. magic: RECORDING_FRAMES or RECORDING_RESULTS. */
+/* Returns the header that this version writes. magic: RECORDING_FRAMES or RECORDING_RESULTS. */
 recording_header_t recording_header(uint32_t magic, uint32_t config_hash, uint32_t ticks);
 
 void recording_put_header(uint8_t *to, const recording_header_t *header);
@@ -51,10 +51,10 @@ const char *recording_refuse(const recording_header_t *header, uint32_t config_h
 void recording_put_frame(uint8_t *to, const drive_in_t *in);
 drive_in_t recording_get_frame(const uint8_t *from);
 
-/* The output frame of a tick and the drive after it. */
+/* Writes the output frame of a tick, and the state of the drive after it. */
 void recording_put_result(uint8_t *to, const drive_out_t *out, const drive_t *drive);
 
-/* FNV-1a, 32 bits, over the configuration: 32-bit fields without padding. */
+/* Returns FNV-1a, 32 bits, over the configuration: 32-bit fields without padding. */
 uint32_t recording_config_hash(const drive_cfg_t *cfg);
 
 #endif

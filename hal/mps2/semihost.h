@@ -15,8 +15,8 @@ typedef enum {
 } semihost_mode_t;
 
 /*
- * Opens a file in the host's working folder. Returns its handle, or −1. length: of the name without
- * the zero at its end.
+ * Opens a file in the host's working folder. Returns its handle, or −1. length: number of
+ * characters of the name, without the zero at its end.
  */
 int32_t semihost_open(const char *name, uint32_t length, semihost_mode_t mode);
 

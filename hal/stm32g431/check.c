@@ -58,7 +58,7 @@ const char *check_all(void)
 
 static const char *check_next_row(void)
 {
-    static uint32_t row; /* number of the setting, after them of the pin */
+    static uint32_t row; /* index of a setting; after the settings, of a pin */
     const uint32_t rows = settings_count() + clock_pin_count();
 
     row = ((row + 1U) < rows) ? (row + 1U) : 0U;

@@ -5,7 +5,7 @@
 #include "reg.h"
 #include "stm32g431.h"
 
-#define AF_TIM1_CH1N (4U) /* also CH3N */
+#define AF_TIM1_CH1N (4U) /* CH1N and CH3N */
 #define AF_TIM1 (6U)
 #define AF_USART2 (7U)
 
@@ -121,7 +121,7 @@ static uint32_t port_of(const pin_t *pin)
     return GPIOA + (pin->port * PORT_BYTES);
 }
 
-/* Two bits a pin. */
+/* Sets the bits of a pin in a register that has two bits per pin. */
 static void set_pair(const pin_t *pin, uint32_t offset, uint32_t value)
 {
     const uint32_t place = 2U * (uint32_t)pin->number;
@@ -134,7 +134,7 @@ static bool pair_is(const pin_t *pin, uint32_t offset, uint32_t value)
     return ((reg_read(port_of(pin) + offset) >> (2U * (uint32_t)pin->number)) & 3U) == value;
 }
 
-/* The register of the pair GPIO_AFRL, GPIO_AFRH that holds the pin's function. */
+/* Returns the address of GPIO_AFRL or GPIO_AFRH, whichever holds the pin's function. */
 static uint32_t function_address(const pin_t *pin)
 {
     return port_of(pin) + GPIO_AFRL + (4U * ((uint32_t)pin->number / 8U));

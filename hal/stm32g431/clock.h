@@ -9,11 +9,11 @@
 #include <stdint.h>
 
 /*
- * System, timer and bus clocks to 170 MHz from the internal 16 MHz oscillator: 16 MHz / 4 · 85 / 2,
- * with the regulator in boost mode and four wait states of the flash. The oscillator is accurate to
- * 1 % and needs no part outside of the chip; the speed of the motor is as accurate as the
- * oscillator. Called once, first, before the variables are initialised. clock_is_up() is false when
- * the regulator or the clock has not settled.
+ * Sets the clocks of system, timers and buses to 170 MHz from the internal 16 MHz oscillator: 16
+ * MHz / 4 · 85 / 2, with the regulator in boost mode and four wait states of the flash. The
+ * oscillator is accurate to 1 % and needs no part outside of the chip; the speed of the motor is as
+ * accurate as the oscillator. Call it first and only once, before the variables are initialised.
+ * clock_is_up() is false when the regulator or the clock has not settled.
  */
 void clock_init(void);
 bool clock_is_up(void);

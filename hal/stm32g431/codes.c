@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "codes.h"
 
-#define HALF_CYCLES_PER_US (85U) /* of 42.5 MHz */
+#define HALF_CYCLES_PER_US (85U) /* half cycles of the 42.5 MHz clock */
 
 uint32_t codes_dead_time(uint32_t ticks)
 {

@@ -30,7 +30,7 @@ bool flash_forgive(void)
     return mine;
 }
 
-/* The last read, of FLASH_ECCR, gives an NMI of the reads before it the time to come. */
+/* FLASH_ECCR is read last, so that an NMI of the reads before it has time to come. */
 bool hal_store_read(hal_t *hal, uint32_t slot, uint32_t unit, uint8_t bytes[HAL_STORE_UNIT_BYTES])
 {
     const uint32_t address = address_of(slot, unit);

@@ -3,10 +3,13 @@
 
 #include "settings.h"
 
-/* Number of counts less one. A count is 125 µs: 32 kHz / 4. */
+/* Reload value of the watchdog: number of counts − 1. A count takes 125 µs: 32 kHz / 4. */
 #define IWDG_RLR_PATIENT (399U)
 
-/* Its priority is above the control interrupt, so that it also comes during a tick that hangs. */
+/*
+ * Starts the tick guard. Its priority is above the control interrupt, so that it also comes during
+ * a tick that hangs.
+ */
 static void start_tick_guard(void)
 {
     settings_write(SETTINGS_GUARD);

@@ -90,7 +90,7 @@ static void follow_temperature(hal_t *hal)
     } else if (phase == 1U) {
         hal->temperature = sensing_temperature();
     } else {
-        /* it changes slowly */
+        /* the temperature changes slowly */
     }
 }
 
@@ -130,8 +130,8 @@ static void set_gates(hal_t *hal, bool enable)
 }
 
 /*
- * Too late: the next update has come, or it is so close that it might load only some of the three
- * values.
+ * Whether the tick ends too late: the next update has come, or it is so close that it might load
+ * only some of the three values.
  */
 static bool is_late(uint32_t elapsed)
 {

@@ -16,16 +16,18 @@
 #include <stdint.h>
 
 struct hal {
-    uint32_t ticks;          /* completed */
-    uint32_t overruns;       /* ticks that ended too late: the rest duty acted */
-    uint32_t longest;        /* timer ticks from the sampling instant to the end of a tick */
-    bool gates_on;           /* enabled by the drive, and not opened by a break since */
+    uint32_t ticks;    /* completed control ticks */
+    uint32_t overruns; /* ticks that ended too late: the rest duty acted */
+    uint32_t longest;  /* timer ticks from the sampling instant to the end of a tick */
+    /* the drive has enabled the gates, and no break has opened them since */
+    bool gates_on;
     volatile bool tick_lost; /* set by the tick guard: the watchdog is not fed any more */
     volatile bool barred;    /* the gates stay open until a reset */
-    const char *why_barred;  /* NULL: a lost tick, or nothing */
-    bool late;               /* the last tick ended too late */
-    uint16_t phase_c;        /* count of the third shunt, as adc_ia; drive_step() does not use it */
-    uint16_t temperature;    /* raw counts of the last conversion */
+    /* the fault of the chip; NULL: barred by a lost tick, or not barred */
+    const char *why_barred;
+    bool late;            /* the last tick ended too late */
+    uint16_t phase_c;     /* count of the third shunt, as adc_ia; drive_step() does not use it */
+    uint16_t temperature; /* raw counts of the last conversion */
 };
 
 /*

@@ -9,17 +9,20 @@
 #define WORDS_A_STEP (2U)
 #define WORD_BYTES (4U)
 
-/* stm32g431.ld puts it after the image. */
+/* The seal. stm32g431.ld puts it after the image. */
 typedef struct {
     uint32_t words; /* number of words of the image, including this one */
-    uint32_t crc;   /* of these words */
+    uint32_t crc;   /* CRC-32 of these words */
 } image_seal_t;
 
 extern const image_seal_t image_seal;
 
 static uint32_t next_word;
 
-/* The CRC of zlib's crc32: lowest bit first, begun with all ones, complemented at the end. */
+/*
+ * Begins a new round. Sets the CRC unit up for zlib's crc32: lowest bit first, begun with all ones,
+ * complemented at the end.
+ */
 static void begin_round(void)
 {
     reg_write(CRC_CR, CRC_CR_RESET | CRC_CR_REV_IN_WORD | CRC_CR_REV_OUT);

@@ -10,7 +10,7 @@
 #define LED_ON (1UL << 6)
 #define LED_OFF (1UL << 22)
 
-#define FAST_HZ (8U) /* changes a second */
+#define FAST_HZ (8U) /* changes per second */
 #define SLOW_HZ (2U)
 
 void led_show(drive_state_t state, uint32_t ticks)

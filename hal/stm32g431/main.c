@@ -55,7 +55,10 @@ void SysTick_Handler(void)
     hal_g431_tick_lost(&hardware);
 }
 
-/* One fault is enough. Its consequences, such as the other modes of the pins, are not faults. */
+/*
+ * Checks the chip until the first fault. The consequences of that fault, such as the changed modes
+ * of the pins, are not faults.
+ */
 static void check(uint32_t tick)
 {
     const char *const why = (hardware.why_barred == NULL) ? check_step(tick) : NULL;
@@ -118,7 +121,10 @@ static void stay(const char *why)
     }
 }
 
-/* Says which protection is off that only a programming tool can set: docs/board_bring_up.md. */
+/*
+ * Says which protections are off that only a programming tool can switch on:
+ * docs/board_bring_up.md.
+ */
 static void tell_options(void)
 {
     const uint32_t options = reg_read(FLASH_OPTR);
@@ -153,7 +159,8 @@ int main(void)
         why = "the RAM does not hold what is written";
     }
     if (!clock_is_up()) {
-        why = "the clock does not settle"; /* and the baud rate is wrong: nobody will read it */
+        /* the baud rate is wrong then, so nobody can read this text */
+        why = "the clock does not settle";
     }
     clock_pins();
     uart_init();

@@ -9,7 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#define EDGES (8U) /* from one capture to the next */
+#define EDGES (8U) /* edges of the oscillator from one capture to the next */
 #define OSCILLATOR_MIN_HZ (29500U)
 #define OSCILLATOR_MAX_HZ (34000U)
 #define CLOCK_OFF_PCT (2U)
@@ -20,15 +20,15 @@
     ((EDGES * (BOARD_CLOCK_HZ / OSCILLATOR_MIN_HZ) * (HUNDRED + CLOCK_OFF_PCT)) / HUNDRED)
 #define COUNTER_MASK (0xFFFFU)
 /*
- * Wrong spans in a row. A single one can come from a capture between the reads of the flags and of
- * the count.
+ * So many wrong spans in a row are a fault. A single one can come from a capture between the reads
+ * of the flags and of the count.
  */
 #define WRONG_MAX (4U)
-#define SILENCE_SHARE (10U) /* of a second */
+#define SILENCE_SHARE (10U) /* no capture for 1/10 s is a fault */
 
 typedef struct {
     uint32_t before;    /* the last capture */
-    uint32_t seen_tick; /* when it was seen */
+    uint32_t seen_tick; /* tick in which that capture was seen */
     uint8_t wrong;      /* wrong spans in a row */
     bool has_before;
 } pace_t;
@@ -40,7 +40,7 @@ void pace_init(void)
     settings_write(SETTINGS_PACE);
 }
 
-/* span: from one capture to the next, timer ticks. */
+/* span: time from one capture to the next, in timer ticks. */
 static const char *judge_span(uint32_t span)
 {
     const bool is_wrong = (span < SPAN_MIN) || (span > SPAN_MAX);
@@ -81,7 +81,7 @@ const char *pace_step(uint32_t tick)
     } else if (is_silent(tick)) {
         why = "the second oscillator stands still";
     } else {
-        /* the next capture is on its way */
+        /* there is no new capture yet */
     }
     return why;
 }

@@ -3,7 +3,10 @@
 
 #include "settings.h"
 
-/* pwm_start() waits at most so many updates for one at the bottom; so many must be at the peak. */
+/*
+ * pwm_start() waits for an update at the bottom, for at most this many updates. Then this many
+ * updates have to be at the peak.
+ */
 #define UPDATES_TO_TURN (4U)
 
 void pwm_init(void)

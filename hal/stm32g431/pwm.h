@@ -34,10 +34,10 @@ void pwm_init(void);
 void pwm_connect(void);
 
 /*
- * Starts the counter and places its update event at the peak. At which end of its ramp a timer
- * updates depends on when the repetition counter was written, and the manuals disagree about it. So
- * this function checks the direction of counting at each update. False when the updates are not at
- * the peak.
+ * Starts the counter and places its update event at the peak. The end of the ramp at which a timer
+ * updates depends on when the repetition counter was written, and the manuals disagree about this.
+ * So this function checks the direction of counting at each update. False when the updates are not
+ * at the peak.
  */
 bool pwm_start(void);
 

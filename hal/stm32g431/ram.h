@@ -15,8 +15,8 @@
 #include <stdint.h>
 
 /*
- * The first address that does not hold what was written; 0: none. reset_entry writes it, and the
- * initialisation of the variables does not change it.
+ * The first address that did not hold the written word; 0: there is none. reset_entry writes this
+ * variable, and the initialisation of the variables does not change it.
  */
 extern uint32_t ram_fault;
 

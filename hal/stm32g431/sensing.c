@@ -23,7 +23,8 @@ static bool calibrate_converter(uint32_t adc)
 /* RM0440 21.4.9. */
 static bool enable_converter(uint32_t adc)
 {
-    clock_wait_us(1U); /* four of its cycles between calibration and enabling */
+    /* at least four cycles of the converter between calibration and enabling */
+    clock_wait_us(1U);
     reg_write(adc + ADC_ISR, ADC_ISR_ADRDY);
     reg_write(adc + ADC_CR, ADC_CR_ADVREGEN | ADC_CR_ADEN);
     return reg_wait(adc + ADC_ISR, ADC_ISR_ADRDY, ADC_ISR_ADRDY);
@@ -53,7 +54,7 @@ static bool wake_converter(uint32_t adc)
     return calibrate_converter(adc) && enable_converter(adc);
 }
 
-/* From now on both converters wait for the timer's triggers. */
+/* Makes both converters wait for the timer's triggers. */
 static void arm(void)
 {
     reg_write(ADC2 + ADC_CR, ADC_CR_ADVREGEN | ADC_CR_ADEN | ADC_CR_JADSTART);

@@ -34,7 +34,8 @@
 bool sensing_init(uint16_t *temperature);
 
 /*
- * From now on the end of each sequence causes a control interrupt. Earlier conversions cause none.
+ * Enables the control interrupt: from now on the end of each sequence causes one. Earlier
+ * conversions cause none.
  */
 void sensing_start(void);
 

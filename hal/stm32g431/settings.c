@@ -11,12 +11,12 @@
 #define ALL (0xFFFFFFFFUL)
 #define NAME_ROOM (14U)
 
-/* The part of a value that made() computes from the board's numbers. */
+/* The part of a row's value that made() computes from the board's numbers. */
 typedef enum {
     MADE_OF_NOTHING,
     MADE_OF_DEAD_TIME,
     MADE_OF_GAIN,
-    MADE_OF_SAMPLING_LOW, /* of the channels up to 9 */
+    MADE_OF_SAMPLING_LOW, /* sampling times of the channels up to 9; HIGH: of the others */
     MADE_OF_SAMPLING_HIGH
 } made_of_t;
 
@@ -36,13 +36,13 @@ typedef struct {
 /*
  * The filter of the break input. At turn-on the gate's charge and the diode's reverse recovery flow
  * through the shunt, and cause a spike of some tens of ns at its inductance. A filter of 47 ns
- * would let the spike through, 141 ns do not. In a real short the current rises further during
- * these 141 ns: with 1 µH at 24 V by 3.4 A.
+ * would let the spike through, a filter of 141 ns does not. In a real short the current rises
+ * further during these 141 ns: with 1 µH at 24 V by 3.4 A.
  */
 #define BREAK_AND_LOCK \
     (TIM_BDTR_OSSI | TIM_BDTR_OSSR | TIM_BDTR_BKE | TIM_BDTR_BKP | TIM_BDTR_BKF_6_OF_4 | \
      TIM_BDTR_LOCK_1)
-/* 10 mV of hysteresis: the edges of the PWM do not make the output chatter. */
+/* With 10 mV of hysteresis the edges of the PWM do not make the output chatter. */
 #define COMPARATOR (COMP_CSR_INMSEL_DAC3 | COMP_CSR_HYST_10MV | COMP_CSR_EN | COMP_CSR_LOCK)
 #define AMPLIFIER (OPAMP_CSR_EN | OPAMP_CSR_HIGHSPEED)
 #define SEQUENCE \

@@ -16,13 +16,13 @@
 
 /* Which step of the start writes a row. */
 typedef enum {
-    SETTINGS_READ_ONLY, /* none: the row is only compared */
+    SETTINGS_READ_ONLY, /* no step: the row is only compared */
     SETTINGS_LEVEL,     /* the DAC of the trip level; the order matters */
     /* the PWM timer and its break sources; the outputs to the gates are not connected yet */
     SETTINGS_TIMER,
     SETTINGS_OUTPUTS, /* the timer's outputs to the gates */
     SETTINGS_AMPLIFIERS,
-    SETTINGS_SEQUENCES, /* of the converters */
+    SETTINGS_SEQUENCES, /* sequences of the converters */
     SETTINGS_LINE,      /* the serial line */
     SETTINGS_PACE,      /* the timer that measures the clock */
     SETTINGS_GUARD      /* the tick guard, and its priority */
@@ -31,10 +31,10 @@ typedef enum {
 /* Writes the rows of a group, in the order of the table. */
 void settings_write(settings_group_t group);
 
-/* The value in the row with this address; 0 if there is no such row. */
+/* Returns the value in the row with this address; 0 if there is no such row. */
 uint32_t settings_value(uint32_t address);
 
-/* The number of rows. */
+/* Returns the number of rows. */
 uint32_t settings_count(void);
 
 /*
@@ -43,7 +43,7 @@ uint32_t settings_count(void);
  */
 bool settings_hold(uint32_t row);
 
-/* The register's name in the manual, such as "TIM1_BDTR". */
+/* Returns the register's name in the manual, such as "TIM1_BDTR". */
 const char *settings_name(uint32_t row);
 
 #endif

@@ -39,7 +39,7 @@
 /* more wrong bits than can be corrected were read; written as 1 to clear */
 #define FLASH_ECCR_ECCD (1UL << 31)
 #define FLASH_OPTR (0x40022020U)
-#define FLASH_OPTR_BOR_LEV (7UL << 8) /* supply below which the chip resets: 0: 1.7 V, 4: 2.8 V */
+#define FLASH_OPTR_BOR_LEV (7UL << 8) /* the chip resets below this supply; 0: 1.7 V, 4: 2.8 V */
 #define FLASH_OPTR_BOR_LEV_4 (4UL << 8)
 #define FLASH_OPTR_SRAM_PE (1UL << 24) /* 0: the parity of the RAM is checked */
 #define FLASH_IMAGE (0x08000000U)
@@ -76,7 +76,7 @@
 #define RCC_CFGR_SWS_PLL (3UL << 2)
 #define RCC_CFGR_HPRE (0xFUL << 4)
 #define RCC_CFGR_HPRE_2 (8UL << 4)  /* the core at half the system clock */
-#define RCC_CFGR_PPRE (0x3FUL << 8) /* of both peripheral buses */
+#define RCC_CFGR_PPRE (0x3FUL << 8) /* prescalers of both peripheral buses */
 #define RCC_CFGR_COUNTED (RCC_CFGR_SW | RCC_CFGR_SWS | RCC_CFGR_HPRE | RCC_CFGR_PPRE)
 #define RCC_PLLCFGR (0x4002100CU)
 #define RCC_PLLCFGR_SRC_HSI16 (2U)
@@ -114,25 +114,26 @@
 #define GPIOA (0x48000000U)
 #define GPIOB (0x48000400U)
 #define GPIOC (0x48000800U)
-#define GPIO_MODER (0x00U) /* two bits a pin */
+#define GPIO_MODER (0x00U) /* two bits per pin */
 #define GPIO_MODE_INPUT (0U)
 #define GPIO_MODE_OUTPUT (1U)
 #define GPIO_MODE_ALTERNATE (2U)
 #define GPIO_MODE_ANALOG (3U)
-#define GPIO_OSPEEDR (0x08U) /* two bits a pin */
+#define GPIO_OSPEEDR (0x08U) /* two bits per pin */
 #define GPIO_SPEED_HIGH (2U)
-#define GPIO_PUPDR (0x0CU) /* two bits a pin */
+#define GPIO_PUPDR (0x0CU) /* two bits per pin */
 #define GPIO_PULL_UP (1U)
 #define GPIO_PULL_DOWN (2U)
 #define GPIO_BSRR (0x18U) /* low half sets, high half resets */
-#define GPIO_AFRL (0x20U) /* four bits a pin, 0 to 7; the next register 8 to 15 */
+#define GPIO_AFRL (0x20U) /* four bits per pin, pins 0 to 7; the next register: pins 8 to 15 */
 
 /* --- System configuration, 10.2 --------------------------------------------------------------- */
 #define SYSCFG_CFGR2 (0x4001001CU)
 /* a lockup of the core is a break of the timers; the bit stays set until reset */
 #define SYSCFG_CFGR2_CLL (1UL << 0)
-#define SYSCFG_CFGR2_SPL (1UL << 1) /* the same for a wrong parity of the RAM */
-/* the same for a supply below the level of PWR_CR2 */
+/* a wrong parity of the RAM is a break of the timers; the bit stays set until reset */
+#define SYSCFG_CFGR2_SPL (1UL << 1)
+/* a supply below the level of PWR_CR2 is a break of the timers; the bit stays set until reset */
 #define SYSCFG_CFGR2_PVDL (1UL << 2)
 #define SYSCFG_CFGR2_BREAKS (SYSCFG_CFGR2_CLL | SYSCFG_CFGR2_SPL | SYSCFG_CFGR2_PVDL)
 #define SYSCFG_CFGR2_SPF (1UL << 8) /* a wrong parity was read; written as 1 to clear */
@@ -163,13 +164,13 @@
 #define ADC_CFGR (0x0CU)
 #define ADC_CFGR_OVRMOD (1UL << 12) /* a new regular result replaces one that was not read */
 #define ADC_CFGR_JQDIS (1UL << 31)  /* no queue of contexts: JSQR stays as written */
-#define ADC_SMPR1 (0x14U)           /* three bits a channel, 0 to 9 */
-#define ADC_SMPR2 (0x18U)           /* 10 to 18 */
+#define ADC_SMPR1 (0x14U)           /* three bits per channel, channels 0 to 9 */
+#define ADC_SMPR2 (0x18U)           /* three bits per channel, channels 10 to 18 */
 #define ADC_SQR1 (0x30U)
 #define ADC_SQR1_SQ1_SHIFT (6U)
 #define ADC_DR (0x40U)
 #define ADC_JSQR (0x4CU)
-#define ADC_JSQR_TWO (1U) /* conversions less one */
+#define ADC_JSQR_TWO (1U) /* number of conversions − 1 */
 #define ADC_JSQR_EXTSEL_TIM1_TRGO2 (8UL << 2)
 #define ADC_JSQR_EXTEN_RISING (1UL << 7)
 #define ADC_JSQR_SQ1_SHIFT (9U)
@@ -189,7 +190,8 @@
 #define DAC_SR_DAC1RDY (1UL << 11)
 #define DAC_SR_DAC2RDY (1UL << 27)
 #define DAC3_MCR (0x5000103CU)
-#define DAC_MCR_MODE1_INTERNAL (3UL << 0) /* to on-chip peripherals only, no buffer */
+/* the output goes to on-chip peripherals only, without buffer */
+#define DAC_MCR_MODE1_INTERNAL (3UL << 0)
 #define DAC_MCR_MODE2_INTERNAL (3UL << 16)
 #define DAC_MCR_HFSEL_160MHZ (2UL << 14) /* bus clock above 160 MHz */
 
@@ -214,7 +216,8 @@
 #define OPAMP_CSR_INTEN (1UL << 8)          /* output to the converter only */
 #define OPAMP_CSR_PGA_GAIN_SHIFT (14U)      /* 0…5: 2, 4, 8, 16, 32, 64 */
 #define OPAMP_CSR_PGA_MINUS_PIN (8UL << 14) /* the divider ends at the minus pin, not at ground */
-#define OPAMP_CSR_COUNTED (0x8007FFFFU) /* without the trimming and the output of a calibration */
+/* the bits that check.h compares: all but the trimming bits and the calibration output */
+#define OPAMP_CSR_COUNTED (0x8007FFFFU)
 
 /* --- Timer 1, 28.6 ---------------------------------------------------------------------------- */
 #define TIM1_CR1 (0x40012C00U)
@@ -235,7 +238,7 @@
 /* PWM mode 1 with preload, first channel of the register */
 #define TIM_CCMR_PWM1_PRELOAD (0x68UL)
 #define TIM1_CCER (0x40012C20U)
-/* both outputs of a channel, active high; four bits a channel */
+/* both outputs of a channel, active high; four bits per channel */
 #define TIM_CCER_CH1_AND_N (0x5UL)
 #define TIM1_CNT (0x40012C24U)
 #define TIM1_PSC (0x40012C28U)
@@ -258,7 +261,7 @@
 #define TIM_AF1_BKCMP1E (1UL << 1)
 #define TIM_AF1_BKCMP2E (1UL << 2)
 #define TIM_AF1_BKCMP4E (1UL << 4)
-#define TIM_AF1_BKCMP1P (1UL << 10) /* comparator active low */
+#define TIM_AF1_BKCMP1P (1UL << 10) /* the output of comparator 1 is active low */
 #define TIM_AF1_BKCMP2P (1UL << 11)
 #define TIM_AF1_BKCMP4P (1UL << 13)
 
@@ -307,7 +310,7 @@
 #define DBGMCU_APB1FZR1 (0xE0042008U)
 #define DBGMCU_IWDG_STOP (1UL << 12)
 #define DBGMCU_APB2FZ (0xE0042010U)
-#define DBGMCU_TIM1_STOP (1UL << 11) /* its outputs go inactive too */
+#define DBGMCU_TIM1_STOP (1UL << 11) /* TIM1 stops, and its outputs go inactive */
 
 /* --- Core, ARMv7-M B3.2 to B3.4 --------------------------------------------------------------- */
 #define SYST_CSR (0xE000E010U)

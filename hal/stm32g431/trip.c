@@ -117,7 +117,7 @@ static const char *try_path(const path_t *path)
     return why;
 }
 
-/* The locked comparators stay as they are until the next reset. */
+/* Locks the comparators. They stay as they are until the next reset. */
 static void lock_comparators(void)
 {
     for (uint32_t k = 0U; k < PATHS; k++) {
