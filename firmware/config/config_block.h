@@ -45,7 +45,10 @@ typedef struct {
 typedef struct {
     uint32_t pole_pairs;   /* 1…50 */
     int32_t speed_max_rpm; /* highest speed of the shaft, in either direction, 1…200000 */
-    /* 1: an example motor of the project, so nobody has said which motor is connected; else 0 */
+    /*
+     * 1: the motor is an example of the project, so it is not known which motor is connected;
+     * otherwise 0
+     */
     uint32_t is_example;
     /* names of motor, board and tuning: text, then zeros; the last byte is always 0 */
     char name[CONFIG_BLOCK_NAME_BYTES];
@@ -74,8 +77,8 @@ typedef enum {
     CONFIG_BLOCK_OTHER_BOARD,
     CONFIG_BLOCK_BAD_SETTING, /* out of its range, or against a rule of config_check.h */
     /*
-     * it protects less than the image, see config_ceiling.h; config_block_check() does not check
-     * this
+     * the block protects less than the image, see config_ceiling.h; config_block_check() does not
+     * check this
      */
     CONFIG_BLOCK_ABOVE_CEILING
 } config_block_fault_t;

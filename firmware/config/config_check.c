@@ -24,11 +24,11 @@ typedef enum {
 
 /* A row of cfg.def. */
 typedef struct {
-    const char *path; /* in drive_cfg_t */
+    const char *path; /* path of the setting in drive_cfg_t */
     /* An unsigned setting has both ends in 0…2^31 − 1: a larger value reads as a negative one. */
     int32_t lowest;
     int32_t highest;
-    uint16_t offset; /* in drive_cfg_t, bytes */
+    uint16_t offset; /* offset of the setting in drive_cfg_t, bytes */
     uint8_t use;     /* config_use_t */
 } config_row_t;
 

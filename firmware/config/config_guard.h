@@ -20,7 +20,7 @@
 
 typedef struct {
     uint32_t at;  /* index of the next byte */
-    uint32_t crc; /* of the bytes before it */
+    uint32_t crc; /* CRC of the bytes before `at` */
 } config_guard_t;
 
 /* Returns the CRC for the field crc. Any context. */

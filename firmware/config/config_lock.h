@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The lock: another configuration may not protect less than the one in force, unless somebody has
- * unlocked this at rest (commander.h).
+ * The lock: another configuration may not protect less than the configuration in force, unless a
+ * user has unlocked this at rest (commander.h).
  *
  * Settings that a file chooses may not protect less at all, apart from the rounding of times. These
  * are the settings with a ceiling (config_ceiling.h), the watch for swings, the time-out of the

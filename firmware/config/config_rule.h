@@ -11,7 +11,7 @@
 #include <stdint.h>
 
 typedef struct {
-    const char *path; /* of the setting that the rule is about, a constant string */
+    const char *path; /* path of the setting that the rule is about, a constant string */
     bool broken;
 } config_rule_t;
 

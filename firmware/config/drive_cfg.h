@@ -96,7 +96,7 @@ typedef struct {
     torque_loop_cfg_t torque_loop;
     safe_state_cfg_t safe_state;
     link_cfg_t link;
-    uint32_t crc; /* of all fields before it, see config_guard.h; the last field */
+    uint32_t crc; /* CRC of all fields before it, see config_guard.h; must be the last field */
 } drive_cfg_t;
 
 #endif

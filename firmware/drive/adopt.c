@@ -123,7 +123,9 @@ static void adopt(drive_t *drive, const drive_cfg_t *cfg)
 INLINES_ALL NEVER_INLINED void drive_change(drive_t *drive, const drive_cfg_t *cfg)
 {
     if (cfg->crc == drive->cfg->crc) {
-        /* the same configuration at another address: a replay of the inputs sees no change */
+        /*
+         * it is the same configuration at another address, so a replay of the inputs sees no change
+         */
         drive->cfg = cfg;
     } else if (config_change_refused(drive->cfg, cfg) == NULL) {
         adopt(drive, cfg);

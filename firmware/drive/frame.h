@@ -12,9 +12,9 @@
 #include "state.h"
 
 typedef struct {
-    angle_t angle;                  /* at this instant */
+    angle_t angle;                  /* angle of the frame at this instant */
     step_t step;                    /* turn of the frame per tick */
-    dq_t current;                   /* measured, in this frame */
+    dq_t current;                   /* measured current in this frame */
     const current_loop_cfg_t *loop; /* gains and decoupling */
     bool imposed;                   /* true: the frame of the imposed vector */
 } frame_t;

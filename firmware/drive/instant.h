@@ -13,8 +13,10 @@
 
 typedef struct {
     sample_t sample;
-    dq_t along_rotor;  /* current in the frame of θ̂, Q15 of I_b, ±34400; 0 with open gates */
-    dq_t along_vector; /* current in the frame of the imposed vector, ±34400; 0 in RUN */
+    /* measured current in the frame of θ̂, Q15 of I_b, ±34400; 0 with open gates */
+    dq_t along_rotor;
+    /* the same in the frame of the imposed vector; 0 in RUN too */
+    dq_t along_vector;
 } instant_t;
 
 /*

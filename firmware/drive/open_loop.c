@@ -188,9 +188,10 @@ static bool lies_along_phase_a(const drive_t *drive)
 }
 
 /*
- * Takes the voltage out of the integral that the model (R·i) and the dead-time compensation supply
- * from now on. The integral is slow: without this, both would supply that voltage for some swings
- * of the rotor. compensated: voltage that the compensation adds from now on, Q15 of the bus.
+ * From now on the model (R·i) and the dead-time compensation supply a part of the voltage. This
+ * function takes that part out of the integral. The integral is slow, so the part would otherwise
+ * be there twice for some swings of the rotor. compensated: voltage that the compensation adds from
+ * now on, Q15 of the bus.
  */
 static void leave_rest_to_integral(drive_t *drive, int32_t bus, int32_t compensated)
 {
@@ -273,7 +274,7 @@ static drive_event_t align(drive_t *drive, const instant_t *now, fault_t *fault)
     } else if (align_has_measured(&drive->align)) {
         event = judge_rest(drive, fault);
     } else {
-        /* it goes on */
+        /* the alignment goes on */
     }
     return event;
 }
@@ -314,8 +315,8 @@ static bool has_found_rotor(const drive_t *drive)
 
 /*
  * Changes from the frame of the vector to the frame of the rotor. i_q* in the vector's frame is the
- * torque of the ramp. The speed loop feeds that torque forward, so its integral begins with the
- * rest of i_q*: the torque of the load.
+ * torque of the ramp. The speed loop feeds that torque forward, so its integral begins with i_q* in
+ * the rotor's frame minus that torque: the torque of the load.
  */
 static drive_event_t hand_over(drive_t *drive)
 {

@@ -84,10 +84,10 @@ void run_set_zero(drive_t *drive)
 
 /*
  * Changes the mode without a jump: the position profile begins with this position and the present
- * speed reference, the torque with the torque that acts. The next torque may be quite another one:
- * a commanded torque differs from the torque of the speed loop, and a profile has another ramp than
- * the speed. So the torque goes there on a slope (torque_loop_bridge()). Whole turns that the rotor
- * made outside position control do not count.
+ * speed reference, the torque with the torque that acts. The torque that the new mode demands may
+ * be very different: a commanded torque differs from the torque of the speed loop, and the ramp of
+ * a profile differs from the ramp of the speed. So the torque changes on a slope
+ * (torque_loop_bridge()). Whole turns that the rotor made outside position control do not count.
  */
 static void change_mode(drive_t *drive, uint8_t mode, const rotor_position_t *position)
 {
@@ -117,10 +117,10 @@ static bool is_loaded(const drive_t *drive)
 }
 
 /*
- * Returns the lowest speed of RUN. At low speed a leg whose current crosses zero loses more voltage
- * by its dead time than the EMF. With a torque current this voltage is at right angles to the EMF
- * and turns the estimated angle by some degrees. With i_d* alone it is parallel to the EMF, and the
- * observer takes it for speed. So the lowest speed is lower with a load.
+ * Returns the lowest speed of RUN. At low speed the voltage that a leg loses by its dead time while
+ * its current crosses zero is larger than the EMF. With a torque current this voltage is at right
+ * angles to the EMF and turns the estimated angle by some degrees. With i_d* alone it is parallel
+ * to the EMF, and the observer takes it for speed. So the lowest speed is lower with a load.
  */
 static step_t lowest_speed(const drive_t *drive)
 {
@@ -130,10 +130,10 @@ static step_t lowest_speed(const drive_t *drive)
 }
 
 /*
- * For speed mode. Below the lowest speed of RUN the reference changes no faster than the ramp of an
- * imposed vector, upwards and downwards. At the hand-back the acting torque determines the load
- * angle of the vector. With the torque of a steeper ramp the rotor would slip. A position profile
- * is soft near standstill by itself.
+ * Returns the speed reference in speed mode. Below the lowest speed of RUN it changes no faster
+ * than the ramp of an imposed vector, upwards and downwards. At the hand-back the acting torque
+ * determines the load angle of the vector. With the torque of a steeper ramp the rotor would slip.
+ * A position profile is soft near standstill by itself.
  */
 static step_t gentle(const drive_t *drive, step_t wanted)
 {
@@ -361,8 +361,8 @@ static void lead_along_ramp(drive_t *drive, step_t before)
  * Feeds the acceleration by the torque current forward to the observer. In torque control the speed
  * reference does not show the acceleration: it is the estimate itself, or the slope near
  * standstill. The torque may accelerate the rotor many times faster than a ramp. An observer of a
- * motor with large R, below some 40 % of rated speed, is too slow to find this from its error: it
- * lost the angle.
+ * motor with large R, below some 40 % of rated speed, is too slow to find this from its error:
+ * without the feed-forward it lost the angle.
  */
 NEVER_INLINED static void lead_by_torque(drive_t *drive)
 {
@@ -408,8 +408,8 @@ static bool is_to_be_held(const drive_t *drive)
 /*
  * The speed loop applies its limits before the filter, so its integral stops at the same value as
  * without a filter. The filter may overshoot a limit that the speed loop has just reached; the
- * overshoot is cut off. At rest the output of the filter is a rounding short of the limit, and a
- * check whether the torque is at its limit would fail. So near the limit the output is set to the
+ * overshoot is cut off. At rest the output of the filter is a rounding short of the limit, and the
+ * checks would not see that the torque is at its limit. So near the limit the output is set to the
  * limit.
  */
 static void filter_torque(drive_t *drive)

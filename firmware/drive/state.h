@@ -46,7 +46,7 @@ typedef enum {
     DRIVE_STATE_ALIGN = 0x5A,        /* pulls the rotor to a known angle, measures R and L */
     DRIVE_STATE_HOLD = 0x66,         /* an imposed current holds the rotor at standstill */
     DRIVE_STATE_IF_RAMP = 0x71,      /* an imposed current turns the rotor: open-loop I/f */
-    DRIVE_STATE_HANDOVER = 0x8E,     /* as IF_RAMP, while the observer's residual is checked */
+    DRIVE_STATE_HANDOVER = 0x8E,     /* as IF_RAMP; the residual of the observer is checked too */
     DRIVE_STATE_RUN = 0x99,          /* closed loop on the angle of the observer or the sensor */
     DRIVE_STATE_FAULT = 0xA5
 } drive_state_t;
@@ -115,7 +115,7 @@ typedef struct {
 
 /* The current vector that is imposed below RUN. */
 typedef struct {
-    rotor_position_t position; /* of the vector */
+    rotor_position_t position; /* angle and whole turns of the vector */
     step_t step;               /* turn of the vector per tick */
     dq_t current_mean;         /* mean of the measured current over some 32 ticks, in its frame */
 } current_vector_t;
@@ -130,7 +130,8 @@ typedef struct {
     /* U, Q15 of U_b, + forwards; may exceed the voltage limit when the bus has fallen since */
     int32_t magnitude;
     phase_compensator_t compensator;
-    virtual_resistance_t damping; /* also holds the mean of the current in the frame of θ̂ */
+    /* the virtual resistance; it also holds the mean of the current in the frame of θ̂ */
+    virtual_resistance_t damping;
 } voltage_drive_t;
 
 /*
@@ -146,17 +147,17 @@ typedef struct {
      * period very long
      */
     uint8_t slow_count;
-    protection_limits_t limits; /* in force in this state */
+    protection_limits_t limits; /* limits in force in this state */
     int32_t offset_a;           /* sensor zero, Q15 of I_b, nominal 16384 */
     int32_t offset_b;
-    int32_t bus; /* voltage in the last tick that has ended, Q15 of U_b */
+    int32_t bus; /* bus voltage of the last tick that has ended, Q15 of U_b */
     modulator_t modulator;
     ab_t ratio_acting; /* demand / bus, Q15, that has acted from the last instant to this one */
     ab_t ratio_next;   /* demand / bus, Q15, of the last tick: it acts from this instant on */
     current_loop_t current_loop;
     nn_observer_t observer; /* ω̂, (22) */
     dq_t current_ref;       /* i_d*, i_q* in the frame of the current control, Q15 of I_b */
-    dq_t voltage;           /* last demand, in the same frame, Q15 of U_b */
+    dq_t voltage;           /* voltage demanded last, in the same frame, Q15 of U_b */
     uint32_t tick;          /* ticks since drive_init(), wraps */
     voltage_drive_t voltage_drive;
     step_t speed_reference;
@@ -188,8 +189,8 @@ typedef struct {
     supervision_t supervision;
     oscillation_t oscillation;
     torque_filter_t torque_filter; /* filter of i_q*, in RUN with current control */
-    torque_loop_t torque_loop;     /* in RUN; its bridge is used in every mode */
-    safe_state_t safe_state;       /* of the gates while nothing is driven */
+    torque_loop_t torque_loop;     /* torque control in RUN; its bridge is used in every mode */
+    safe_state_t safe_state;       /* state of the gates while nothing is driven */
     config_guard_t guard;
     state_guard_t state_guard;
     fault_t fault;       /* the last fault … */

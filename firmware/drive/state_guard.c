@@ -182,7 +182,7 @@ static fault_id_t look_at_run(drive_t *drive, fault_t *fault)
         } else if (asks_position(drive)) {
             id = look_at_position(drive, fault);
         } else {
-            /* as they may be */
+            /* all values are possible */
         }
     }
     keep_motion(drive);
@@ -226,7 +226,7 @@ static fault_id_t look_at_rest(drive_t *drive, fault_t *fault)
         } else if (!has_soft_integrals(drive)) {
             id = found((uint32_t)STATE_GUARD_INTEGRALS, fault);
         } else {
-            /* as they may be */
+            /* all values are possible */
         }
     }
     guard->angle = angle;

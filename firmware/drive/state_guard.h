@@ -29,7 +29,7 @@ typedef enum {
     STATE_GUARD_MODEL_LOOPS,
     STATE_GUARD_MODEL_GAINS,
     STATE_GUARD_MODEL_FLUX,
-    STATE_GUARD_LIMITS,  /* of protection */
+    STATE_GUARD_LIMITS,  /* limits of protection */
     STATE_GUARD_CHOICES, /* impossible phases, flags or inertia */
     STATE_GUARD_START,   /* impossible count of starts */
     STATE_GUARD_CONFIG,  /* settings that act at once; the fault is CONFIGURATION */
@@ -46,7 +46,7 @@ typedef enum {
     STATE_GUARD_HEAT,
     STATE_GUARD_VECTOR,
     STATE_GUARD_WEAKENING,
-    STATE_GUARD_PROFILE, /* of position control, or its zero */
+    STATE_GUARD_PROFILE, /* profile of position control, or its zero */
     STATE_GUARD_TURNS,
     /*
      * this or more: STATE_GUARD_STATE + the code in drive_t.state, which is not one of

@@ -13,7 +13,8 @@
  * voltage is rough.
  */
 #define END_SHIFT (3U)
-#define HYSTERESIS_SHIFT (2U) /* 1/4 of a limit, between beginning and end of the voltage drive */
+/* hysteresis of the limits between begin and end of the voltage drive: 1/4 of a limit */
+#define HYSTERESIS_SHIFT (2U)
 
 /* Returns the EMF at this speed, ω·φ, Q15 of U_b. */
 static int32_t emf(const drive_t *drive, step_t speed)

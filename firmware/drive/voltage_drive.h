@@ -40,7 +40,7 @@
 
 /*
  * Each tick: returns the voltage to apply, Q15 of U_b. There is no current reference; the mean
- * current of the virtual resistance takes its place. current: measured, in the frame of θ̂.
+ * current of the virtual resistance takes its place. current: measured current in the frame of θ̂.
  */
 dq_t voltage_drive_step(drive_t *drive, dq_t current, int32_t bus);
 

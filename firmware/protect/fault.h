@@ -63,7 +63,7 @@ typedef struct {
     fault_id_t id;
     int32_t value;
     int32_t limit;
-    uint32_t tick; /* of drive_t, wraps */
+    uint32_t tick; /* drive_t.tick at the fault, wraps */
 } fault_t;
 
 /*

@@ -31,17 +31,22 @@ typedef enum {
 typedef enum {
     FAULT_SIGN_NONE = 0,    /* no sign is needed */
     FAULT_SIGN_DERATED_BUS, /* in RUN a low bus leaves less than 3/4 of the motoring current */
-    /* in RUN heat, temperature or the limit of the bus current leaves less than 3/4 of it */
+    /*
+     * in RUN heat, temperature or the limit of the bus current leaves less than 3/4 of the motoring
+     * current
+     */
     FAULT_SIGN_DERATED_OTHER,
     FAULT_SIGN_SWING, /* in RUN some half-waves of a swing were seen before the fault */
     /*
-     * The next four are for a swing that the speed loop does not cause by itself. SHAFT: its
-     * frequency is the frequency of the shaft, or 1/2, 2 or 3 times it.
+     * a swing that the speed loop does not cause by itself: its frequency is the frequency of the
+     * shaft, or 1/2, 2 or 3 times it
      */
     FAULT_SIGN_SHAFT,
-    FAULT_SIGN_ELECTRIC,          /* its frequency is the electrical frequency, or twice it */
-    FAULT_SIGN_SHAFT_OR_ELECTRIC, /* both of these fit, with few pole pairs */
-    FAULT_SIGN_SIX,               /* its frequency is six times the electrical frequency */
+    /* such a swing: its frequency is the electrical frequency, or twice it */
+    FAULT_SIGN_ELECTRIC,
+    FAULT_SIGN_SHAFT_OR_ELECTRIC, /* such a swing: both of these fit, with few pole pairs */
+    /* such a swing: its frequency is six times the electrical frequency */
+    FAULT_SIGN_SIX,
     /* a swing near the frequency at which the speed loop has a phase lag of 180° */
     FAULT_SIGN_LAG,
     /*

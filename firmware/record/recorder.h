@@ -35,8 +35,10 @@
 #include <stdint.h>
 
 #define RECORDER_SEGMENTS (4U)
-#define RECORDER_STATES (5U)  /* one more than segments; a literal, because the proof needs one */
-#define RECORDER_MARGIN (16U) /* entries left in a segment when the next is offered */
+/* one more than RECORDER_SEGMENTS; a literal number, because the proof needs one */
+#define RECORDER_STATES (5U)
+/* number of entries left in a segment when the next segment is offered */
+#define RECORDER_MARGIN (16U)
 #define RECORDER_ENTRIES_MIN (4U * RECORDER_MARGIN) /* smallest size of a segment */
 #define RECORDER_ENTRIES_MAX (65535U)               /* largest size of a segment */
 #define RECORDER_POST_TICKS_MAX (1000000U)

@@ -81,7 +81,7 @@ static void erase_unit(hal_host_flash_t *flash, uint32_t slot, uint32_t unit, bo
     } else if (!is_dead(flash, unit)) {
         *it = (hal_host_flash_unit_t){.after = HAL_HOST_FLASH_ERASED};
     } else {
-        /* it keeps its value */
+        /* a dead unit keeps its value */
     }
 }
 

@@ -35,7 +35,8 @@ typedef struct {
     uint64_t before; /* old value of a half-done unit */
     uint64_t after;  /* new value of a half-done unit; value of any other unit */
     bool half_done;
-    hal_host_flash_half_t half; /* what a half-done unit holds, unless unstable */
+    /* the value that a half-done unit holds; with `unstable` it is not used */
+    hal_host_flash_half_t half;
 } hal_host_flash_unit_t;
 
 typedef struct {

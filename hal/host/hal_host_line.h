@@ -45,7 +45,10 @@ typedef struct {
 /* An empty line. baud: 1…4000000 bits per second; tick_ps: a PWM period, 1 or more. */
 void hal_host_line_init(hal_host_line_t *line, uint32_t baud, uint64_t tick_ps);
 
-/* The PC's side. Each returns false and does nothing while there is no room, or no byte. */
+/*
+ * The PC's side of the line. Each function returns false and does nothing while there is no room,
+ * or no byte.
+ */
 bool hal_host_line_write(hal_host_line_t *line, uint8_t byte);
 bool hal_host_line_read(hal_host_line_t *line, uint8_t *byte);
 

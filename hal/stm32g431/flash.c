@@ -12,7 +12,7 @@
 _Static_assert((HAL_STORE_UNITS * HAL_STORE_UNIT_BYTES) == PAGE_BYTES, "a slot is a page");
 
 static volatile bool is_reading;    /* hal_store_read() is reading a unit */
-static volatile bool is_unreadable; /* that unit has raised the NMI */
+static volatile bool is_unreadable; /* the unit that is being read has raised the NMI */
 
 static uint32_t address_of(uint32_t slot, uint32_t unit)
 {

@@ -21,7 +21,7 @@ struct hal {
     uint32_t longest;  /* timer ticks from the sampling instant to the end of a tick */
     /* the drive has enabled the gates, and no break has opened them since */
     bool gates_on;
-    volatile bool tick_lost; /* set by the tick guard: the watchdog is not fed any more */
+    volatile bool tick_lost; /* set by the tick guard; then the watchdog is not fed any more */
     volatile bool barred;    /* the gates stay open until a reset */
     /* the fault of the chip; NULL: barred by a lost tick, or not barred */
     const char *why_barred;

@@ -137,7 +137,7 @@ static void tell_options(void)
     }
 }
 
-/* Says which configuration is in force, where it comes from, and what is not as it should be. */
+/* Says which configuration is in force, where it comes from, and what is wrong. */
 static void greet(void)
 {
     link_say(&serial, live.about.name);
