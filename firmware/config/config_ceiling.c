@@ -23,7 +23,7 @@ static bool ends_later(const fade_t *image, const fade_t *fade)
     } else if (image->gain < 0) {
         later = (fade->gain >= 0) || (fade->zero < image->zero);
     } else {
-        /* the image has no such derating either */
+        /* the image has no such derating */
     }
     return later;
 }

@@ -33,8 +33,8 @@ static bool is_half(int32_t from, int32_t to)
 }
 
 /*
- * Whether the gates may open at more than twice the speed as before. Above open_speed a stop shorts
- * the motor; with 0 it never does.
+ * Whether the gates may open at more than twice the open_speed of `from`. Above open_speed a stop
+ * shorts the motor; with 0 it never does.
  */
 static bool is_open_further(step_t from, step_t to)
 {

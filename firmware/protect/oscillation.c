@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "oscillation.h"
 
-/* a turning point is found when i_q* has come back from it by 1/4 of the last half-wave */
+/*
+ * a turning point is found when i_q* has come back from it by 1/4 of the last half-wave, or by
+ * twice the amplitude limit if that is more
+ */
 #define BACK_SHIFT (2U)
 /*
  * slow periods that a half-wave takes at least, so a swing is not faster than 1/4 of the slow rate

@@ -76,11 +76,11 @@ static void seek_safe_state(safe_state_t *safe, const safe_state_cfg_t *cfg,
     } else if (is_overcharged(in)) {
         short_motor(safe);
     } else {
-        /* open */
+        /* the gates stay open */
     }
 }
 
-/* A broken power stage stays so until safe_state_reset(). */
+/* A broken power stage stays broken until safe_state_reset(). */
 bool safe_state_step(safe_state_t *safe, const safe_state_cfg_t *cfg, const safe_state_in_t *in)
 {
     if (safe->phase != SAFE_STATE_BROKEN) {

@@ -85,8 +85,8 @@ typedef struct {
     /* a reader follows the ring: a fault does not freeze the recording */
     bool followed;
     /*
-     * the drive is in FAULT, and a reader follows or has followed since then: this fault does not
-     * freeze the recording, even when the reader has left
+     * the drive is in FAULT, and a reader follows or has followed during this FAULT: the fault does
+     * not freeze the recording, even when the reader has left
      */
     bool passed;
     uint32_t kept;             /* number of the segment whose state a reader has kept, 0: none */

@@ -5,7 +5,7 @@
 #include "reg.h"
 #include "stm32g431.h"
 
-#define AF_TIM1_CH1N (4U) /* CH1N and CH3N */
+#define AF_TIM1_CH1N (4U) /* function of the pins CH1N and CH3N */
 #define AF_TIM1 (6U)
 #define AF_USART2 (7U)
 
@@ -13,7 +13,7 @@
 #define PIN_NAME_ROOM (5U)
 
 typedef struct {
-    uint8_t port; /* 0: A */
+    uint8_t port; /* 0: port A */
     uint8_t number;
     uint8_t mode;
     uint8_t function;

@@ -125,7 +125,7 @@ static void set_gates(hal_t *hal, bool enable)
             hal_open_gates(hal);
         }
     } else {
-        /* as it is */
+        /* nothing to change */
     }
 }
 
