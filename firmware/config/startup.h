@@ -36,7 +36,7 @@ typedef struct {
     step_t track_speed;
     /*
      * the observer takes over from this speed on; at a start it takes over at once if the rotor
-     * already turns so fast, 1…2^29 …
+     * already turns so fast, 1…2^29
      */
     step_t handover_speed;
     /*
@@ -49,19 +49,18 @@ typedef struct {
      * load_current or more of i_q, 1…hold_speed
      */
     step_t loaded_speed;
-    int32_t load_current; /* Q15 of I_b, 1…16384 */
+    /* from this torque current on loaded_speed applies, Q15 of I_b, 1…16384 */
+    int32_t load_current;
     /*
      * the observer takes over only while the residual (drive_t.residual, here |e'_q|) is below
      * this, Q15 of I_b, 1…16384
      */
     int32_t residual_max;
-    /*
-     * a residual above this means that the rotor does not follow the vector, residual_max…16384 …
-     */
+    /* a residual above this means that the rotor does not follow the vector, residual_max…16384 */
     int32_t residual_lost;
     /*
-     * … the start is repeated when the number of slow periods with such a residual exceeds the
-     * number of the others by this, 1…60000
+     * the start is repeated when the number of slow periods with a residual above residual_lost
+     * exceeds the number of the others by this, 1…60000
      */
     uint32_t lost_periods;
     uint32_t settle_periods; /* slow periods that HANDOVER takes at least, 0…handover_periods − 1 */

@@ -108,8 +108,8 @@ typedef struct {
     angle_t angle;    /* angle of the vector at the last look, at rest */
     int32_t heat_q24; /* copy of derating.heat_q24 after its last intended change */
     uint32_t config;  /* check word of settings that act at once */
-    uint32_t turns;   /* whole turns of the rotor at the last look, in RUN … */
-    angle_t turned;   /* … and the fraction of a turn */
+    uint32_t turns;   /* whole turns of the rotor at the last look, in RUN */
+    angle_t turned;   /* angle θ̂ at the last look, in RUN */
     step_t speed;     /* ω̂ at the last look, in RUN */
 } state_guard_t;
 
@@ -193,8 +193,8 @@ typedef struct {
     safe_state_t safe_state;       /* state of the gates while nothing is driven */
     config_guard_t guard;
     state_guard_t state_guard;
-    fault_t fault;       /* the last fault … */
-    fault_scene_t scene; /* … and its scene */
+    fault_t fault;       /* the last fault */
+    fault_scene_t scene; /* scene of the last fault */
 } drive_t;
 
 /* FLYING_START to RUN: current may flow. */

@@ -26,8 +26,9 @@
 #define CURRENT_SUM_SAMPLES_MAX (4096U)
 
 typedef struct {
-    int32_t zero_sum; /* sum of the samples without current, Q15 of I_b … */
-    int32_t zeros;    /* … and their number, 0…CURRENT_SUM_SAMPLES_MAX; 0: the zero is not known */
+    int32_t zero_sum; /* sum of the samples without current, Q15 of I_b */
+    /* number of samples in zero_sum, 0…CURRENT_SUM_SAMPLES_MAX; 0: the zero is not known */
+    int32_t zeros;
     uint32_t samples; /* samples in this window */
     uint32_t sum;     /* sum of |i_a + i_b + i_c| in this window, Q15 of I_b */
     uint32_t flowing; /* sum of |i_a| + |i_b| + |i_c| in this window, Q15 of I_b */

@@ -68,11 +68,13 @@ typedef struct {
     int32_t temperature_highest;
     /* OVERTEMPERATURE or TEMPERATURE_SENSOR when the share is 0 for more periods than this */
     uint32_t temperature_periods;
-    fade_t bus_high;              /* share of the braking current; x: bus */
-    fade_t bus_low;               /* share of the motoring current; x: bus */
-    step_t regeneration_speed;    /* below this |speed| no current counts as braking, 0…2^29 */
-    int32_t bus_current_max;      /* motoring, Q15 of 1.5·I_b, 0…32767, 0: no limit */
-    int32_t bus_regeneration_max; /* braking, Q15 of 1.5·I_b, 0…32767, 0: no limit */
+    fade_t bus_high;           /* share of the braking current; x: bus */
+    fade_t bus_low;            /* share of the motoring current; x: bus */
+    step_t regeneration_speed; /* below this |speed| no current counts as braking, 0…2^29 */
+    int32_t bus_current_max; /* limit of the bus current when motoring, Q15 of 1.5·I_b, 0…32767, 0:
+                                no limit */
+    int32_t bus_regeneration_max; /* limit of the bus current when braking, Q15 of 1.5·I_b, 0…32767,
+                                     0: no limit */
 } derating_cfg_t;
 
 /* Flags of the limits that reduce the torque range now: motoring, braking or both. */

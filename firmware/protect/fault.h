@@ -21,8 +21,8 @@ typedef enum {
     /* the power stage has opened its gates by itself; value: the largest phase current, limit: 0 */
     FAULT_BREAK,
     FAULT_OVERCURRENT,    /* value: the largest phase current */
-    FAULT_OVERVOLTAGE,    /* value: bus */
-    FAULT_UNDERVOLTAGE,   /* value: bus */
+    FAULT_OVERVOLTAGE,    /* value: bus voltage */
+    FAULT_UNDERVOLTAGE,   /* value: bus voltage */
     FAULT_CURRENT_OFFSET, /* value: the larger offset of the two sensors from mid-scale */
     /* a current sample is at an end of the converter's range; value as OVERCURRENT */
     FAULT_ADC_SATURATED,

@@ -51,20 +51,21 @@ typedef struct {
 } oscillation_cfg_t;
 
 typedef struct {
-    uint32_t now;    /* count of slow periods, wraps */
-    step_t motion;   /* last commanded motion */
-    bool falls;      /* true: i_q* falls in the present half-wave */
-    int32_t extreme; /* the furthest i_q* since the last turning point … */
-    uint32_t at;     /* … and when */
+    uint32_t now;  /* count of slow periods, wraps */
+    step_t motion; /* last commanded motion */
+    bool falls;    /* true: i_q* falls in the present half-wave */
+    /* largest or smallest i_q* since the last turning point, in the direction of `falls` */
+    int32_t extreme;
+    uint32_t at; /* `now` at that extreme */
     /* i_q* has turned when it has come back from the extreme by this much */
     int32_t back;
-    int32_t turned;        /* i_q* at the last turning point … */
-    uint32_t since;        /* … and when */
-    uint32_t periods_up;   /* slow periods of the last rising half-wave … */
-    uint32_t periods_down; /* … and of the last falling one */
+    int32_t turned;        /* i_q* at the last turning point */
+    uint32_t since;        /* `now` at the last turning point */
+    uint32_t periods_up;   /* slow periods of the last rising half-wave */
+    uint32_t periods_down; /* slow periods of the last falling half-wave */
     int32_t highest;       /* height of the highest half-wave of the run */
-    uint32_t halves;       /* half-waves in the run … */
-    uint32_t begun;        /* … and when it began */
+    uint32_t halves;       /* half-waves in the run */
+    uint32_t begun;        /* `now` at the beginning of the run */
     /*
      * slow periods that the halves_max half-waves of the last swing took; 0: no swing since the
      * start

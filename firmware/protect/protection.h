@@ -15,10 +15,10 @@
 #include <stdint.h>
 
 typedef struct {
-    int32_t current_max; /* |phase current|, Q15 of I_b, 1…16382 */
-    int32_t bus_max;     /* Q15 of U_b, 1…32766 */
+    int32_t current_max; /* over-current: limit of |phase current|, Q15 of I_b, 1…16382 */
+    int32_t bus_max;     /* over-voltage: limit of the bus, Q15 of U_b, 1…32766 */
     int32_t bus_min;
-    int32_t offset_max; /* |sensor offset|, Q15 of I_b */
+    int32_t offset_max; /* limit of |sensor offset|, Q15 of I_b */
 } protection_cfg_t;
 
 /*

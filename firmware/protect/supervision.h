@@ -48,36 +48,42 @@ typedef struct {
     /* OBSERVER_LOST: limit of the mean of the larger current error, 1…8191 */
     int32_t residual_max;
     uint32_t mean_shift; /* both means are over 2^mean_shift periods, 0…14 */
-    /*
-     * SPEED_IMPLAUSIBLE: |ω̂ − reference| above this while the torque is not at its limit, 1…2^30 …
-     */
+    /* SPEED_IMPLAUSIBLE: limit of |ω̂ − reference| while the torque is not at its limit, 1…2^30 */
     step_t speed_error_max;
-    uint32_t speed_error_periods; /* … for longer */
-    uint32_t runaway_periods;     /* SPEED_IMPLAUSIBLE: ω̂ at the observer's limit for longer */
-    step_t overspeed;             /* OVERSPEED: |ω̂| above it, 1…2^30 … */
-    uint32_t overspeed_periods;   /* … for longer */
-    int32_t stall_current;        /* STALL: |i_q*| at its limit and at least this, 1…16384, … */
-    step_t stall_speed;           /* … with ω̂ in the torque's direction below this, 1…2^29 … */
-    uint32_t stall_periods;       /* … for longer */
-    int32_t sum_max;       /* CURRENT_SUM: mean of |i_a + i_b + i_c| above this, 1…65535, … */
-    int32_t sum_share_q15; /* … and this share of the mean of |i_a| + |i_b| + |i_c|, 0…32767 */
-    uint32_t late_max;     /* LATE: more late ticks than this … */
-    uint32_t late_window;  /* … in this many periods, ≥ 1 */
+    /* SPEED_IMPLAUSIBLE when ω̂ is beyond speed_error_max for more periods than this */
+    uint32_t speed_error_periods;
+    /* SPEED_IMPLAUSIBLE when ω̂ is at the observer's limit for more periods than this */
+    uint32_t runaway_periods;
+    step_t overspeed;           /* OVERSPEED: limit of |ω̂|, 1…2^30 */
+    uint32_t overspeed_periods; /* OVERSPEED when |ω̂| is above it for more periods than this */
+    int32_t stall_current;      /* STALL: |i_q*| is at its limit and at least this, 1…16384 */
+    step_t stall_speed;         /* STALL: ω̂ in the torque's direction is below this, 1…2^29 */
+    uint32_t stall_periods;     /* STALL when both hold for more periods than this */
+    /* CURRENT_SUM: constant part of the limit of the mean of |i_a + i_b + i_c|, 1…65535 */
+    int32_t sum_max;
+    /*
+     * CURRENT_SUM: share of the mean of |i_a| + |i_b| + |i_c| that is added to the limit, 0…32767
+     */
+    int32_t sum_share_q15;
+    uint32_t late_max;    /* LATE when there are more late ticks than this in a window */
+    uint32_t late_window; /* length of the window of late_max in periods, ≥ 1 */
 } supervision_cfg_t;
 
 typedef struct {
-    uint32_t step;                      /* the next of the other checks, 0…SUPERVISION_STEPS − 1 */
+    /* next of the checks that take turns, 0…SUPERVISION_STEPS − 1 */
+    uint32_t step;
     uint32_t late;                      /* late ticks in this window */
     uint32_t late_periods;              /* periods of this window so far */
     int32_t start_q16;                  /* angle at the start of this arc, Q16 electrical turns */
     uint32_t samples;                   /* samples of this arc; 0: a new arc begins */
     int32_t lowest[SUPERVISION_PHASES]; /* lowest and highest current of each phase in this arc */
     int32_t highest[SUPERVISION_PHASES];
-    uint32_t weak;      /* the phase that was weak in the last arcs … */
-    uint32_t weak_arcs; /* … and the number of these arcs in a row */
+    uint32_t weak;      /* the phase that was weak in the last arcs */
+    uint32_t weak_arcs; /* number of arcs in a row in which this phase was weak */
     fault_t suspect;    /* the fault that the last weak arc indicates; none after a healthy arc */
-    uint32_t absent;    /* the phase that lacks its imposed current, or SUPERVISION_PHASES … */
-    uint32_t absent_periods; /* … and for how many slow periods */
+    /* the phase that lacks its imposed current; SUPERVISION_PHASES: there is none */
+    uint32_t absent;
+    uint32_t absent_periods; /* slow periods for which `absent` has not changed */
     uint32_t unexplained;    /* slow periods with too much voltage, counted up and down */
     dq_t off_current;        /* mean error of the current, Q15 times 2^mean_shift */
     /*

@@ -79,8 +79,8 @@ typedef struct {
     uint32_t ended; /* number of the last segment before the recording began anew */
     uint32_t next_tick;
     bool gap;         /* a tick was not recorded */
-    bool triggered;   /* freeze … */
-    uint32_t trigger; /* … post_ticks after this tick */
+    bool triggered;   /* the recording is going to freeze */
+    uint32_t trigger; /* tick of the trigger: the recording freezes post_ticks after it */
     bool held;        /* keep the recording once it is frozen */
     /* a reader follows the ring: a fault does not freeze the recording */
     bool followed;
