@@ -35,7 +35,7 @@
 #define CONFIG_BLOCK_VERSION (2U)
 #define CONFIG_BLOCK_NAME_BYTES (96U)
 
-/* What an image must have in common with a block to accept it. */
+/* Two hashes. An image accepts a block only if both are equal in image and block. */
 typedef struct {
     uint32_t schema;
     uint32_t board;

@@ -127,9 +127,10 @@ static step_t calm_speed(const drive_t *drive)
 }
 
 /*
- * Returns the current that the model does not explain. At rest a leg without current lies along q.
- * Its dead time takes up the voltage that the control applies along q, but the model computes a
- * current from this voltage. Along d all legs conduct, so the error along d is used at rest.
+ * Returns the current that the model does not explain. At rest the leg that carries no current acts
+ * on the q axis. Its dead time takes up the voltage that the control applies there, but the model
+ * computes a current from this voltage. Along d all legs conduct, so the error along d is used at
+ * rest.
  */
 static int32_t unexplained_current(const drive_t *drive)
 {

@@ -16,8 +16,8 @@
 void run_reset(drive_t *drive);
 
 /*
- * The same at the angle and the speed that the sensor shows. The zero of positions stays. If the
- * last run ended in position control, the drive stays in position control.
+ * As run_reset(), but with the angle and the speed of the sensor. The zero of positions stays. If
+ * the last run ended in position control, the drive stays in position control.
  */
 void run_reset_sensed(drive_t *drive);
 

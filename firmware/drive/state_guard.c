@@ -246,7 +246,7 @@ static fault_id_t look(drive_t *drive, fault_t *fault)
     } else if (drive_is_held(drive)) {
         id = look_at_rest(drive, fault);
     } else {
-        /* these states have no values that change so little */
+        /* nothing to check in these states */
     }
     drive->state_guard.state = drive->state;
     return id;

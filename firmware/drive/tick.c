@@ -237,7 +237,10 @@ static void idle_tick(drive_t *drive, const drive_in_t *in, sample_t sample, uin
     }
 }
 
-/* A tick other than one of RUN. */
+/*
+ * A tick that run_tick() does not handle: of another state, or without current control before
+ * attend_step() or after it.
+ */
 NEVER_INLINED static void other_tick(drive_t *drive, const drive_in_t *in, sample_t sample,
                                      uint32_t left, bool controlled, drive_out_t *out)
 {

@@ -3,7 +3,7 @@
 
 #include "fx.h"
 
-/* a window with fewer samples goes on, because its mean would be rough */
+/* a window ends only with at least this many samples, because the mean of fewer would be rough */
 #define SAMPLES_MIN (16U)
 #define SHARE_SHIFT (15U)
 

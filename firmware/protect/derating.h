@@ -96,7 +96,8 @@ typedef struct {
     int32_t motoring;
     /* limit of the braking current by all but the bus current, 0…current_max */
     int32_t braking;
-    dq_t voltage;        /* demand, mean of some slow periods, Q15 of U_b, ±32767 */
+    /* mean of the voltage demand over some slow periods, Q15 of U_b, ±32767 */
+    dq_t voltage;
     uint32_t flags_slow; /* DERATING_…, of heat and temperature only */
     uint32_t flags;      /* DERATING_…, of all limits */
 } derating_t;
@@ -136,7 +137,7 @@ fault_id_t derating_step(derating_t *derating, const derating_cfg_t *cfg, dq_t c
 typedef struct {
     int32_t bus; /* 0…32767 */
     step_t speed;
-    dq_t voltage;      /* demand, Q15 of U_b, ±32767; 0 with open gates */
+    dq_t voltage;      /* voltage demand, Q15 of U_b, ±32767; 0 with open gates */
     int32_t current_d; /* i_d*, ±16384 */
 } derating_motion_t;
 

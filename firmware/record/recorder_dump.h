@@ -93,8 +93,8 @@ typedef struct {
 } recorder_dump_t;
 
 /*
- * Begin with the first line. The recorder must be frozen and held. Its configurations must stay as
- * they are until the last line; `about` is copied.
+ * Begins a dump at its first line. The recorder must be frozen and held. Its configurations must
+ * stay as they are until the last line; `about` is copied.
  */
 void recorder_dump_start(recorder_dump_t *dump, const recorder_t *recorder,
                          const recorder_about_t *about);

@@ -31,12 +31,12 @@ struct hal {
 };
 
 /*
- * Sets up the peripherals with open gates. Returns NULL, or what does not work; then the gates stay
- * open. Call after clock_pins(). The clock must have settled.
+ * Sets up the peripherals with open gates. Returns NULL, or a text that says what does not work;
+ * then the gates stay open. Call after clock_pins(). The clock must have settled.
  */
 const char *hal_g431_init(hal_t *hal);
 
-/* Starts the control ticks. Returns NULL, or what does not work. */
+/* Starts the control ticks. Returns NULL, or a text that says what does not work. */
 const char *hal_g431_start(void);
 
 /*

@@ -20,8 +20,8 @@
     ((EDGES * (BOARD_CLOCK_HZ / OSCILLATOR_MIN_HZ) * (HUNDRED + CLOCK_OFF_PCT)) / HUNDRED)
 #define COUNTER_MASK (0xFFFFU)
 /*
- * So many wrong spans in a row are a fault. A single one can come from a capture between the reads
- * of the flags and of the count.
+ * This many wrong spans in a row are a fault. A single one can come from a capture between the
+ * reads of the flags and of the count.
  */
 #define WRONG_MAX (4U)
 #define SILENCE_SHARE (10U) /* no capture for 1/10 s is a fault */
