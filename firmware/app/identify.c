@@ -333,7 +333,10 @@ static void end_experiment(identify_t *identify, text_t *text)
     }
 }
 
-/* Goes on when all words are in force. */
+/*
+ * Call when the drive has taken all words of the experiment. Then waits for the end of the
+ * measurement if its window has already begun (`leads`), otherwise for the vector's arrival.
+ */
 static void have_asked(identify_t *identify)
 {
     wait_for(identify, identify->aim.leads ? IDENTIFY_MEASURING : IDENTIFY_MOVING);

@@ -160,7 +160,7 @@ static bool shows_current(const identify_t *identify)
 }
 
 /*
- * Notes whether the current sensors follow late: behind a low pass, a short pulse seems smaller
+ * Notes whether the current sensors follow late: low-pass filtered, a short pulse seems smaller
  * than a long one.
  */
 static void note_lag(identify_t *identify)
@@ -342,7 +342,8 @@ static void refuse_restless(identify_t *identify)
 }
 
 /*
- * Sets up the next move or look. First a small current rises at the angle opposite to the target
+ * Sets up the next move of the vector or, after the moves, the next window of 100 ms that shows
+ * whether the rotor is at rest. First a small current rises at the angle opposite to the target
  * angle of the rotor. Then the vector turns to the target angle in two quarter turns. Then the
  * current rises to its full value. So the rotor falls into a weak field, and its EMF does not drive
  * an over-current.

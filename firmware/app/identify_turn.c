@@ -417,9 +417,10 @@ static int32_t spin_settle(const identify_t *identify)
 }
 
 /*
- * Sets another current, with which L·i takes another part of the voltage. Usually this is half of
- * the current. If the rotor lags so much by friction that it would be lost with half of the
- * current, it is the continuous current. Then the ramps have the continuous current too.
+ * Sets another current, with which L·i takes another part of the voltage. Usually the other current
+ * is half of the present one. A rotor that lags by more than 20 degrees because of friction would
+ * be lost at half of the current: then the other current is the continuous current, and the ramps
+ * have the continuous current too.
  */
 static void aim_other_current(identify_t *identify)
 {

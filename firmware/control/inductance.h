@@ -39,7 +39,10 @@
 typedef struct {
     uint32_t pulse_ticks;  /* ticks of a quarter of the pulse, 1…16 */
     int32_t pulse_voltage; /* V of the pulse, 1…32767 */
-    /* response to the pulse with the configured L_d and no resistance: 4·V·t/L_d, 1…65535 */
+    /*
+     * sum of the current changes that the pulse would cause with the configured L_d and no
+     * resistance, each with the sign of the voltage: 4·V·t/L_d, t = one quarter, 1…65535
+     */
     int32_t pulse_response;
     uint32_t step_ticks;   /* ticks of the step, 2…16 */
     int32_t step_voltage;  /* V of the step, 1…32767 */

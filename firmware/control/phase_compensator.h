@@ -14,10 +14,10 @@
  * Sign. A larger lead lowers i_d, by U·(R·cos β + ω·L_q·sin β)/(R² + ω²·L_d·L_q) per unit of angle.
  * So α_r is counted in the direction of U, which is the direction of rotation: for backward
  * rotation α_r is negated. It must not be counted in the direction of i_q, because (40) would then
- * change its sign while braking, and the loop would run away at any braking current. The slope of
- * i_d over the lead changes its sign at tan β = −R/(ω·L_q), and the slope of the torque over U at
- * tan β = −R/(ω·L_d). `brake_max` keeps the lead above the second of these angles. During harder
- * braking i_d is not 0.
+ * change its sign while braking, and the loop would run away at any braking current. di_d/dβ
+ * changes its sign at tan β = −R/(ω·L_q). The derivative of the torque with respect to U changes
+ * its sign at tan β = −R/(ω·L_d). `brake_max` keeps the lead above the second of these angles.
+ * During harder braking i_d is not 0.
  *
  * No load. The angle of a vector that is small against `current_min` is noise. In (40) α_r fades to
  * 0 with the magnitude of the vector, and the lead stays. If α_r were the angle of the vector

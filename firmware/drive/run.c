@@ -313,10 +313,10 @@ static void hand_back(drive_t *drive, dq_t current)
 
 /*
  * While derating or field weakening narrows the range of torque, and the torque is at its limit,
- * the ramp of the speed and the position profile wait. If they went on, the rotor would fall
- * further behind in each period, and the drive would brake it with the whole current as soon as the
- * limit ends. An i_d* that rises to an imposed current narrows the range too. The ramp goes on
- * then, down to standstill.
+ * the ramp of the speed and the position profile wait. If they went on, the reference would
+ * move further away from the rotor in each period. As soon as the limit ends, the drive would
+ * accelerate or brake the rotor with the whole current. An i_d* that rises to an imposed current
+ * narrows the range too. The ramp goes on then, down to standstill.
  */
 static void wait_at_limit(drive_t *drive, step_t before)
 {

@@ -12,16 +12,16 @@
  *     bus current  one limit for the current from the supply (motoring), one for the current into
  *                  it (braking)
  *
- * The smallest limit applies. Heat is the squared current vector behind a low-pass with the time
+ * The smallest limit applies. Heat is the squared current vector, low-pass filtered with the time
  * constant of the winding. Heat 1 is the steady state at the continuous current.
  *
  * Bus current: bus·i_bus = 1.5·(v_d·i_d + v_q·i_q) is the power of the motor. The losses of the
- * inverter come on top. This equation gives the limit of i_q. v is the voltage demand behind a
- * low-pass with a time constant of four slow periods: i_q changes v_q, and v_q changes the limit,
- * so without the low-pass the two would ring. Where v_q is 0, i_q takes no power and there is no
- * limit. This limit never reduces i_d, nor an imposed current; i_q gets the power that i_d leaves.
- * After a hand-over has turned the frame, the low-pass still holds the voltage of the old frame for
- * a while. The power is small at that speed.
+ * inverter come on top. This equation gives the limit of i_q. v is the voltage demand, low-pass
+ * filtered with a time constant of four slow periods. i_q changes v_q, and v_q changes the limit of
+ * i_q: without the filter, i_q and its limit would oscillate. Where v_q is 0, i_q takes no power
+ * and there is no limit. This limit never reduces i_d, nor an imposed current; i_q gets the power
+ * that i_d leaves. After a hand-over has turned the frame, the filter still holds the voltage of
+ * the old frame for a while. The power is small at that speed.
  *
  * Currents Q15 of I_b, bus Q15 of U_b, speeds step_t. Pure, total within the ranges. Control
  * interrupt only: limits once per slow period, heat and temperature once per supervision period
@@ -90,7 +90,10 @@ typedef struct {
 typedef struct {
     int32_t heat_q24; /* 2^24 = steady state at the continuous current, 0…2^30 */
     int32_t thermal;  /* current limit by heat and temperature */
-    /* consecutive periods with a temperature share of 0: too hot, or not known */
+    /*
+     * supervision periods in a row in which the temperature allows no current: it is at its limit,
+     * or it is not known
+     */
     uint32_t too_hot;
     /* limit of the motoring current by all but the bus current, 0…current_max */
     int32_t motoring;

@@ -92,7 +92,7 @@ typedef struct {
      */
     uint32_t off_reference;
     uint32_t unmodelled; /* periods of RUN with too much voltage */
-    int32_t flux_q30;    /* φ̂ of about a second ago: its low-pass, Q30 of the file's flux */
+    int32_t flux_q30;    /* φ̂ low-pass filtered over about a second, Q30 of the file's flux */
     /*
      * periods with a corrected φ̂ since the start or since the flux of the file has changed; stops
      * when φ̂ has settled
@@ -183,10 +183,10 @@ fault_id_t supervision_check_voltage(supervision_t *state, const supervision_cfg
 void supervision_forget_flux(supervision_t *state);
 
 /*
- * FLUX_IMPLAUSIBLE: within a second φ̂ has changed so much that the EMF differs by more than 5/64
- * of itself + voltage_max/4. φ̂ is not judged in its first second. A magnet cannot change so fast;
- * the cause is a bus sensor that has lost its gain, or a wrong clock. Call only while φ̂ is
- * corrected.
+ * FLUX_IMPLAUSIBLE: φ̂ differs from its own mean, low-pass filtered over about a second, and the
+ * EMF of this difference is above 5/64 of the EMF plus voltage_max/4 for some periods. φ̂ is not
+ * judged in its first second. A magnet cannot change so fast; the cause is a bus sensor that has
+ * lost its gain, or a wrong clock. Call only while φ̂ is corrected.
  *
  * flux_q30: φ̂, Q30 of the flux of the file, 2^29…1.5·2^30. emf: EMF of the rotor, Q15 of U_b,
  * 0…97500.

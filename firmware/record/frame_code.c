@@ -157,8 +157,9 @@ static void add_difference(sums_t *sums, const channel_t *history, uint32_t valu
 }
 
 /*
- * Limits the sums of the first differences. These are too large, because their predictions have too
- * few values before them. So each counts at most as much as the longest code has bits.
+ * Limits the sums while the channel has at most FIRST_ONES (3) differences: their predictions have
+ * too few values before them, so the sums are too large. Each of these differences counts at most
+ * as much as the longest code has bits.
  */
 static void limit_first(sums_t *sums)
 {

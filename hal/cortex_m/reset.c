@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "reset.h"
 
-/* Addresses and sizes for the start-up of the RAM. sections.ld fills it in. */
+/*
+ * Addresses and sizes that the reset handler needs to initialize the RAM (.data and .bss).
+ * sections.ld fills in this structure.
+ */
 typedef struct {
     const uint32_t *data_load;
     uint32_t *data;

@@ -40,7 +40,10 @@ typedef struct {
         duty[PLANT_LEGS];  /* compare values of the legs in place of the demanded ones */
     uint16_t angle_offset; /* added to the sensor's angle, 2^16 to a turn of the shaft */
     bool broken;           /* the power stage opens the gates by itself and reports a break */
-    /* ticks end too late: a rest duty acts in place of their demand; the next frame reports it */
+    /*
+     * ticks end too late: equal duties of 1/2 (no voltage) act in place of the demand, and the next
+     * frame has DRIVE_FLAG_LATE
+     */
     bool late;
 } hal_host_faults_t;
 

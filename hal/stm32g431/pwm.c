@@ -36,9 +36,9 @@ static bool counting_down(void)
 }
 
 /*
- * With a repetition count of 0 the timer updates at both ends of its ramp. A count of 1 that is
- * written after the update at the bottom is taken over by the update at the peak. From then on the
- * timer updates at every second end, that is, at each peak.
+ * With a repetition count of 0 the timer updates at both ends of its ramp. A repetition count of 1,
+ * written after the update at the bottom, is loaded at the next update, at the peak. From then on
+ * the timer updates at every second end, that is, at each peak.
  */
 bool pwm_start(void)
 {

@@ -77,8 +77,8 @@ static void assert_swing(double hz, int32_t amplitude, fault_sign_t only)
 }
 
 /*
- * The shaft turns 3 times a second, 12 electrical turns. The loop lags by half a turn at 100 Hz:
- * 16·10 sixteenths of 1 ms.
+ * The shaft turns 3 times a second, 12 electrical turns. The loop has a phase lag of 180° at
+ * 100 Hz: 16·10 sixteenths of 1 ms.
  */
 TEST(test_each_swing_has_the_sign_of_its_frequency)
 {
