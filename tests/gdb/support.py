@@ -51,7 +51,9 @@ class GdbTest(unittest.TestCase):
     def assert_same_stages(self, shown, tick):
         """gdb's stages of a tick are motorsim's, but for what no word of the firmware holds."""
         state = self.motorsim([f"goto {tick}", "stages"])[1].splitlines()
-        expected = [line for line in state[1:] if not line.startswith("  ") or " raw " in line]
+        lines = [line for line in state[1:] if not line.startswith("  ") or " raw " in line]
+        expected = [line for line, following in zip(lines, [*lines[1:], ""])
+                    if line.startswith("  ") or following.startswith("  ")]  # no title without a word
         self.assertGreater(len(expected), 40)
         self.assertRegex(state[0], rf"^tick {tick} ")
         self.assertEqual(shown.splitlines()[0].split()[:2], ["tick", str(tick)])
