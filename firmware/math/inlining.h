@@ -22,12 +22,4 @@
  */
 #define RARE __attribute__((noinline, cold))
 
-/*
- * For the tick of RUN. TICK_WHOLE inlines every function that the tick calls. TICK_APART keeps
- * functions apart that few ticks need. Without them the compiler changes its choice as the rest of
- * the firmware grows. That costs a RUN tick 20 instructions on a Cortex-M4, and 24 on a Cortex-M0+.
- */
-#define TICK_WHOLE INLINES_ALL
-#define TICK_APART NEVER_INLINED
-
 #endif

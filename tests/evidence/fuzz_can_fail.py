@@ -27,9 +27,8 @@ FAULTS = {
         "drive", "firmware/protect/supervision.c",
         "phase < SUPERVISION_PHASES; phase++) {\n        note_phase",
         "phase <= SUPERVISION_PHASES; phase++) {\n        note_phase", "runtime error: index 3"),
-    "a clamp that is gone": (
-        "drive", "firmware/drive/instant.h", "fx_usat15((int32_t)bus),",
-        "(int32_t)bus,", r"\bbus\b"),
+    "a word beyond its range": (
+        "drive", "firmware/drive/tick.c", "drive->bus = sample.bus;", "drive->bus = 2 * sample.bus;", r"\bbus\b"),
     "a text that the TOML reader does not survive": (
         "config", "host_sim/config/text_guard.cpp", "static_cast<unsigned char>(c) >= 0x80", "c == 0x7F", "unreachable program point"),
     "a recording whose state is not looked at": (

@@ -33,7 +33,5 @@
  */
 #define INLINING_H
 #define INLINES_ALL
-#define TICK_WHOLE
-#define TICK_APART
 #define NEVER_INLINED
 #define RARE
