@@ -50,7 +50,8 @@ static bool is_derated_by(const drive_t *drive, uint32_t limits)
 /* Returns the frequency of the last swing in steps per tick; 0: no swing was found. */
 static int64_t swing_step(const drive_t *drive)
 {
-    const int64_t ticks = 2LL * (int64_t)drive->oscillation.span * (int64_t)drive->cfg->slow_ticks;
+    const int64_t ticks =
+        2LL * (int64_t)drive->watch.oscillation.span * (int64_t)drive->cfg->slow_ticks;
 
     return (ticks == 0) ? 0
                         : ((STEPS_IN_A_TURN * (int64_t)drive->cfg->oscillation.halves_max) / ticks);
@@ -79,7 +80,7 @@ static periods_t periods_of(const drive_t *drive)
     const oscillation_cfg_t *const cfg = &drive->cfg->oscillation;
 
     return (periods_t){
-        .swing_q4 = (32ULL * drive->oscillation.span) / cfg->halves_max,
+        .swing_q4 = (32ULL * drive->watch.oscillation.span) / cfg->halves_max,
         .lag_q4 = cfg->lag_periods_q4,
     };
 }
@@ -126,7 +127,7 @@ static uint32_t forced_signs(int64_t frequency, int64_t shaft, int64_t electric)
 
 static uint32_t swing_signs(const drive_t *drive, uint32_t pole_pairs)
 {
-    const int64_t electric = (int64_t)fx_abs(drive->speed_loop.reference);
+    const int64_t electric = (int64_t)fx_abs(drive->motion.speed_loop.reference);
     const periods_t periods = periods_of(drive);
     const bool fast = is_faster_than_lag(&periods);
     const bool lags = !fast && !is_slower_than_lag(&periods);
@@ -145,8 +146,8 @@ static uint32_t swing_signs(const drive_t *drive, uint32_t pole_pairs)
  */
 static int32_t noise_at_rest(const drive_t *drive)
 {
-    const uint64_t samples = 2ULL * drive->calibration.samples;
-    const uint64_t sum = fx_unsigned(drive->calibration.noise);
+    const uint64_t samples = 2ULL * drive->sensors.sums.samples;
+    const uint64_t sum = fx_unsigned(drive->sensors.sums.noise);
     uint64_t mean = 0U;
 
     if (samples > 0U) {
@@ -170,7 +171,7 @@ static bool is_noisy_at_rest(const drive_t *drive)
 static bool is_not_followed(const drive_t *drive)
 {
     const step_t vector = drive->vector.step;
-    const step_t slip = fx_abs(vector - drive->observer.speed);
+    const step_t slip = fx_abs(vector - drive->rotor.observer.speed);
 
     return drive_is_imposed(drive->scene.state) && ((FOLLOW_SHARE * slip) > fx_abs(vector));
 }
@@ -201,7 +202,7 @@ static uint32_t scene_signs(const drive_t *drive)
                FAULT_SIGN_DERATED_OTHER,
                is_derated_by(drive, DERATING_HEAT | DERATING_TEMPERATURE | DERATING_BUS_CURRENT)) |
            sign_if(FAULT_SIGN_SWING,
-                   was_running(drive) && (drive->oscillation.halves >= HALVES_SEEN)) |
+                   was_running(drive) && (drive->watch.oscillation.halves >= HALVES_SEEN)) |
            sign_if(FAULT_SIGN_PROBE, scene->state == DRIVE_STATE_PROBE) |
            sign_if(FAULT_SIGN_ALIGN, scene->state == DRIVE_STATE_ALIGN) |
            sign_if(FAULT_SIGN_START, turned) |
@@ -217,7 +218,7 @@ static uint32_t scene_signs(const drive_t *drive)
  */
 static bool is_stuck(const drive_t *drive)
 {
-    const supervision_t *const seen = &drive->supervision;
+    const supervision_t *const seen = &drive->watch.supervision;
     int32_t least = 0;
     int32_t most = 0;
 
@@ -262,10 +263,10 @@ static uint32_t measured_signs(const drive_t *drive)
            sign_if(FAULT_SIGN_SENSED, drive_has_sensor(drive)) |
            sign_if(FAULT_SIGN_STUCK, is_stuck(drive)) |
            sign_if(FAULT_SIGN_NO_CURRENT, is_without_current(drive)) |
-           sign_if(FAULT_SIGN_OPEN_WIRE, drive->supervision.suspect.id == FAULT_LOST_PHASE) |
+           sign_if(FAULT_SIGN_OPEN_WIRE, drive->watch.supervision.suspect.id == FAULT_LOST_PHASE) |
            sign_if(FAULT_SIGN_COLD, is_cold_end(drive)) |
            sign_if(FAULT_SIGN_GONE, fault->value < (limits->bus_min / 2)) |
-           sign_if(FAULT_SIGN_LATE, drive->supervision.late > 0U);
+           sign_if(FAULT_SIGN_LATE, drive->watch.supervision.late > 0U);
 }
 
 uint32_t diagnosis_signs(const drive_t *drive, uint32_t pole_pairs)

@@ -318,7 +318,8 @@ bool identify_turn_seeks_speed(const identify_t *identify)
 bool identify_turn_lacks_voltage(const identify_t *identify)
 {
     const int32_t limit = largest_voltage(identify);
-    const int32_t used = (int32_t)trig_sqrt(transforms_square(identify->app->drive.voltage));
+    const int32_t used =
+        (int32_t)trig_sqrt(transforms_square(identify->app->drive.control.voltage));
 
     return identify_turn_seeks_speed(identify) && (used > (limit - (limit / VOLTAGE_LEFT)));
 }

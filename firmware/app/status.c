@@ -88,7 +88,7 @@ static void add_measure(text_t *text, const char *name, const about_t *about, fa
 static void add_frequency(text_t *text, const char *name, const drive_t *drive,
                           const about_t *about)
 {
-    const uint32_t ticks = drive->oscillation.span * drive->cfg->slow_ticks;
+    const uint32_t ticks = drive->watch.oscillation.span * drive->cfg->slow_ticks;
     const uint32_t halves = drive->cfg->oscillation.halves_max;
 
     add_quantity(text, name, units_decihertz(&about->rotation, halves, ticks), 1U);
@@ -123,10 +123,10 @@ static void add_fault(text_t *text, const drive_t *drive, const about_t *about)
  */
 static void add_swing(text_t *text, const drive_t *drive, const about_t *about)
 {
-    if ((drive->oscillation.span != 0U) && !is_swing(drive)) {
+    if ((drive->watch.oscillation.span != 0U) && !is_swing(drive)) {
         add_frequency(text, ", swing ", drive, about);
     }
-    if (drive->speed_loop.halvings != 0U) {
+    if (drive->motion.speed_loop.halvings != 0U) {
         text_add(text, ", half the speed bandwidth");
     }
 }
@@ -167,7 +167,7 @@ static void add_bar(text_t *text, const char *why)
 static void add_position(text_t *text, const app_t *app, const about_t *about, bool known,
                          int32_t target)
 {
-    if (known && (app->drive.mode == (uint8_t)DRIVE_MODE_POSITION)) {
+    if (known && (app->drive.motion.mode == (uint8_t)DRIVE_MODE_POSITION)) {
         const uint64_t from_zero = fx_unsigned64(drive_position_from_zero_q32(&app->drive));
         const uint32_t turns_q16 = (uint32_t)((from_zero >> Q32_TO_Q16_SHIFT) & UINT32_MAX);
 

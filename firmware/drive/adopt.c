@@ -15,9 +15,9 @@
 /* Returns θ̂ at the instant of the last prediction. Since then θ̂ has advanced by one tick. */
 static sincos_t angle_before(const drive_t *drive)
 {
-    const angle_t rotor = rotor_position_angle(&drive->position);
+    const angle_t rotor = rotor_position_angle(&drive->rotor.position);
 
-    return trig_sincos(rotor - fx_unsigned(drive->observer.speed_out));
+    return trig_sincos(rotor - fx_unsigned(drive->rotor.observer.speed_out));
 }
 
 static bool is_other_filter(const torque_filter_cfg_t *one, const torque_filter_cfg_t *other)
@@ -35,35 +35,35 @@ static bool is_other_filter(const torque_filter_cfg_t *one, const torque_filter_
 static void adopt_parts(drive_t *drive, const drive_cfg_t *cfg)
 {
     const drive_cfg_t *const before = drive->cfg;
-    const int32_t flux_q27 = drive->model.observer.flux_q27;
-    const int32_t saliency_q13 = drive->model.observer.saliency_q13;
+    const int32_t flux_q27 = drive->motor.model.observer.flux_q27;
+    const int32_t saliency_q13 = drive->motor.model.observer.saliency_q13;
     model_nominal_t nominal;
 
     drive->cfg = cfg;
     nominal = drive_nominal(drive);
-    model_change(&drive->model, &cfg->model, &nominal);
-    nn_observer_change(&drive->observer, &drive->model.observer, flux_q27, saliency_q13,
+    model_change(&drive->motor.model, &cfg->model, &nominal);
+    nn_observer_change(&drive->rotor.observer, &drive->motor.model.observer, flux_q27, saliency_q13,
                        angle_before(drive));
     modulator_change(&drive->modulator, &before->modulator, &cfg->modulator);
     derating_change(&drive->derating, &before->derating, &cfg->derating);
     state_guard_keep_heat(drive);
     state_guard_keep_config(drive);
     state_guard_forget(drive);
-    if (drive->lost_periods > cfg->startup.lost_periods) {
-        drive->lost_periods = cfg->startup.lost_periods;
+    if (drive->start.lost_periods > cfg->startup.lost_periods) {
+        drive->start.lost_periods = cfg->startup.lost_periods;
     }
-    if (drive->attempts > cfg->startup.attempts) {
-        drive->attempts = cfg->startup.attempts;
+    if (drive->start.attempts > cfg->startup.attempts) {
+        drive->start.attempts = cfg->startup.attempts;
     }
-    speed_loop_change(&drive->speed_loop, &cfg->speed_loop);
+    speed_loop_change(&drive->motion.speed_loop, &cfg->speed_loop);
     if (is_other_filter(&before->torque_filter, &cfg->torque_filter)) {
-        torque_filter_start(&drive->torque_filter, drive->current_ref.q);
+        torque_filter_start(&drive->motion.torque_filter, drive->control.current_ref.q);
     }
     if (run_torque_is_free(drive)) {
-        torque_loop_bridge(&drive->torque_loop); /* the window of speeds may have new ends */
+        torque_loop_bridge(&drive->motion.torque_loop); /* the window of speeds may have new ends */
     }
     drive->limits = protection_limits(&cfg->protection, drive_is_driving(drive->state));
-    supervision_forget_flux(&drive->supervision);
+    supervision_forget_flux(&drive->watch.supervision);
     config_guard_reset(&drive->guard);
 }
 
@@ -73,10 +73,10 @@ static void adopt_parts(drive_t *drive, const drive_cfg_t *cfg)
  */
 static void measure_again_with(drive_t *drive, const drive_cfg_t *cfg)
 {
-    align_t *const align = &drive->align;
+    align_t *const align = &drive->start.align;
 
     if (drive->state == DRIVE_STATE_FLYING_START) {
-        flying_start_reset(&drive->flying_start);
+        flying_start_reset(&drive->start.flying_start);
     } else if ((drive->state == DRIVE_STATE_ALIGN) && (align->phase != ALIGN_PULL)) {
         align_reset_held(align, &cfg->startup.align, align->current_ref);
     } else {
@@ -95,7 +95,8 @@ static void adopt_controlled(drive_t *drive, const drive_cfg_t *cfg)
 
     adopt_parts(drive, cfg);
     now = frame_model_voltage(drive);
-    current_loop_take_over(&drive->current_loop, (dq_t){before.d - now.d, before.q - now.q});
+    current_loop_take_over(&drive->control.current_loop,
+                           (dq_t){before.d - now.d, before.q - now.q});
 }
 
 static void adopt(drive_t *drive, const drive_cfg_t *cfg)

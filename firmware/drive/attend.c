@@ -17,9 +17,9 @@ static void count_late(drive_t *drive, sample_t sample)
 {
     fault_t fault = {.id = FAULT_NONE};
     const fault_id_t id =
-        supervision_count_late(&drive->supervision, &drive->cfg->supervision, &fault);
+        supervision_count_late(&drive->watch.supervision, &drive->cfg->supervision, &fault);
 
-    drive->ratio_next = (ab_t){0, 0};
+    drive->control.ratio_next = (ab_t){0, 0};
     if ((id != FAULT_NONE) && drive_is_driving(drive->state)) {
         life_fail(drive, &fault, &sample);
     }
@@ -45,9 +45,9 @@ static void watch(drive_t *drive, const drive_in_t *in, sample_t sample)
 /* Resets the counts and means of the checks, and the number of failed starts. */
 static void forget_last_run(drive_t *drive)
 {
-    drive->attempts = 0U;
-    supervision_reset(&drive->supervision);
-    oscillation_reset(&drive->oscillation);
+    drive->start.attempts = 0U;
+    supervision_reset(&drive->watch.supervision);
+    oscillation_reset(&drive->watch.oscillation);
 }
 
 static drive_event_t start(drive_t *drive)
@@ -55,7 +55,7 @@ static drive_event_t start(drive_t *drive)
     drive_event_t event = DRIVE_EVENT_TRACKED;
 
     forget_last_run(drive);
-    speed_loop_restore(&drive->speed_loop);
+    speed_loop_restore(&drive->motion.speed_loop);
     if (drive_has_sensor(drive)) {
         run_reset_sensed(drive);
     } else if (drive->cfg->startup.current_hold == 0) {

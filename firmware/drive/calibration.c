@@ -22,11 +22,12 @@ static drive_event_t finish_calibration(drive_t *drive, fault_t *fault)
     const sampling_cfg_t *const cfg = &drive->cfg->sampling;
     fault_id_t id;
 
-    drive->offset_a = mean_sample(cfg, drive->calibration.sum_a);
-    drive->offset_b = mean_sample(cfg, drive->calibration.sum_b);
+    drive->sensors.offset_a = mean_sample(cfg, drive->sensors.sums.sum_a);
+    drive->sensors.offset_b = mean_sample(cfg, drive->sensors.sums.sum_b);
     state_guard_keep_measured(drive);
-    id = protection_check_offset(&drive->cfg->protection, drive->offset_a - CALIBRATION_NOMINAL_Q15,
-                                 drive->offset_b - CALIBRATION_NOMINAL_Q15, fault);
+    id = protection_check_offset(&drive->cfg->protection,
+                                 drive->sensors.offset_a - CALIBRATION_NOMINAL_Q15,
+                                 drive->sensors.offset_b - CALIBRATION_NOMINAL_Q15, fault);
     return (id == FAULT_NONE) ? DRIVE_EVENT_CALIBRATED : DRIVE_EVENT_FAULT;
 }
 
@@ -45,7 +46,7 @@ static void count_noise(calibration_t *sums, const drive_in_t *in)
 
 drive_event_t calibration_step(drive_t *drive, const drive_in_t *in, fault_t *fault)
 {
-    calibration_t *const sums = &drive->calibration;
+    calibration_t *const sums = &drive->sensors.sums;
     drive_event_t event = DRIVE_EVENT_NONE;
 
     sums->sum_a = fx_min(sums->sum_a + (int32_t)in->adc_ia, OFFSET_SUM_MAX);
@@ -60,8 +61,8 @@ drive_event_t calibration_step(drive_t *drive, const drive_in_t *in, fault_t *fa
 
 drive_event_t calibration_begin(drive_t *drive)
 {
-    drive->calibration = (calibration_t){.sum_a = 0};
+    drive->sensors.sums = (calibration_t){.sum_a = 0};
     safe_state_reset(&drive->safe_state);
-    speed_loop_init(&drive->speed_loop);
+    speed_loop_init(&drive->motion.speed_loop);
     return DRIVE_EVENT_CALIBRATE;
 }

@@ -14,9 +14,9 @@ void estimate_start(drive_t *drive, step_t speed, dq_t current)
 {
     const model_nominal_t nominal = drive_nominal(drive);
 
-    model_pace(&drive->model, &drive->cfg->model, &nominal, speed);
-    nn_observer_start(&drive->observer, &drive->model.observer, speed, current,
-                      trig_sincos(rotor_position_angle(&drive->position)));
+    model_pace(&drive->motor.model, &drive->cfg->model, &nominal, speed);
+    nn_observer_start(&drive->rotor.observer, &drive->motor.model.observer, speed, current,
+                      trig_sincos(rotor_position_angle(&drive->rotor.position)));
 }
 
 /*
@@ -43,18 +43,18 @@ void estimate_sense(drive_t *drive, uint16_t count)
             turns_of(count, drive->cfg->sampling.sensor_pole_pairs);
     }
     angle_sensor_step(&drive->angle_sensor, shaft * drive->cfg->sampling.sensor_pole_pairs,
-                      drive->model.observer.speed_limit);
-    drive->position = drive->angle_sensor.position;
-    nn_observer_follow(&drive->observer, drive->angle_sensor.speed);
+                      drive->motor.model.observer.speed_limit);
+    drive->rotor.position = drive->angle_sensor.position;
+    nn_observer_follow(&drive->rotor.observer, drive->angle_sensor.speed);
 }
 
 void estimate_start_sensed(drive_t *drive)
 {
     const step_t speed = drive->angle_sensor.speed;
 
-    drive->position = drive->angle_sensor.position;
+    drive->rotor.position = drive->angle_sensor.position;
     /* This tick controls no current, so estimate_advance() does not run: advance θ̂ here. */
-    rotor_position_step(&drive->position, speed);
+    rotor_position_step(&drive->rotor.position, speed);
     estimate_start(drive, speed, (dq_t){0, 0});
 }
 
@@ -77,13 +77,14 @@ ab_t estimate_applied_voltage(ab_t ratio, int32_t bus_before, int32_t bus_now)
 
 dq_t estimate_step(drive_t *drive, sample_t sample, bool trained)
 {
-    const angle_t rotor = rotor_position_angle(&drive->position);
+    const angle_t rotor = rotor_position_angle(&drive->rotor.position);
     /*@ assert BLOCKS(rotor); */
-    nn_observer_t *const observer = &drive->observer;
-    const nn_observer_cfg_t *const cfg = &drive->model.observer;
+    nn_observer_t *const observer = &drive->rotor.observer;
+    const nn_observer_cfg_t *const cfg = &drive->motor.model.observer;
     const sincos_t angle = trig_sincos(rotor);
     const ab_t current_ab = transforms_clarke(sample.phase_a, sample.phase_b);
-    const ab_t voltage = estimate_applied_voltage(drive->ratio_acting, drive->bus, sample.bus);
+    const ab_t voltage =
+        estimate_applied_voltage(drive->control.ratio_acting, drive->bus, sample.bus);
     const dq_t current = transforms_park(current_ab, angle);
 
     nn_observer_predict(observer, cfg, current, voltage, angle);
@@ -97,20 +98,20 @@ dq_t estimate_step(drive_t *drive, sample_t sample, bool trained)
 
 static step_t closing_step(const drive_t *drive)
 {
-    const angle_t distance =
-        rotor_position_angle(&drive->vector.position) - rotor_position_angle(&drive->position);
+    const angle_t distance = rotor_position_angle(&drive->vector.position) -
+                             rotor_position_angle(&drive->rotor.position);
 
     return fx_asr(fx_signed(distance), PULL_SHIFT);
 }
 
 void estimate_advance(drive_t *drive, bool trained)
 {
-    step_t step = drive->observer.speed_out;
+    step_t step = drive->rotor.observer.speed_out;
 
     if (!trained) {
         step += closing_step(drive);
     }
-    rotor_position_step(&drive->position, step);
+    rotor_position_step(&drive->rotor.position, step);
 }
 
 /*
@@ -121,9 +122,9 @@ void estimate_advance(drive_t *drive, bool trained)
 static step_t calm_speed(const drive_t *drive)
 {
     const step_t fast = 2 * drive->cfg->startup.handover_speed;
-    const step_t own = drive->observer.speed;
+    const step_t own = drive->rotor.observer.speed;
 
-    return (fx_abs(own) >= fast) ? own : drive->speed_loop.reference;
+    return (fx_abs(own) >= fast) ? own : drive->motion.speed_loop.reference;
 }
 
 /*
@@ -134,22 +135,23 @@ static step_t calm_speed(const drive_t *drive)
  */
 static int32_t unexplained_current(const drive_t *drive)
 {
-    const dq_t error = drive->observer.rotated_error;
+    const dq_t error = drive->rotor.observer.rotated_error;
 
     return fx_abs(drive_is_held(drive) ? error.d : error.q);
 }
 
 void estimate_refine(drive_t *drive)
 {
-    const nn_observer_t *const observer = &drive->observer;
+    const nn_observer_t *const observer = &drive->rotor.observer;
     const model_nominal_t nominal = drive_nominal(drive);
     const step_t calm = calm_speed(drive);
 
-    drive->residual = fx_approach(drive->residual, unexplained_current(drive), RESIDUAL_SHIFT);
-    model_track_flux(&drive->model, &drive->cfg->model, &nominal, observer->rotated_error.d,
+    drive->rotor.residual =
+        fx_approach(drive->rotor.residual, unexplained_current(drive), RESIDUAL_SHIFT);
+    model_track_flux(&drive->motor.model, &drive->cfg->model, &nominal, observer->rotated_error.d,
                      observer->speed);
-    if (!model_is_whole(&drive->model, &drive->cfg->model, fx_abs(calm))) {
-        model_pace(&drive->model, &drive->cfg->model, &nominal, calm);
+    if (!model_is_whole(&drive->motor.model, &drive->cfg->model, fx_abs(calm))) {
+        model_pace(&drive->motor.model, &drive->cfg->model, &nominal, calm);
     }
-    nn_observer_refresh(&drive->observer, &drive->model.observer, calm);
+    nn_observer_refresh(&drive->rotor.observer, &drive->motor.model.observer, calm);
 }

@@ -25,13 +25,13 @@ dq_t frame_measure(drive_t *drive, sample_t sample)
 
 static void plan_current(drive_t *drive, const current_loop_cfg_t *loop, step_t speed)
 {
-    current_loop_plan(&drive->current_loop, loop, drive->current_ref,
+    current_loop_plan(&drive->control.current_loop, loop, drive->control.current_ref,
                       drive_speed_q15(drive, speed));
 }
 
 void frame_plan_rotor(drive_t *drive)
 {
-    plan_current(drive, &drive->model.run_loop, drive->observer.speed);
+    plan_current(drive, &drive->motor.model.run_loop, drive->rotor.observer.speed);
 }
 
 dq_t frame_model_voltage(drive_t *drive)
@@ -39,9 +39,9 @@ dq_t frame_model_voltage(drive_t *drive)
     if (drive->state == DRIVE_STATE_RUN) {
         frame_plan_rotor(drive);
     } else {
-        plan_current(drive, &drive->model.hold_loop, drive->vector.step);
+        plan_current(drive, &drive->motor.model.hold_loop, drive->vector.step);
     }
-    return current_loop_model(&drive->current_loop, drive->current_ref);
+    return current_loop_model(&drive->control.current_loop, drive->control.current_ref);
 }
 
 /*
@@ -66,11 +66,12 @@ static void limit_imposed_current(drive_t *drive, dq_t current)
 {
     const startup_cfg_t *const cfg = &drive->cfg->startup;
     const current_loop_cfg_t *const firm = &drive->cfg->current_loop;
-    dq_t *const voltage = &drive->current_loop.constant;
+    dq_t *const voltage = &drive->control.current_loop.constant;
 
-    voltage->d -= held_back(&firm->pi_d, current.d, cfg->along_max, drive->model.inductance_q14);
+    voltage->d -=
+        held_back(&firm->pi_d, current.d, cfg->along_max, drive->motor.model.inductance_q14);
     voltage->q -=
-        held_back(&firm->pi_q, current.q, cfg->across_max, model_ratio_q_q14(&drive->model));
+        held_back(&firm->pi_q, current.q, cfg->across_max, model_ratio_q_q14(&drive->motor.model));
 }
 
 /*
@@ -81,8 +82,8 @@ static void limit_imposed_current(drive_t *drive, dq_t current)
 static void give_rounding_back(drive_t *drive)
 {
     const int32_t due = ((drive->tick & 1U) != 0U) ? 1 : 0;
-    pi_t *const d = &drive->current_loop.pi_d;
-    pi_t *const q = &drive->current_loop.pi_q;
+    pi_t *const d = &drive->control.current_loop.pi_d;
+    pi_t *const q = &drive->control.current_loop.pi_q;
 
     d->integral_q26 = fx_sat27(d->integral_q26 + due);
     q->integral_q26 = fx_sat27(q->integral_q26 + due);
@@ -91,8 +92,8 @@ static void give_rounding_back(drive_t *drive)
 dq_t frame_control_current(drive_t *drive, const current_loop_cfg_t *loop, dq_t current,
                            int32_t bus)
 {
-    return current_loop_step(&drive->current_loop, loop, drive->current_ref, current,
-                             modulator_limit(&drive->cfg->modulator, bus));
+    return current_loop_step(&drive->control.current_loop, loop, drive->control.current_ref,
+                             current, modulator_limit(&drive->cfg->modulator, bus));
 }
 
 dq_t frame_impose_current(drive_t *drive, const frame_t *frame, int32_t bus)
@@ -122,14 +123,14 @@ static dq_t expected_current(const drive_t *drive, const frame_t *frame)
     dq_t expected;
 
     if (frame->imposed) {
-        const dq_t wanted = drive->current_ref;
+        const dq_t wanted = drive->control.current_ref;
 
         expected.d = fx_asr(wanted.d + drive->vector.current_mean.d, 1U);
         expected.q = fx_asr(wanted.q + drive->vector.current_mean.q, 1U);
     } else if (drive->voltage_drive.active) {
         expected = (dq_t){fx_sat15(frame->current.d), fx_sat15(frame->current.q)};
     } else {
-        const dq_t wanted = drive->current_ref;
+        const dq_t wanted = drive->control.current_ref;
 
         expected.d = fx_approach(wanted.d, frame->current.d, LACKING_SHIFT);
         expected.q = fx_approach(wanted.q, frame->current.q, LACKING_SHIFT);
@@ -156,9 +157,9 @@ void frame_modulate(drive_t *drive, const frame_t *frame, dq_t voltage, compare_
     const dq_t ratio = modulator_ratio(mod, voltage);
     const ab_t ratio_ab = transforms_park_inverse(ratio, angle);
 
-    drive->ratio_acting.alpha = drive->ratio_next.alpha;
-    drive->ratio_acting.beta = drive->ratio_next.beta;
-    drive->ratio_next = ratio_ab;
+    drive->control.ratio_acting.alpha = drive->control.ratio_next.alpha;
+    drive->control.ratio_acting.beta = drive->control.ratio_next.beta;
+    drive->control.ratio_next = ratio_ab;
     if (modulator_compensates(cfg)) {
         const ab_t current = transforms_park_inverse(expected_current(drive, frame), angle);
 
@@ -175,17 +176,17 @@ void frame_modulate_plain(drive_t *drive, dq_t voltage, compare_t *out)
     /*@ assert SECTORS(acting); */
     const dq_t ratio = modulator_ratio(&drive->modulator, voltage);
 
-    drive->ratio_acting = drive->ratio_next;
-    drive->ratio_next = transforms_park_inverse(ratio, trig_sincos(acting));
-    modulator_compare(&drive->cfg->modulator, drive->ratio_next, out);
+    drive->control.ratio_acting = drive->control.ratio_next;
+    drive->control.ratio_next = transforms_park_inverse(ratio, trig_sincos(acting));
+    modulator_compare(&drive->cfg->modulator, drive->control.ratio_next, out);
 }
 
 void frame_turn(drive_t *drive, angle_t angle)
 {
     const sincos_t turn = trig_sincos(angle);
-    const dq_t reference = drive->current_ref;
+    const dq_t reference = drive->control.current_ref;
     const dq_t turned = transforms_park((ab_t){reference.d, reference.q}, turn);
 
-    drive->current_ref = (dq_t){fx_sat15(turned.d), fx_sat15(turned.q)};
-    current_loop_turn(&drive->current_loop, turn);
+    drive->control.current_ref = (dq_t){fx_sat15(turned.d), fx_sat15(turned.q)};
+    current_loop_turn(&drive->control.current_loop, turn);
 }

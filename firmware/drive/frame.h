@@ -23,10 +23,10 @@ typedef struct {
 static inline frame_t frame_of_rotor(const drive_t *drive, dq_t current)
 {
     return (frame_t){
-        .angle = rotor_position_angle(&drive->position),
-        .step = drive->observer.speed_out,
+        .angle = rotor_position_angle(&drive->rotor.position),
+        .step = drive->rotor.observer.speed_out,
         .current = current,
-        .loop = &drive->model.run_loop,
+        .loop = &drive->motor.model.run_loop,
         .imposed = false,
     };
 }
@@ -38,7 +38,7 @@ static inline frame_t frame_of_vector(const drive_t *drive, dq_t current)
         .angle = rotor_position_angle(&drive->vector.position),
         .step = drive->vector.step,
         .current = current,
-        .loop = &drive->model.hold_loop,
+        .loop = &drive->motor.model.hold_loop,
         .imposed = true,
     };
 }

@@ -32,8 +32,8 @@ static inline sample_t instant_sample(const drive_t *drive, const drive_in_t *in
     const uint32_t bus = (uint32_t)in->adc_bus << cfg->bus_shift;
 
     const sample_t sample = {
-        fx_sat15((int32_t)a - drive->offset_a),
-        fx_sat15((int32_t)b - drive->offset_b),
+        fx_sat15((int32_t)a - drive->sensors.offset_a),
+        fx_sat15((int32_t)b - drive->sensors.offset_b),
         fx_usat15((int32_t)bus),
     };
 

@@ -24,12 +24,13 @@ static step_t fastest_known(const drive_t *drive, drive_state_t next)
     step_t speed = 0;
 
     if ((drive->state == DRIVE_STATE_RUN) && (next == DRIVE_STATE_FAULT) &&
-        (drive->mode == (uint8_t)DRIVE_MODE_TORQUE)) {
+        (drive->motion.mode == (uint8_t)DRIVE_MODE_TORQUE)) {
         speed = fx_max(window->speed_forward, window->speed_backward);
     } else if (drive->state == DRIVE_STATE_PROBE) {
         speed = fx_abs(drive->vector.step);
     } else if (drive->state != DRIVE_STATE_FLYING_START) {
-        speed = fx_max(fx_abs(drive->observer.speed), fx_abs(drive->speed_loop.reference));
+        speed =
+            fx_max(fx_abs(drive->rotor.observer.speed), fx_abs(drive->motion.speed_loop.reference));
     } else {
         /* nothing is known yet */
     }
@@ -51,11 +52,12 @@ RARE static void leave(drive_t *drive, drive_state_t next)
  */
 static void begin_run(drive_t *drive)
 {
-    drive->torque_loop.bridging = false;
-    if (drive->mode == (uint8_t)DRIVE_MODE_TORQUE) {
-        torque_loop_start(&drive->torque_loop, drive_flux(drive), drive->current_ref.q);
+    drive->motion.torque_loop.bridging = false;
+    if (drive->motion.mode == (uint8_t)DRIVE_MODE_TORQUE) {
+        torque_loop_start(&drive->motion.torque_loop, drive_flux(drive),
+                          drive->control.current_ref.q);
     }
-    torque_filter_start(&drive->torque_filter, drive->current_ref.q);
+    torque_filter_start(&drive->motion.torque_filter, drive->control.current_ref.q);
     frame_plan_rotor(drive);
 }
 
@@ -119,12 +121,13 @@ static void initialise(drive_t *drive, const drive_cfg_t *cfg)
     model_nominal_t nominal;
 
     *drive = (drive_t){
-        .cfg = cfg, .offset_a = CALIBRATION_NOMINAL_Q15, .offset_b = CALIBRATION_NOMINAL_Q15};
+        .cfg = cfg,
+        .sensors = {.offset_a = CALIBRATION_NOMINAL_Q15, .offset_b = CALIBRATION_NOMINAL_Q15}};
     nominal = drive_nominal(drive);
-    model_reset(&drive->model, &nominal);
-    speed_loop_init(&drive->speed_loop);
+    model_reset(&drive->motor.model, &nominal);
+    speed_loop_init(&drive->motion.speed_loop);
     probe_reset(&drive->probe);
-    supervision_forget_flux(&drive->supervision);
+    supervision_forget_flux(&drive->watch.supervision);
     drive->slow_count = (uint8_t)cfg->slow_ticks;
     enter(drive, DRIVE_STATE_INIT);
     modulator_reset(&drive->modulator, &cfg->modulator);
@@ -160,8 +163,8 @@ void life_restart(drive_t *drive, const drive_cfg_t *cfg)
     const uint32_t tick = drive->tick;
     const uint32_t left = drive->slow_count;
     derating_t heat = {.heat_q24 = drive->derating.heat_q24};
-    const int32_t offset_a = drive->offset_a;
-    const int32_t offset_b = drive->offset_b;
+    const int32_t offset_a = drive->sensors.offset_a;
+    const int32_t offset_b = drive->sensors.offset_b;
     safe_state_t safe_state;
 
     derating_change(&heat, &drive->cfg->derating, &cfg->derating);
@@ -171,8 +174,8 @@ void life_restart(drive_t *drive, const drive_cfg_t *cfg)
     safe_state = drive->safe_state;
     initialise(drive, cfg);
     drive->safe_state = safe_state;
-    drive->offset_a = offset_a;
-    drive->offset_b = offset_b;
+    drive->sensors.offset_a = offset_a;
+    drive->sensors.offset_b = offset_b;
     state_guard_keep_measured(drive);
     drive->fault = fault;
     drive->scene = scene;

@@ -13,7 +13,8 @@
 static fault_id_t check_phases(drive_t *drive, const sample_t *sample, fault_t *fault)
 {
     const bool running = drive->state == DRIVE_STATE_RUN;
-    const rotor_position_t *const frame = running ? &drive->position : &drive->vector.position;
+    const rotor_position_t *const frame =
+        running ? &drive->rotor.position : &drive->vector.position;
     const uint64_t turns_q16 = fx_unsigned64(frame->turns_q32) >> 16U;
     const supervision_phases_t measured = {
         .a = sample->phase_a,
@@ -22,7 +23,7 @@ static fault_id_t check_phases(drive_t *drive, const sample_t *sample, fault_t *
         .speed = drive_speed(drive),
     };
 
-    return supervision_check_phases(&drive->supervision, &drive->cfg->supervision, &measured,
+    return supervision_check_phases(&drive->watch.supervision, &drive->cfg->supervision, &measured,
                                     fault);
 }
 
@@ -31,7 +32,7 @@ static int32_t emf_at(const drive_t *drive, step_t speed)
 {
     const int32_t speed_q15 = drive_speed_q15(drive, fx_abs(speed));
 
-    return fx_asr(speed_q15 * drive->model.hold_loop.emf_q13, 13U);
+    return fx_asr(speed_q15 * drive->motor.model.hold_loop.emf_q13, 13U);
 }
 
 /* The integrals of the current control are the voltage that the model does not explain. */
@@ -41,20 +42,21 @@ static fault_id_t check_imposed(drive_t *drive, const sample_t *sample, fault_t 
     const supervision_imposed_t measured = {
         .a = sample->phase_a,
         .b = sample->phase_b,
-        .expected = transforms_park_inverse(drive->current_ref, angle),
-        .voltage = {.d = pi_output(&drive->current_loop.pi_d),
-                    .q = pi_output(&drive->current_loop.pi_q)},
+        .expected = transforms_park_inverse(drive->control.current_ref, angle),
+        .voltage = {.d = pi_output(&drive->control.current_loop.pi_d),
+                    .q = pi_output(&drive->control.current_loop.pi_q)},
         .emf = emf_at(drive, drive->vector.step),
     };
 
-    return supervision_check_imposed(&drive->supervision, &drive->cfg->supervision, &measured,
+    return supervision_check_imposed(&drive->watch.supervision, &drive->cfg->supervision, &measured,
                                      fault);
 }
 
 /* Whether the rotor rests on the imposed current. */
 static bool is_at_rest(const drive_t *drive)
 {
-    const bool aligned = (drive->state == DRIVE_STATE_ALIGN) && (drive->align.phase != ALIGN_PULL);
+    const bool aligned =
+        (drive->state == DRIVE_STATE_ALIGN) && (drive->start.align.phase != ALIGN_PULL);
 
     return drive_is_held(drive) || aligned;
 }
@@ -69,7 +71,7 @@ static bool is_at_rest(const drive_t *drive)
  */
 static dq_t controlled_current(const drive_t *drive, const instant_t *now)
 {
-    dq_t current = drive->current_ref;
+    dq_t current = drive->control.current_ref;
 
     if (drive->state == DRIVE_STATE_RUN) {
         current = now->along_rotor;
@@ -88,7 +90,7 @@ static dq_t controlled_current(const drive_t *drive, const instant_t *now)
  */
 static bool is_voltage_at_limit(const drive_t *drive, int32_t bus)
 {
-    const dq_t voltage = drive->voltage;
+    const dq_t voltage = drive->control.voltage;
     const int32_t limit = modulator_limit(&drive->cfg->modulator, bus);
     const int32_t near = limit - fx_asr(limit, NEAR_SHIFT);
 
@@ -99,16 +101,17 @@ static bool is_voltage_at_limit(const drive_t *drive, int32_t bus)
 static bool is_swinging(const drive_t *drive)
 {
     return (drive->cfg->oscillation.act != (uint32_t)OSCILLATION_ACT_NONE) &&
-           (drive->oscillation.halves >= HALVES_OF_SWING);
+           (drive->watch.oscillation.halves >= HALVES_OF_SWING);
 }
 
 /* Fills in the values that explain or excuse a large voltage. */
 RARE static void look_closer(const drive_t *drive, int32_t bus, supervision_voltage_t *measured)
 {
-    measured->emf =
-        fx_max(emf_at(drive, drive->observer.speed), emf_at(drive, drive->speed_loop.reference));
-    measured->off_reference = fx_abs(drive->observer.speed - drive->speed_loop.reference);
-    measured->excused = drive->voltage_drive.active || drive->weakening.acts ||
+    measured->emf = fx_max(emf_at(drive, drive->rotor.observer.speed),
+                           emf_at(drive, drive->motion.speed_loop.reference));
+    measured->off_reference =
+        fx_abs(drive->rotor.observer.speed - drive->motion.speed_loop.reference);
+    measured->excused = drive->voltage_drive.active || drive->motion.weakening.acts ||
                         is_swinging(drive) || is_voltage_at_limit(drive, bus);
 }
 
@@ -116,8 +119,8 @@ static fault_id_t check_voltage(drive_t *drive, int32_t bus, fault_t *fault)
 {
     const supervision_cfg_t *const cfg = &drive->cfg->supervision;
     supervision_voltage_t measured = {
-        .voltage = {.d = pi_output(&drive->current_loop.pi_d),
-                    .q = pi_output(&drive->current_loop.pi_q)},
+        .voltage = {.d = pi_output(&drive->control.current_loop.pi_d),
+                    .q = pi_output(&drive->control.current_loop.pi_q)},
         .emf = 0,
         .off_reference = 0,
         .excused = false,
@@ -126,7 +129,7 @@ static fault_id_t check_voltage(drive_t *drive, int32_t bus, fault_t *fault)
     if (supervision_is_large(cfg, measured.voltage)) {
         look_closer(drive, bus, &measured);
     }
-    return supervision_check_voltage(&drive->supervision, cfg, &measured, fault);
+    return supervision_check_voltage(&drive->watch.supervision, cfg, &measured, fault);
 }
 
 /*
@@ -137,14 +140,14 @@ static fault_id_t check_flux(drive_t *drive, fault_t *fault)
 {
     const model_cfg_t *const cfg = &drive->cfg->model;
     const bool corrected =
-        (cfg->flux_limit_q14 > 0) && (fx_abs(drive->observer.speed) >= cfg->flux_speed_min);
+        (cfg->flux_limit_q14 > 0) && (fx_abs(drive->rotor.observer.speed) >= cfg->flux_speed_min);
 
     fault_id_t id = FAULT_NONE;
 
     if (corrected) {
-        id = supervision_check_flux(&drive->supervision, &drive->cfg->supervision,
-                                    drive->model.flux_q30, emf_at(drive, drive->observer.speed),
-                                    fault);
+        id = supervision_check_flux(&drive->watch.supervision, &drive->cfg->supervision,
+                                    drive->motor.model.flux_q30,
+                                    emf_at(drive, drive->rotor.observer.speed), fault);
     }
     return id;
 }
@@ -156,17 +159,17 @@ static fault_id_t check_current(drive_t *drive, const instant_t *now, fault_t *f
     const supervision_current_t measured = {
         .current = controlled_current(drive, now),
         .reference = drive_current_in_force(drive),
-        .excused = running && (fx_abs(drive->observer.speed) >= cfg->stall_speed),
+        .excused = running && (fx_abs(drive->rotor.observer.speed) >= cfg->stall_speed),
     };
     /*
      * The error along d is mostly an error of the flux, which the model corrects. Below RUN the
      * start-up checks the observer.
      */
-    const dq_t residual = {.d = 0, .q = running ? drive->observer.error.q : 0};
-    fault_id_t id = supervision_check_current(&drive->supervision, cfg, &measured, fault);
+    const dq_t residual = {.d = 0, .q = running ? drive->rotor.observer.error.q : 0};
+    fault_id_t id = supervision_check_current(&drive->watch.supervision, cfg, &measured, fault);
 
     if (id == FAULT_NONE) {
-        id = supervision_check_observer(&drive->supervision, cfg, residual, fault);
+        id = supervision_check_observer(&drive->watch.supervision, cfg, residual, fault);
     }
     if ((id == FAULT_NONE) && running) {
         id = check_voltage(drive, now->sample.bus, fault);
@@ -181,8 +184,8 @@ static fault_id_t check_current(drive_t *drive, const instant_t *now, fault_t *f
 static bool is_at_limit(const drive_t *drive, int32_t torque)
 {
     const bool asked =
-        run_torque_is_free(drive) && (drive->torque_loop.end == (uint8_t)SPEED_END_NONE);
-    const torque_range_t range = drive->torque_range;
+        run_torque_is_free(drive) && (drive->motion.torque_loop.end == (uint8_t)SPEED_END_NONE);
+    const torque_range_t range = drive->motion.torque_range;
 
     return !asked && ((torque >= range.upper) || (torque <= range.lower));
 }
@@ -192,14 +195,14 @@ static fault_id_t check_speed(drive_t *drive, fault_t *fault)
     const supervision_cfg_t *const cfg = &drive->cfg->supervision;
     const int32_t torque = drive_current_in_force(drive).q;
     const supervision_speed_t measured = {
-        .speed = drive->observer.speed,
-        .reference = drive->speed_loop.reference,
-        .speed_limit = drive->model.observer.speed_limit,
+        .speed = drive->rotor.observer.speed,
+        .reference = drive->motion.speed_loop.reference,
+        .speed_limit = drive->motor.model.observer.speed_limit,
         .current_ref = torque,
         .torque_at_limit = is_at_limit(drive, torque),
     };
 
-    return supervision_check_speed(&drive->supervision, cfg, &measured, fault);
+    return supervision_check_speed(&drive->watch.supervision, cfg, &measured, fault);
 }
 
 /*
@@ -209,12 +212,12 @@ static fault_id_t check_speed(drive_t *drive, fault_t *fault)
  */
 static int32_t motion_asked(const drive_t *drive)
 {
-    int32_t asked = drive->speed_loop.reference;
+    int32_t asked = drive->motion.speed_loop.reference;
 
-    if (drive->mode == (uint8_t)DRIVE_MODE_POSITION) {
-        asked = drive->position_loop.profile_speed;
+    if (drive->motion.mode == (uint8_t)DRIVE_MODE_POSITION) {
+        asked = drive->motion.position_loop.profile_speed;
     } else if (run_torque_is_free(drive)) {
-        asked = drive->torque_loop.reference_q28;
+        asked = drive->motion.torque_loop.reference_q28;
     } else {
         /* a speed */
     }
@@ -228,10 +231,10 @@ static int32_t motion_asked(const drive_t *drive)
 static bool lowers_bandwidth(drive_t *drive)
 {
     const bool lowers = (drive->cfg->oscillation.act == (uint32_t)OSCILLATION_ACT_LOWER) &&
-                        (drive->speed_loop.halvings == 0U) && !drive->voltage_drive.active;
+                        (drive->motion.speed_loop.halvings == 0U) && !drive->voltage_drive.active;
 
     if (lowers) {
-        speed_loop_lower(&drive->speed_loop);
+        speed_loop_lower(&drive->motion.speed_loop);
     }
     return lowers;
 }
@@ -243,7 +246,7 @@ static fault_id_t check_oscillation(drive_t *drive, fault_t *fault)
         .current = drive_current_in_force(drive).q,
     };
     fault_id_t id =
-        oscillation_step(&drive->oscillation, &drive->cfg->oscillation, &measured, fault);
+        oscillation_step(&drive->watch.oscillation, &drive->cfg->oscillation, &measured, fault);
 
     if ((id != FAULT_NONE) && lowers_bandwidth(drive)) {
         fault_clear(fault);
@@ -306,7 +309,7 @@ static fault_id_t check_memory(drive_t *drive, fault_t *fault)
 {
     fault_id_t id;
 
-    supervision_forget_late(&drive->supervision, &drive->cfg->supervision);
+    supervision_forget_late(&drive->watch.supervision, &drive->cfg->supervision);
     id = config_guard_step(&drive->guard, drive->cfg, fault);
     if (id == FAULT_NONE) {
         id = state_guard_step(drive, fault);
@@ -317,13 +320,13 @@ static fault_id_t check_memory(drive_t *drive, fault_t *fault)
 fault_id_t monitor_next_check(drive_t *drive, const drive_in_t *in, const instant_t *now,
                               fault_t *fault)
 {
-    const uint32_t step = drive->supervision.step;
+    const uint32_t step = drive->watch.supervision.step;
     const bool controlled = drive_is_controlled(drive->state);
     const dq_t current =
         controlled ? now->along_rotor : uncontrolled_current(drive, in, &now->sample);
     fault_id_t id = FAULT_NONE;
 
-    drive->supervision.step = (step + 1U) % SUPERVISION_STEPS;
+    drive->watch.supervision.step = (step + 1U) % SUPERVISION_STEPS;
     if (step == 0U) {
         id = check_heat(drive, current, in->adc_temperature, fault);
     } else if (step == 1U) {
@@ -363,9 +366,9 @@ void monitor_limits(drive_t *drive, int32_t bus)
     const derating_motion_t motion = {
         .bus = bus,
         .speed = drive_speed(drive),
-        .voltage = drive_is_controlled(drive->state) ? drive->voltage : (dq_t){0, 0},
-        .current_d = drive->current_ref.d,
+        .voltage = drive_is_controlled(drive->state) ? drive->control.voltage : (dq_t){0, 0},
+        .current_d = drive->control.current_ref.d,
     };
 
-    drive->torque_range = derating_range(&drive->derating, &drive->cfg->derating, &motion);
+    drive->motion.torque_range = derating_range(&drive->derating, &drive->cfg->derating, &motion);
 }

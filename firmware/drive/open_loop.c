@@ -19,7 +19,7 @@
 drive_event_t open_loop_start(drive_t *drive)
 {
     run_reset(drive);
-    flying_start_reset(&drive->flying_start);
+    flying_start_reset(&drive->start.flying_start);
     return DRIVE_EVENT_SEARCH;
 }
 
@@ -36,14 +36,14 @@ static bool runs_backwards(const drive_command_t *command)
 static drive_event_t start_alignment(drive_t *drive, const drive_command_t *command)
 {
     const align_cfg_t *const cfg = &drive->cfg->startup.align;
-    const bool reversed = (drive->attempts & 1U) != 0U;
+    const bool reversed = (drive->start.attempts & 1U) != 0U;
     const bool backwards = runs_backwards(command) != reversed;
     const angle_t sweep = (angle_t)cfg->sweep_speed * cfg->sweep_ticks;
 
-    align_reset(&drive->align, backwards);
+    align_reset(&drive->start.align, backwards);
     rotor_position_reset(&drive->vector.position, 0U);
     drive->vector.position.turns_q32 -= (int64_t)sweep * (backwards ? -1 : 1);
-    drive->position = drive->vector.position;
+    drive->rotor.position = drive->vector.position;
     estimate_start(drive, 0, (dq_t){0, 0});
     return DRIVE_EVENT_STANDS;
 }
@@ -55,7 +55,7 @@ static drive_event_t start_alignment(drive_t *drive, const drive_command_t *comm
  */
 static bool has_to_stand(const drive_t *drive)
 {
-    return (drive->attempts > 0U) && !drive->identified;
+    return (drive->start.attempts > 0U) && !drive->motor.identified;
 }
 
 /*
@@ -68,15 +68,15 @@ static void use_pulses(drive_t *drive)
     const model_nominal_t nominal = drive_nominal(drive);
     const model_measured_t found = {
         .resistance_q13 = MODEL_UNKNOWN,
-        .inductance_q14 = drive->flying_start.inductance_q14,
+        .inductance_q14 = drive->start.flying_start.inductance_q14,
         .saliency_q13 = MODEL_UNKNOWN,
     };
 
     if (found.inductance_q14 > 0) {
-        model_set(&drive->model, &drive->cfg->model, &nominal, &found);
-        speed_loop_restore(&drive->speed_loop);
+        model_set(&drive->motor.model, &drive->cfg->model, &nominal, &found);
+        speed_loop_restore(&drive->motion.speed_loop);
     } else {
-        speed_loop_lower(&drive->speed_loop);
+        speed_loop_lower(&drive->motion.speed_loop);
     }
 }
 
@@ -86,19 +86,19 @@ static void use_pulses(drive_t *drive)
  */
 NEVER_INLINED static drive_event_t start_turning(drive_t *drive, ab_t current_ab)
 {
-    const flying_start_t *const found = &drive->flying_start;
+    const flying_start_t *const found = &drive->start.flying_start;
     const bool fast = fx_abs(found->speed) >= drive->cfg->startup.handover_speed;
 
-    if (!drive->identified) {
+    if (!drive->motor.identified) {
         use_pulses(drive);
     }
-    rotor_position_reset(&drive->position, found->angle);
+    rotor_position_reset(&drive->rotor.position, found->angle);
     estimate_start(drive, found->speed, transforms_park(current_ab, trig_sincos(found->angle)));
-    rotor_position_step(&drive->position, drive->observer.speed_out);
-    speed_loop_reset(&drive->speed_loop, drive->observer.speed);
-    drive->speed_reference = drive->observer.speed;
-    drive->vector.position = drive->position;
-    drive->vector.step = drive->observer.speed;
+    rotor_position_step(&drive->rotor.position, drive->rotor.observer.speed_out);
+    speed_loop_reset(&drive->motion.speed_loop, drive->rotor.observer.speed);
+    drive->motion.speed_reference = drive->rotor.observer.speed;
+    drive->vector.position = drive->rotor.position;
+    drive->vector.step = drive->rotor.observer.speed;
     return (fast && !has_to_stand(drive)) ? DRIVE_EVENT_TRACKED : DRIVE_EVENT_DRAGGED;
 }
 
@@ -106,7 +106,7 @@ NEVER_INLINED static drive_event_t start_turning(drive_t *drive, ab_t current_ab
 static step_t rectifying_speed(const drive_t *drive, int32_t bus)
 {
     const int32_t phase = fx_asr(bus * INVERSE_ROOT_3_Q15, 15U);
-    const int32_t speed_q15 = (phase * Q13_ONE) / fx_max(drive->model.run_loop.emf_q13, 1);
+    const int32_t speed_q15 = (phase * Q13_ONE) / fx_max(drive->motor.model.run_loop.emf_q13, 1);
     const uint32_t lift = (uint32_t)1U << drive->cfg->speed_shift;
 
     return fx_min(speed_q15, FX_Q15_MAX) * (int32_t)lift;
@@ -120,7 +120,7 @@ static step_t rectifying_speed(const drive_t *drive, int32_t bus)
  */
 static fault_t live_fault(const drive_t *drive, sample_t sample)
 {
-    const step_t speed = fx_abs(drive->flying_start.speed);
+    const step_t speed = fx_abs(drive->start.flying_start.speed);
     const step_t limit =
         fx_min(drive->cfg->speed_loop.speed_max, rectifying_speed(drive, sample.bus));
     fault_t fault = {.id = FAULT_OVERSPEED, .value = speed, .limit = limit};
@@ -143,9 +143,9 @@ drive_event_t open_loop_flying_start(drive_t *drive, const drive_in_t *in, sampl
     drive_event_t event = DRIVE_EVENT_NONE;
     flying_start_result_t result;
 
-    result = flying_start_step(&drive->flying_start, cfg, current_ab);
-    *out =
-        (drive_out_t){.compare = {.phase = {0U, 0U, 0U}}, .gate_enable = drive->flying_start.gates};
+    result = flying_start_step(&drive->start.flying_start, cfg, current_ab);
+    *out = (drive_out_t){.compare = {.phase = {0U, 0U, 0U}},
+                         .gate_enable = drive->start.flying_start.gates};
     if (result == FLYING_START_TURNING) {
         event = start_turning(drive, current_ab);
     } else if (result == FLYING_START_LIVE) {
@@ -168,9 +168,9 @@ static drive_event_t repeat_start(drive_t *drive, int32_t value, int32_t limit, 
 {
     drive_event_t event = DRIVE_EVENT_FAULT;
 
-    drive->attempts++;
-    drive->held_periods = 0U;
-    if (drive->attempts < drive->cfg->startup.attempts) {
+    drive->start.attempts++;
+    drive->start.held_periods = 0U;
+    if (drive->start.attempts < drive->cfg->startup.attempts) {
         event = open_loop_start(drive);
     } else {
         *fault = (fault_t){.id = FAULT_STARTUP, .value = value, .limit = limit};
@@ -195,11 +195,11 @@ static bool lies_along_phase_a(const drive_t *drive)
  */
 static void leave_rest_to_integral(drive_t *drive, int32_t bus, int32_t compensated)
 {
-    const int32_t resistance = drive->model.hold_loop.resistance_q13;
+    const int32_t resistance = drive->motor.model.hold_loop.resistance_q13;
     const int32_t model = fx_asr(resistance * fx_sat15(drive->vector.current_mean.d), 13U);
     const int32_t added = fx_asr(compensated * bus, 15U);
 
-    pi_reset(&drive->current_loop.pi_d, fx_sat16(drive->voltage.d - model - added));
+    pi_reset(&drive->control.current_loop.pi_d, fx_sat16(drive->control.voltage.d - model - added));
 }
 
 /*
@@ -218,7 +218,7 @@ static int32_t correct_dead_time(drive_t *drive, int32_t lost_voltage)
 
 static drive_event_t finish_alignment(drive_t *drive, const instant_t *now)
 {
-    const align_found_t *const found = &drive->align.found;
+    const align_found_t *const found = &drive->start.align.found;
     const model_nominal_t nominal = drive_nominal(drive);
 
     if (found->inductance.ratio_q14 > 0) {
@@ -228,16 +228,16 @@ static drive_event_t finish_alignment(drive_t *drive, const instant_t *now)
             found->inductance.saliency_q13,
         };
 
-        model_set(&drive->model, &drive->cfg->model, &nominal, &measured);
+        model_set(&drive->motor.model, &drive->cfg->model, &nominal, &measured);
         leave_rest_to_integral(drive, now->sample.bus,
                                correct_dead_time(drive, found->lost_voltage));
         estimate_start(drive, 0, now->along_rotor);
     }
-    speed_loop_restore(&drive->speed_loop);
-    drive->identified = true; /* a measurement that fails is not repeated */
+    speed_loop_restore(&drive->motion.speed_loop);
+    drive->motor.identified = true; /* a measurement that fails is not repeated */
     state_guard_keep_measured(drive);
     drive->vector.step = 0;
-    speed_loop_reset(&drive->speed_loop, 0);
+    speed_loop_reset(&drive->motion.speed_loop, 0);
     return DRIVE_EVENT_HELD;
 }
 
@@ -248,7 +248,7 @@ static drive_event_t finish_alignment(drive_t *drive, const instant_t *now)
 static drive_event_t judge_rest(drive_t *drive, fault_t *fault)
 {
     const align_cfg_t *const cfg = &drive->cfg->startup.align;
-    const align_t *const align = &drive->align;
+    const align_t *const align = &drive->start.align;
     drive_event_t event = DRIVE_EVENT_NONE;
 
     if (!align_is_at_rest(align, cfg)) {
@@ -263,15 +263,16 @@ static drive_event_t judge_rest(drive_t *drive, fault_t *fault)
  */
 static drive_event_t align(drive_t *drive, const instant_t *now, fault_t *fault)
 {
-    const bool done = drive->align.phase == ALIGN_DONE;
+    const bool done = drive->start.align.phase == ALIGN_DONE;
     drive_event_t event = DRIVE_EVENT_NONE;
 
-    align_step(&drive->align, &drive->cfg->startup.align, now->along_vector, drive->voltage.d);
-    drive->current_ref = (dq_t){.d = drive->align.current_ref, .q = 0};
-    drive->vector.step = drive->align.frame_speed;
+    align_step(&drive->start.align, &drive->cfg->startup.align, now->along_vector,
+               drive->control.voltage.d);
+    drive->control.current_ref = (dq_t){.d = drive->start.align.current_ref, .q = 0};
+    drive->vector.step = drive->start.align.frame_speed;
     if (done) {
         event = finish_alignment(drive, now);
-    } else if (align_has_measured(&drive->align)) {
+    } else if (align_has_measured(&drive->start.align)) {
         event = judge_rest(drive, fault);
     } else {
         /* the alignment goes on */
@@ -286,8 +287,9 @@ static drive_event_t align(drive_t *drive, const instant_t *now, fault_t *fault)
 static int32_t next_imposed_current(const drive_t *drive)
 {
     const startup_cfg_t *const cfg = &drive->cfg->startup;
-    const int32_t present = drive->current_ref.d;
-    const int32_t whole = (drive->speed_reference == 0) ? cfg->current_hold : cfg->current_move;
+    const int32_t present = drive->control.current_ref.d;
+    const int32_t whole =
+        (drive->motion.speed_reference == 0) ? cfg->current_hold : cfg->current_move;
     const int32_t wanted = fx_min(whole, drive->derating.thermal);
 
     return fx_towards(present, wanted, cfg->current_slope);
@@ -296,7 +298,8 @@ static int32_t next_imposed_current(const drive_t *drive)
 /* Returns the angle by which the vector is ahead of the rotor. */
 static angle_t load_angle(const drive_t *drive)
 {
-    return rotor_position_angle(&drive->vector.position) - rotor_position_angle(&drive->position);
+    return rotor_position_angle(&drive->vector.position) -
+           rotor_position_angle(&drive->rotor.position);
 }
 
 /*
@@ -306,11 +309,11 @@ static angle_t load_angle(const drive_t *drive)
 static bool has_found_rotor(const drive_t *drive)
 {
     const startup_cfg_t *const cfg = &drive->cfg->startup;
-    const step_t slip = fx_abs(drive->vector.step - drive->observer.speed);
+    const step_t slip = fx_abs(drive->vector.step - drive->rotor.observer.speed);
     const bool near = (load_angle(drive) + SIXTH_TURN) < (2U * SIXTH_TURN);
 
     return near && (slip < (cfg->handover_speed / SLIP_SHARE)) &&
-           (drive->residual < cfg->residual_max);
+           (drive->rotor.residual < cfg->residual_max);
 }
 
 /*
@@ -320,11 +323,11 @@ static bool has_found_rotor(const drive_t *drive)
  */
 static drive_event_t hand_over(drive_t *drive)
 {
-    const int32_t of_ramp = drive->current_ref.q;
+    const int32_t of_ramp = drive->control.current_ref.q;
 
     frame_turn(drive, 0U - load_angle(drive));
-    speed_loop_start(&drive->speed_loop, drive->speed_loop.reference,
-                     drive->current_ref.q - of_ramp);
+    speed_loop_start(&drive->motion.speed_loop, drive->motion.speed_loop.reference,
+                     drive->control.current_ref.q - of_ramp);
     return DRIVE_EVENT_TRACKED;
 }
 
@@ -334,14 +337,14 @@ static drive_event_t hand_over(drive_t *drive)
  */
 static drive_event_t judge_handover(drive_t *drive, fault_t *fault)
 {
-    const bool settled = drive->handover_periods >= drive->cfg->startup.settle_periods;
+    const bool settled = drive->start.handover_periods >= drive->cfg->startup.settle_periods;
     drive_event_t event = DRIVE_EVENT_NONE;
 
-    drive->handover_periods++;
+    drive->start.handover_periods++;
     if (settled && has_found_rotor(drive)) {
         event = hand_over(drive);
-    } else if (drive->handover_periods >= drive->cfg->startup.handover_periods) {
-        event = repeat_start(drive, drive->residual, drive->cfg->startup.residual_max, fault);
+    } else if (drive->start.handover_periods >= drive->cfg->startup.handover_periods) {
+        event = repeat_start(drive, drive->rotor.residual, drive->cfg->startup.residual_max, fault);
     } else {
         /* wait */
     }
@@ -359,16 +362,16 @@ static bool has_lost_rotor(drive_t *drive)
 {
     const startup_cfg_t *const cfg = &drive->cfg->startup;
     const bool judges = (drive->vector.step == 0) || estimate_is_trained(drive);
-    const bool wrong = judges && (drive->residual > cfg->residual_lost);
+    const bool wrong = judges && (drive->rotor.residual > cfg->residual_lost);
 
     if (wrong) {
-        drive->lost_periods++;
-    } else if (drive->lost_periods > 0U) {
-        drive->lost_periods--;
+        drive->start.lost_periods++;
+    } else if (drive->start.lost_periods > 0U) {
+        drive->start.lost_periods--;
     } else {
         /* nothing to count */
     }
-    return drive->lost_periods >= cfg->lost_periods;
+    return drive->start.lost_periods >= cfg->lost_periods;
 }
 
 /*
@@ -380,8 +383,9 @@ static drive_event_t hold(drive_t *drive)
     const bool at_rest = drive->state == DRIVE_STATE_HOLD;
     drive_event_t event = DRIVE_EVENT_HELD;
 
-    if (at_rest && !drive->identified) {
-        align_reset_held(&drive->align, &drive->cfg->startup.align, drive->current_ref.d);
+    if (at_rest && !drive->motor.identified) {
+        align_reset_held(&drive->start.align, &drive->cfg->startup.align,
+                         drive->control.current_ref.d);
         event = DRIVE_EVENT_STANDS;
     }
     return event;
@@ -395,13 +399,14 @@ static drive_event_t judge_speed(drive_t *drive, fault_t *fault)
     drive_event_t event;
 
     if (has_lost_rotor(drive)) {
-        event = repeat_start(drive, drive->residual, drive->cfg->startup.residual_lost, fault);
+        event =
+            repeat_start(drive, drive->rotor.residual, drive->cfg->startup.residual_lost, fault);
     } else if (speed == 0) {
         event = hold(drive);
     } else if ((speed < handover_speed) || has_to_stand(drive)) {
         event = DRIVE_EVENT_DRAGGED;
     } else if (drive->state != DRIVE_STATE_HANDOVER) {
-        drive->handover_periods = 0U;
+        drive->start.handover_periods = 0U;
         event = DRIVE_EVENT_FAST;
     } else {
         event = judge_handover(drive, fault);
@@ -419,11 +424,12 @@ void open_loop_plan(drive_t *drive, const drive_command_t *command)
 
     run_plan(drive, command, &drive->vector.position);
     if (has_to_stand(drive)) {
-        drive->speed_reference = fx_towards(drive->vector.step, 0, ramp);
-        position_loop_reset(&drive->position_loop, drive->vector.position.turns_q32,
+        drive->motion.speed_reference = fx_towards(drive->vector.step, 0, ramp);
+        position_loop_reset(&drive->motion.position_loop, drive->vector.position.turns_q32,
                             drive->vector.step);
-    } else if (drive->mode != (uint8_t)DRIVE_MODE_POSITION) {
-        drive->speed_reference = fx_towards(drive->vector.step, drive->speed_reference, ramp);
+    } else if (drive->motion.mode != (uint8_t)DRIVE_MODE_POSITION) {
+        drive->motion.speed_reference =
+            fx_towards(drive->vector.step, drive->motion.speed_reference, ramp);
     } else {
         /* a position profile is soft near standstill by itself */
     }
@@ -436,16 +442,17 @@ drive_event_t open_loop_step(drive_t *drive, const instant_t *now, fault_t *faul
     if (drive->state == DRIVE_STATE_ALIGN) {
         event = align(drive, now, fault);
     } else {
-        drive->current_ref.d = next_imposed_current(drive);
+        drive->control.current_ref.d = next_imposed_current(drive);
     }
     return event;
 }
 
 static drive_event_t drag(drive_t *drive, fault_t *fault)
 {
-    drive->current_ref.q = speed_loop_accelerate(&drive->speed_loop, &drive->cfg->speed_loop,
-                                                 drive->speed_reference, drive->torque_range);
-    drive->vector.step = drive->speed_loop.reference;
+    drive->control.current_ref.q =
+        speed_loop_accelerate(&drive->motion.speed_loop, &drive->cfg->speed_loop,
+                              drive->motion.speed_reference, drive->motion.torque_range);
+    drive->vector.step = drive->motion.speed_loop.reference;
     return judge_speed(drive, fault);
 }
 

@@ -7,14 +7,14 @@
 drive_event_t probing_start(drive_t *drive)
 {
     probe_reset(&drive->probe);
-    current_loop_reset(&drive->current_loop);
+    current_loop_reset(&drive->control.current_loop);
     rotor_position_reset(&drive->vector.position, 0U);
     drive->vector.step = 0;
     drive->vector.current_mean = (dq_t){0, 0};
     drive->voltage_drive.active = false;
-    drive->current_ref = (dq_t){0, 0};
-    drive->voltage = (dq_t){0, 0};
-    drive->ratio_next = (ab_t){0, 0};
+    drive->control.current_ref = (dq_t){0, 0};
+    drive->control.voltage = (dq_t){0, 0};
+    drive->control.ratio_next = (ab_t){0, 0};
     return DRIVE_EVENT_PROBE;
 }
 
@@ -31,7 +31,7 @@ static void note_sample(drive_t *drive, sample_t measured, dq_t current, dq_t e)
         .phase_a = measured.phase_a,
         .phase_b = measured.phase_b,
         .current = current,
-        .voltage = drive->voltage,
+        .voltage = drive->control.voltage,
         .bus = measured.bus,
         .turns_q16 = turns_q16(drive),
         .emf = e,
@@ -44,19 +44,20 @@ static void note_sample(drive_t *drive, sample_t measured, dq_t current, dq_t e)
 /* Returns the EMF: the demanded voltage minus the voltage that R and L need. */
 static dq_t emf_of(const drive_t *drive, dq_t current)
 {
-    const dq_t model = current_loop_model(&drive->current_loop, current);
+    const dq_t model = current_loop_model(&drive->control.current_loop, current);
 
-    return (dq_t){drive->voltage.d - model.d, drive->voltage.q - model.q};
+    return (dq_t){drive->control.voltage.d - model.d, drive->control.voltage.q - model.q};
 }
 
 static dq_t voltage_for(drive_t *drive, dq_t current, int32_t bus)
 {
     const probe_t *const probe = &drive->probe;
     const bool pulses = probe_pulses(probe);
-    const dq_t seen = pulses ? probe_controlled(probe, drive->current_ref, current) : current;
+    const dq_t seen =
+        pulses ? probe_controlled(probe, drive->control.current_ref, current) : current;
     dq_t voltage;
 
-    current_loop_plan(&drive->current_loop, &probe->loop, drive->current_ref,
+    current_loop_plan(&drive->control.current_loop, &probe->loop, drive->control.current_ref,
                       drive_speed_q15(drive, drive->vector.step));
     voltage = frame_control_current(drive, &probe->loop, seen, bus);
     return pulses ? probe_voltage(probe, voltage) : voltage;
@@ -88,11 +89,11 @@ dq_t probing_step(drive_t *drive, const drive_command_t *command, sample_t sampl
     note_sample(drive, sample, current, e);
     drive->vector.step = probe_turn(probe, rotor_position_angle(&drive->vector.position), e,
                                     may_brake(drive->cfg, sample.bus));
-    drive->current_ref = (dq_t){.d = probe->current, .q = 0};
+    drive->control.current_ref = (dq_t){.d = probe->current, .q = 0};
     voltage = voltage_for(drive, current, sample.bus);
-    drive->voltage = voltage;
+    drive->control.voltage = voltage;
     frame_modulate_plain(drive, voltage, out);
     rotor_position_step(&drive->vector.position, drive->vector.step);
-    drive->position = drive->vector.position;
+    drive->rotor.position = drive->vector.position;
     return current;
 }

@@ -26,12 +26,12 @@
  */
 static void reset_position(drive_t *drive)
 {
-    position_loop_reset(&drive->position_loop, 0, 0);
+    position_loop_reset(&drive->motion.position_loop, 0, 0);
     if (!drive_has_sensor(drive)) {
-        position_loop_set_zero(&drive->position_loop, 0);
-        drive->mode = (uint8_t)DRIVE_MODE_SPEED;
-    } else if (drive->mode != (uint8_t)DRIVE_MODE_POSITION) {
-        drive->mode = (uint8_t)DRIVE_MODE_SPEED;
+        position_loop_set_zero(&drive->motion.position_loop, 0);
+        drive->motion.mode = (uint8_t)DRIVE_MODE_SPEED;
+    } else if (drive->motion.mode != (uint8_t)DRIVE_MODE_POSITION) {
+        drive->motion.mode = (uint8_t)DRIVE_MODE_SPEED;
     } else {
         /* position control goes on */
     }
@@ -39,34 +39,36 @@ static void reset_position(drive_t *drive)
 
 void run_reset(drive_t *drive)
 {
-    rotor_position_reset(&drive->position, 0U);
+    rotor_position_reset(&drive->rotor.position, 0U);
     estimate_start(drive, 0, (dq_t){0, 0});
     rotor_position_reset(&drive->vector.position, 0U);
     drive->vector.step = 0;
     drive->vector.current_mean = (dq_t){0, 0};
     drive->voltage_drive.active = false;
     drive->voltage_drive.calm_periods = 0U;
-    current_loop_reset(&drive->current_loop);
-    speed_loop_reset(&drive->speed_loop, 0);
+    current_loop_reset(&drive->control.current_loop);
+    speed_loop_reset(&drive->motion.speed_loop, 0);
     reset_position(drive);
-    drive->speed_reference = 0;
-    drive->ratio_next = (ab_t){0, 0};
-    drive->ratio_acting = (ab_t){0, 0};
-    drive->residual = 0;
-    drive->lost_periods = 0U;
-    drive->current_ref = (dq_t){0, 0};
-    drive->torque_range = (torque_range_t){-drive->derating.motoring, drive->derating.motoring};
+    drive->motion.speed_reference = 0;
+    drive->control.ratio_next = (ab_t){0, 0};
+    drive->control.ratio_acting = (ab_t){0, 0};
+    drive->rotor.residual = 0;
+    drive->start.lost_periods = 0U;
+    drive->control.current_ref = (dq_t){0, 0};
+    drive->motion.torque_range =
+        (torque_range_t){-drive->derating.motoring, drive->derating.motoring};
     drive->derating.voltage = (dq_t){0, 0};
-    weakening_reset(&drive->weakening);
+    weakening_reset(&drive->motion.weakening);
 }
 
 void run_reset_sensed(drive_t *drive)
 {
     run_reset(drive);
     estimate_start_sensed(drive);
-    speed_loop_reset(&drive->speed_loop, drive->observer.speed);
-    position_loop_reset(&drive->position_loop, drive->position.turns_q32, drive->observer.speed);
-    drive->speed_reference = drive->observer.speed;
+    speed_loop_reset(&drive->motion.speed_loop, drive->rotor.observer.speed);
+    position_loop_reset(&drive->motion.position_loop, drive->rotor.position.turns_q32,
+                        drive->rotor.observer.speed);
+    drive->motion.speed_reference = drive->rotor.observer.speed;
 }
 
 /*
@@ -76,10 +78,11 @@ void run_reset_sensed(drive_t *drive)
 void run_set_zero(drive_t *drive)
 {
     const bool profiled =
-        drive_is_controlled(drive->state) && (drive->mode == (uint8_t)DRIVE_MODE_POSITION);
+        drive_is_controlled(drive->state) && (drive->motion.mode == (uint8_t)DRIVE_MODE_POSITION);
 
-    position_loop_set_zero(&drive->position_loop,
-                           profiled ? drive->position_loop.profile_q32 : drive->position.turns_q32);
+    position_loop_set_zero(&drive->motion.position_loop,
+                           profiled ? drive->motion.position_loop.profile_q32
+                                    : drive->rotor.position.turns_q32);
 }
 
 /*
@@ -91,15 +94,17 @@ void run_set_zero(drive_t *drive)
  */
 static void change_mode(drive_t *drive, uint8_t mode, const rotor_position_t *position)
 {
-    torque_loop_start(&drive->torque_loop, drive_flux(drive), drive_current_in_force(drive).q);
-    torque_loop_bridge(&drive->torque_loop);
-    drive->mode = mode;
+    torque_loop_start(&drive->motion.torque_loop, drive_flux(drive),
+                      drive_current_in_force(drive).q);
+    torque_loop_bridge(&drive->motion.torque_loop);
+    drive->motion.mode = mode;
     state_guard_forget(drive);
     if (mode == (uint8_t)DRIVE_MODE_POSITION) {
-        position_loop_recount(&drive->position_loop, &drive->cfg->position_loop,
+        position_loop_recount(&drive->motion.position_loop, &drive->cfg->position_loop,
                               position->turns_q32);
     }
-    position_loop_reset(&drive->position_loop, position->turns_q32, drive->speed_loop.reference);
+    position_loop_reset(&drive->motion.position_loop, position->turns_q32,
+                        drive->motion.speed_loop.reference);
 }
 
 /*
@@ -109,10 +114,10 @@ static void change_mode(drive_t *drive, uint8_t mode, const rotor_position_t *po
  */
 static bool is_loaded(const drive_t *drive)
 {
-    const int32_t load = pi_output(&drive->speed_loop.pi);
-    const int32_t onwards = (drive->speed_loop.reference < 0) ? -load : load;
+    const int32_t load = pi_output(&drive->motion.speed_loop.pi);
+    const int32_t onwards = (drive->motion.speed_loop.reference < 0) ? -load : load;
 
-    return (drive->mode != (uint8_t)DRIVE_MODE_POSITION) &&
+    return (drive->motion.mode != (uint8_t)DRIVE_MODE_POSITION) &&
            (onwards >= drive->cfg->startup.load_current);
 }
 
@@ -138,7 +143,7 @@ static step_t lowest_speed(const drive_t *drive)
 static step_t gentle(const drive_t *drive, step_t wanted)
 {
     const startup_cfg_t *const cfg = &drive->cfg->startup;
-    const step_t present = drive->speed_loop.reference;
+    const step_t present = drive->motion.speed_loop.reference;
     step_t next = wanted;
 
     if ((cfg->current_hold != 0) && (fx_abs(present) < lowest_speed(drive))) {
@@ -163,7 +168,7 @@ static step_t lowest_torque_speed(const drive_t *drive)
 NEVER_INLINED static void plan_torque(drive_t *drive, int32_t target_q28)
 {
     const drive_cfg_t *const cfg = drive->cfg;
-    const bool was_bound = drive->torque_loop.bound;
+    const bool was_bound = drive->motion.torque_loop.bound;
     step_t reference = torque_loop_aim(&cfg->torque_loop, target_q28);
 
     if (drive->state == DRIVE_STATE_RUN) {
@@ -171,23 +176,23 @@ NEVER_INLINED static void plan_torque(drive_t *drive, int32_t target_q28)
             .target_q28 = target_q28,
             .flux_q13 = drive_flux(drive),
             .current = drive_current_in_force(drive).q,
-            .range = drive->torque_range,
-            .speed = drive->observer.speed,
-            .reference = drive->speed_loop.reference,
+            .range = drive->motion.torque_range,
+            .speed = drive->rotor.observer.speed,
+            .reference = drive->motion.speed_loop.reference,
             .lowest = lowest_torque_speed(drive),
             .ramp = cfg->startup.ramp,
         };
 
-        reference = torque_loop_plan(&drive->torque_loop, &cfg->torque_loop, &in);
-        if (drive->torque_loop.bound && !was_bound) {
+        reference = torque_loop_plan(&drive->motion.torque_loop, &cfg->torque_loop, &in);
+        if (drive->motion.torque_loop.bound && !was_bound) {
             /*
              * The slope of the speed begins at this reference. Set it at once: no acceleration may
              * be fed forward for the step from the rotor's speed to it.
              */
-            drive->speed_loop.reference = reference;
+            drive->motion.speed_loop.reference = reference;
         }
     }
-    drive->speed_reference = reference;
+    drive->motion.speed_reference = reference;
 }
 
 /* While the command sets the zero, the target is the zero. */
@@ -195,33 +200,33 @@ static int64_t target_position(const drive_t *drive, const drive_command_t *comm
 {
     const bool zero = (command->request & DRIVE_REQUEST_ZERO) != 0U;
 
-    return position_loop_target(&drive->position_loop, zero ? 0 : command->target);
+    return position_loop_target(&drive->motion.position_loop, zero ? 0 : command->target);
 }
 
 void run_plan(drive_t *drive, const drive_command_t *command, const rotor_position_t *position)
 {
     const drive_cfg_t *const cfg = drive->cfg;
 
-    if (command->mode != drive->mode) {
+    if (command->mode != drive->motion.mode) {
         change_mode(drive, command->mode, position);
     }
-    if (drive->mode == (uint8_t)DRIVE_MODE_TORQUE) {
+    if (drive->motion.mode == (uint8_t)DRIVE_MODE_TORQUE) {
         plan_torque(drive, command->target);
-    } else if (drive->mode == (uint8_t)DRIVE_MODE_POSITION) {
-        drive->speed_reference = position_loop_step(&drive->position_loop, &cfg->position_loop,
-                                                    target_position(drive, command),
-                                                    position->turns_q32, cfg->slow_ticks);
+    } else if (drive->motion.mode == (uint8_t)DRIVE_MODE_POSITION) {
+        drive->motion.speed_reference = position_loop_step(
+            &drive->motion.position_loop, &cfg->position_loop, target_position(drive, command),
+            position->turns_q32, cfg->slow_ticks);
     } else {
-        drive->speed_reference =
-            gentle(drive, speed_loop_ramp(&drive->speed_loop, &cfg->speed_loop, command->target));
+        drive->motion.speed_reference = gentle(
+            drive, speed_loop_ramp(&drive->motion.speed_loop, &cfg->speed_loop, command->target));
     }
 }
 
 /* Whether commanded speed and rotor speed are both so low that a current has to be imposed. */
 static bool is_slow(const drive_t *drive)
 {
-    return (fx_abs(drive->observer.speed) < drive->cfg->startup.handover_speed) &&
-           (fx_abs(drive->speed_reference) < lowest_speed(drive));
+    return (fx_abs(drive->rotor.observer.speed) < drive->cfg->startup.handover_speed) &&
+           (fx_abs(drive->motion.speed_reference) < lowest_speed(drive));
 }
 
 /*
@@ -234,8 +239,8 @@ static current_reference_in_t operating_point(const drive_t *drive)
     const startup_cfg_t *const cfg = &drive->cfg->startup;
 
     return (current_reference_in_t){
-        .present = drive->current_ref,
-        .speed = drive->speed_reference,
+        .present = drive->control.current_ref,
+        .speed = drive->motion.speed_reference,
         .floor_speed = cfg->hold_speed,
         .imposed = is_slow(drive) ? cfg->current_hold : 0,
         .ticks = (int32_t)drive->cfg->slow_ticks,
@@ -249,16 +254,16 @@ static current_reference_in_t operating_point(const drive_t *drive)
 NEVER_INLINED static void weaken(drive_t *drive, dq_t current, current_reference_t *next)
 {
     const weakening_in_t point = {
-        .model = &drive->model.run_loop,
-        .speed_q15 = drive_speed_q15(drive, fx_abs(drive->observer.speed)),
-        .reference = drive->current_ref,
+        .model = &drive->motor.model.run_loop,
+        .speed_q15 = drive_speed_q15(drive, fx_abs(drive->rotor.observer.speed)),
+        .reference = drive->control.current_ref,
         .current = {.d = fx_sat15(current.d), .q = fx_sat15(current.q)},
         .voltage = drive->derating.voltage,
         .current_max = drive->cfg->derating.current_max,
         .deepest = drive->cfg->current_reference.deepest,
     };
 
-    *next = current_reference_weakened(&drive->weakening, &point, next->d);
+    *next = current_reference_weakened(&drive->motion.weakening, &point, next->d);
 }
 
 /*
@@ -274,13 +279,13 @@ INLINES_ALL static void limit_current(drive_t *drive, const instant_t *now)
     const int32_t circle = modulator_limit(&drive->cfg->modulator, now->sample.bus);
     current_reference_t next = {.reach = CURRENT_REFERENCE_ALL};
 
-    next.d = current_reference_d(cfg, &drive->model.run_loop, &point);
-    if (weakening_is_near(&drive->weakening, drive->voltage, circle)) {
+    next.d = current_reference_d(cfg, &drive->motor.model.run_loop, &point);
+    if (weakening_is_near(&drive->motion.weakening, drive->control.voltage, circle)) {
         weaken(drive, now->along_rotor, &next);
     }
-    drive->current_ref.d = next.d;
-    drive->torque_range =
-        current_reference_range(cfg, drive->torque_range, &next, drive->derating.thermal);
+    drive->control.current_ref.d = next.d;
+    drive->motion.torque_range =
+        current_reference_range(cfg, drive->motion.torque_range, &next, drive->derating.thermal);
 }
 
 void run_limit(drive_t *drive, const instant_t *now)
@@ -296,19 +301,19 @@ void run_limit(drive_t *drive, const instant_t *now)
  */
 static void hand_back(drive_t *drive, dq_t current)
 {
-    const dq_t reference = drive->current_ref;
+    const dq_t reference = drive->control.current_ref;
     const angle_t load_angle =
         trig_atan2((int16_t)fx_sat16(reference.q), (int16_t)fx_sat16(reference.d));
     dq_t turned;
 
-    drive->vector.position = drive->position;
+    drive->vector.position = drive->rotor.position;
     rotor_position_step(&drive->vector.position, fx_signed(load_angle));
-    drive->vector.step = drive->speed_loop.reference;
+    drive->vector.step = drive->motion.speed_loop.reference;
     frame_turn(drive, load_angle);
     turned =
         transforms_park((ab_t){fx_sat15(current.d), fx_sat15(current.q)}, trig_sincos(load_angle));
     drive->vector.current_mean = (dq_t){fx_sat15(turned.d), fx_sat15(turned.q)};
-    supervision_forget_imposed(&drive->supervision);
+    supervision_forget_imposed(&drive->watch.supervision);
 }
 
 /*
@@ -320,16 +325,17 @@ static void hand_back(drive_t *drive, dq_t current)
  */
 static void wait_at_limit(drive_t *drive, step_t before)
 {
-    const bool faster = drive->speed_loop.reference > before;
-    const dq_t current = drive->current_ref;
-    const int32_t end = faster ? drive->torque_range.upper : -drive->torque_range.lower;
+    const bool faster = drive->motion.speed_loop.reference > before;
+    const dq_t current = drive->control.current_ref;
+    const int32_t end =
+        faster ? drive->motion.torque_range.upper : -drive->motion.torque_range.lower;
     const int32_t towards = faster ? current.q : -current.q;
     const bool narrowed = (end < drive->cfg->derating.current_max) &&
                           (current.d <= drive->cfg->current_reference.floor);
 
     if ((towards >= end) && narrowed) {
-        drive->speed_loop.reference = before;
-        position_loop_reset(&drive->position_loop, drive->position.turns_q32, before);
+        drive->motion.speed_loop.reference = before;
+        position_loop_reset(&drive->motion.position_loop, drive->rotor.position.turns_q32, before);
     }
 }
 
@@ -338,7 +344,7 @@ static void accelerate_estimate(drive_t *drive, step_t change)
 {
     const int32_t share_q14 = drive->cfg->run.acceleration_q14;
 
-    nn_observer_accelerate(&drive->observer, &drive->model.observer,
+    nn_observer_accelerate(&drive->rotor.observer, &drive->motor.model.observer,
                            fx_mul_32x16(change, share_q14) * Q14_TO_Q16);
 }
 
@@ -349,10 +355,10 @@ static void accelerate_estimate(drive_t *drive, step_t change)
  */
 static void lead_along_ramp(drive_t *drive, step_t before)
 {
-    const step_t reference = drive->speed_loop.reference;
+    const step_t reference = drive->motion.speed_loop.reference;
     const step_t near = drive->cfg->startup.handover_speed / NEAR_SHARE;
 
-    if (fx_abs(before - drive->observer.speed) <= near) {
+    if (fx_abs(before - drive->rotor.observer.speed) <= near) {
         accelerate_estimate(drive, reference - before);
     }
 }
@@ -366,10 +372,10 @@ static void lead_along_ramp(drive_t *drive, step_t before)
  */
 NEVER_INLINED static void lead_by_torque(drive_t *drive)
 {
-    const int32_t torque = drive->current_ref.q;
+    const int32_t torque = drive->control.current_ref.q;
 
-    accelerate_estimate(drive,
-                        speed_loop_response(&drive->speed_loop, &drive->cfg->speed_loop, torque));
+    accelerate_estimate(
+        drive, speed_loop_response(&drive->motion.speed_loop, &drive->cfg->speed_loop, torque));
 }
 
 /*
@@ -379,7 +385,7 @@ static void lead_estimate(drive_t *drive, step_t before)
 {
     if (drive->cfg->run.acceleration_q14 == 0) {
         /* the published observer: no feed-forward */
-    } else if (drive->mode == (uint8_t)DRIVE_MODE_TORQUE) {
+    } else if (drive->motion.mode == (uint8_t)DRIVE_MODE_TORQUE) {
         lead_by_torque(drive);
     } else {
         lead_along_ramp(drive, before);
@@ -397,12 +403,12 @@ static void lead_estimate(drive_t *drive, step_t before)
 static bool is_to_be_held(const drive_t *drive)
 {
     const startup_cfg_t *const cfg = &drive->cfg->startup;
-    const bool gentle_ramp = drive->mode != (uint8_t)DRIVE_MODE_POSITION;
+    const bool gentle_ramp = drive->motion.mode != (uint8_t)DRIVE_MODE_POSITION;
     const step_t half = lowest_speed(drive) / 2;
     const step_t settled_speed = gentle_ramp ? (half + (half / 2)) : half;
-    const bool settled = fx_abs(drive->speed_reference) <= settled_speed;
+    const bool settled = fx_abs(drive->motion.speed_reference) <= settled_speed;
 
-    return (drive->current_ref.d >= cfg->current_hold) && is_slow(drive) && settled;
+    return (drive->control.current_ref.d >= cfg->current_hold) && is_slow(drive) && settled;
 }
 
 /*
@@ -414,10 +420,11 @@ static bool is_to_be_held(const drive_t *drive)
  */
 static void filter_torque(drive_t *drive)
 {
-    const torque_range_t range = drive->torque_range;
-    const int32_t asked = drive->current_ref.q;
+    const torque_range_t range = drive->motion.torque_range;
+    const int32_t asked = drive->control.current_ref.q;
     const int32_t near = fx_asr(range.upper - range.lower, TORQUE_ROUNDING_LOG2) + 1;
-    int32_t torque = torque_filter_step(&drive->torque_filter, &drive->cfg->torque_filter, asked);
+    int32_t torque =
+        torque_filter_step(&drive->motion.torque_filter, &drive->cfg->torque_filter, asked);
 
     if ((asked >= range.upper) && (torque >= (range.upper - near))) {
         torque = range.upper;
@@ -426,7 +433,7 @@ static void filter_torque(drive_t *drive)
     } else {
         /* between the limits, or still on its way to one */
     }
-    drive->current_ref.q = fx_clamp(torque, range.lower, range.upper);
+    drive->control.current_ref.q = fx_clamp(torque, range.lower, range.upper);
 }
 
 /*
@@ -435,9 +442,9 @@ static void filter_torque(drive_t *drive)
  */
 static void learn_inertia(drive_t *drive, step_t before, int32_t integral_before)
 {
-    if (drive->mode == (uint8_t)DRIVE_MODE_SPEED) {
-        speed_loop_learn(&drive->speed_loop, &drive->cfg->speed_loop,
-                         drive->speed_loop.reference - before, integral_before);
+    if (drive->motion.mode == (uint8_t)DRIVE_MODE_SPEED) {
+        speed_loop_learn(&drive->motion.speed_loop, &drive->cfg->speed_loop,
+                         drive->motion.speed_loop.reference - before, integral_before);
     }
 }
 
@@ -448,19 +455,20 @@ static void learn_inertia(drive_t *drive, step_t before, int32_t integral_before
 NEVER_INLINED static void control_free_torque(drive_t *drive, torque_range_t range)
 {
     const speed_window_t window = torque_loop_window(
-        &drive->cfg->torque_loop, drive->speed_loop.reference, lowest_torque_speed(drive));
+        &drive->cfg->torque_loop, drive->motion.speed_loop.reference, lowest_torque_speed(drive));
     speed_end_t end = SPEED_END_NONE;
 
-    drive->current_ref.q = speed_loop_within(&drive->speed_loop, &drive->cfg->speed_loop, &window,
-                                             drive->speed_reference, drive->observer.speed,
-                                             drive->torque_loop.current, range, &end);
-    drive->torque_loop.end = (uint8_t)end;
+    drive->control.current_ref.q = speed_loop_within(
+        &drive->motion.speed_loop, &drive->cfg->speed_loop, &window, drive->motion.speed_reference,
+        drive->rotor.observer.speed, drive->motion.torque_loop.current, range, &end);
+    drive->motion.torque_loop.end = (uint8_t)end;
 }
 
 static void control_rotor_speed(drive_t *drive, torque_range_t range)
 {
-    drive->current_ref.q = speed_loop_step(&drive->speed_loop, &drive->cfg->speed_loop,
-                                           drive->speed_reference, drive->observer.speed, range);
+    drive->control.current_ref.q =
+        speed_loop_step(&drive->motion.speed_loop, &drive->cfg->speed_loop,
+                        drive->motion.speed_reference, drive->rotor.observer.speed, range);
 }
 
 /* Sets i_q* with the torque loop or the speed loop. */
@@ -486,8 +494,8 @@ static void filter_current_q(drive_t *drive)
  */
 static void follow_ramp(drive_t *drive, step_t before, int32_t integral_before)
 {
-    const torque_range_t range = drive->torque_range;
-    const int32_t torque = drive->current_ref.q;
+    const torque_range_t range = drive->motion.torque_range;
+    const int32_t torque = drive->control.current_ref.q;
 
     if ((torque > range.lower) && (torque < range.upper)) {
         learn_inertia(drive, before, integral_before);
@@ -503,22 +511,23 @@ static void follow_ramp(drive_t *drive, step_t before, int32_t integral_before)
  */
 RARE static void bridge_current_q(drive_t *drive)
 {
-    const step_t before = drive->speed_loop.reference;
-    const torque_range_t range = torque_loop_bridged(&drive->cfg->torque_loop, drive_flux(drive),
-                                                     drive->current_ref.q, drive->torque_range);
+    const step_t before = drive->motion.speed_loop.reference;
+    const torque_range_t range =
+        torque_loop_bridged(&drive->cfg->torque_loop, drive_flux(drive),
+                            drive->control.current_ref.q, drive->motion.torque_range);
 
     choose_current_q(drive, range);
-    torque_loop_arrive(&drive->torque_loop, drive->current_ref.q, range);
+    torque_loop_arrive(&drive->motion.torque_loop, drive->control.current_ref.q, range);
     filter_current_q(drive);
     lead_estimate(drive, before);
 }
 
 static void control_current_q(drive_t *drive)
 {
-    const step_t before = drive->speed_loop.reference;
-    const int32_t integral_before = drive->speed_loop.pi.integral_q26;
+    const step_t before = drive->motion.speed_loop.reference;
+    const int32_t integral_before = drive->motion.speed_loop.pi.integral_q26;
 
-    choose_current_q(drive, drive->torque_range);
+    choose_current_q(drive, drive->motion.torque_range);
     filter_current_q(drive);
     if (!run_torque_is_free(drive)) {
         follow_ramp(drive, before, integral_before);
@@ -534,7 +543,7 @@ INLINES_ALL static drive_event_t control_torque(drive_t *drive, dq_t current)
 {
     drive_event_t event = DRIVE_EVENT_NONE;
 
-    if (drive->torque_loop.bridging) {
+    if (drive->motion.torque_loop.bridging) {
         bridge_current_q(drive);
     } else {
         control_current_q(drive);
@@ -552,9 +561,9 @@ INLINES_ALL static drive_event_t control_torque(drive_t *drive, dq_t current)
  */
 RARE static void forget_attempts(drive_t *drive)
 {
-    drive->held_periods++;
-    if (drive->held_periods >= (HELD_LOST_TIMES * drive->cfg->startup.lost_periods)) {
-        drive->attempts = 0U;
+    drive->start.held_periods++;
+    if (drive->start.held_periods >= (HELD_LOST_TIMES * drive->cfg->startup.lost_periods)) {
+        drive->start.attempts = 0U;
     }
 }
 
@@ -563,7 +572,7 @@ drive_event_t run_control_speed(drive_t *drive, const drive_command_t *command,
 {
     drive_event_t event = DRIVE_EVENT_NONE;
 
-    if (drive->attempts > 0U) {
+    if (drive->start.attempts > 0U) {
         forget_attempts(drive);
     }
     if (drive->voltage_drive.active) {

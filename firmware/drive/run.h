@@ -39,7 +39,7 @@ void run_plan(drive_t *drive, const drive_command_t *command, const rotor_positi
  */
 static inline bool run_torque_is_free(const drive_t *drive)
 {
-    return (drive->mode == (uint8_t)DRIVE_MODE_TORQUE) && !drive->torque_loop.bound;
+    return (drive->motion.mode == (uint8_t)DRIVE_MODE_TORQUE) && !drive->motion.torque_loop.bound;
 }
 
 /*

@@ -35,7 +35,7 @@ static drive_event_t control_speed(drive_t *drive, const drive_command_t *comman
 static void plan(drive_t *drive, const drive_command_t *command)
 {
     if (drive->state == DRIVE_STATE_RUN) {
-        run_plan(drive, command, &drive->position);
+        run_plan(drive, command, &drive->rotor.position);
     } else if (moves_vector(drive->state)) {
         open_loop_plan(drive, command);
     } else {

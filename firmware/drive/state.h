@@ -134,63 +134,102 @@ typedef struct {
     virtual_resistance_t damping;
 } voltage_drive_t;
 
-/*
- * Fields that every tick uses come first: a Cortex-M0+ reaches the first 128 bytes in one
- * instruction.
- */
+/* The current sensors: their zeros, and the sums that measure them. Lives from one calibration to
+ * the next. */
+typedef struct {
+    int32_t offset_a; /* sensor zero, Q15 of I_b, nominal 16384 */
+    int32_t offset_b;
+    calibration_t sums;
+} sensors_t;
+
+/* What is known of the motor. It is kept from run to run. */
+typedef struct {
+    model_t model;   /* motor model in force */
+    bool identified; /* R and L of the model were measured */
+} motor_t;
+
+/* What is known of the rotor. It begins anew with each start. */
 typedef struct {
     rotor_position_t position; /* θ̂ and whole turns, (23) */
-    const drive_cfg_t *cfg;
-    drive_state_t state;
-    /*
-     * ticks to the end of the slow period, N…1. It is a byte, so that a flipped bit cannot make the
-     * period very long
-     */
-    uint8_t slow_count;
-    protection_limits_t limits; /* limits in force in this state */
-    int32_t offset_a;           /* sensor zero, Q15 of I_b, nominal 16384 */
-    int32_t offset_b;
-    int32_t bus; /* bus voltage of the last tick that has ended, Q15 of U_b */
-    modulator_t modulator;
-    ab_t ratio_acting; /* demand / bus, Q15, that has acted from the last instant to this one */
-    ab_t ratio_next;   /* demand / bus, Q15, of the last tick: it acts from this instant on */
-    current_loop_t current_loop;
-    nn_observer_t observer; /* ω̂, (22) */
-    dq_t current_ref;       /* i_d*, i_q* in the frame of the current control, Q15 of I_b */
-    dq_t voltage;           /* voltage demanded last, in the same frame, Q15 of U_b */
-    uint32_t tick;          /* ticks since drive_init(), wraps */
-    voltage_drive_t voltage_drive;
-    step_t speed_reference;
-    speed_loop_t speed_loop;
-    position_loop_t position_loop;
-    uint8_t mode; /* drive_mode_t in which the motion loops run */
-    calibration_t calibration;
-    model_t model;   /* motor model in force; kept from run to run */
-    bool identified; /* R and L of the model were measured */
-    current_vector_t vector;
-    angle_sensor_t angle_sensor;
+    nn_observer_t observer;    /* ω̂, (22) */
     /*
      * current that the model does not explain: |e'_q|, or |e'_d| while the vector holds the rotor
      * at rest; filtered over slow periods, Q15 of I_b
      */
     int32_t residual;
+} rotor_t;
+
+/* The current control. It begins anew with each start. */
+typedef struct {
+    ab_t ratio_acting; /* demand / bus, Q15, that has acted from the last instant to this one */
+    ab_t ratio_next;   /* demand / bus, Q15, of the last tick: it acts from this instant on */
+    current_loop_t current_loop;
+    dq_t current_ref; /* i_d*, i_q* in the frame of the current control, Q15 of I_b */
+    dq_t voltage;     /* voltage demanded last, in the same frame, Q15 of U_b */
+} control_t;
+
+/*
+ * The motion loops. They begin anew with each start. What a start keeps is the learned inertia, the
+ * zero of position targets, and with a sensor the mode of position control.
+ */
+typedef struct {
+    position_loop_t position_loop;
+    step_t speed_reference;
+    speed_loop_t speed_loop;
+    uint8_t mode;                  /* drive_mode_t in which the motion loops run */
+    torque_range_t torque_range;   /* allowed range of i_q* in this slow period */
+    weakening_t weakening;         /* field weakening, in RUN with current control */
+    torque_filter_t torque_filter; /* filter of i_q*, in RUN with current control */
+    torque_loop_t torque_loop;     /* torque control in RUN; its bridge is used in every mode */
+} motion_t;
+
+/* The start of a motor without a sensor. It begins anew with each attempt, which are counted. */
+typedef struct {
+    flying_start_t flying_start;
+    align_t align;
     /* slow periods with a residual above residual_lost, minus those without; at least 0 */
     uint32_t lost_periods;
     uint32_t handover_periods; /* slow periods in HANDOVER */
     uint32_t attempts;         /* failed starts since READY, or since RUN has lasted long enough */
     /* slow periods of RUN since a start failed; counted while attempts > 0 */
     uint32_t held_periods;
-    flying_start_t flying_start;
-    align_t align;
-    probe_t probe;
-    weakening_t weakening;       /* field weakening, in RUN with current control */
-    torque_range_t torque_range; /* allowed range of i_q* in this slow period */
-    derating_t derating;
+} start_t;
+
+/* Counts and means of the checks. They begin anew when the user asks to run. */
+typedef struct {
     supervision_t supervision;
     oscillation_t oscillation;
-    torque_filter_t torque_filter; /* filter of i_q*, in RUN with current control */
-    torque_loop_t torque_loop;     /* torque control in RUN; its bridge is used in every mode */
-    safe_state_t safe_state;       /* state of the gates while nothing is driven */
+} watch_t;
+
+/*
+ * Members that every tick uses come first: a Cortex-M0+ reaches the first 128 bytes in one
+ * instruction. Each member is written by one file only; the others read it.
+ */
+typedef struct {
+    const drive_cfg_t *cfg; /* adopt.c */
+    drive_state_t state;    /* life.c */
+    /*
+     * ticks to the end of the slow period, N…1. It is a byte, so that a flipped bit cannot make the
+     * period very long
+     */
+    uint8_t slow_count;         /* tick.c */
+    protection_limits_t limits; /* life.c; limits in force in this state */
+    int32_t bus;   /* tick.c; bus voltage of the last tick that has ended, Q15 of U_b */
+    uint32_t tick; /* tick.c; ticks since drive_init(), wraps */
+    sensors_t sensors;
+    rotor_t rotor;
+    modulator_t modulator;
+    control_t control;
+    voltage_drive_t voltage_drive;
+    motion_t motion;
+    motor_t motor;
+    current_vector_t vector;
+    angle_sensor_t angle_sensor;
+    start_t start;
+    probe_t probe;
+    derating_t derating;
+    watch_t watch;
+    safe_state_t safe_state; /* state of the gates while nothing is driven */
     config_guard_t guard;
     state_guard_t state_guard;
     fault_t fault;       /* the last fault */
@@ -245,21 +284,21 @@ static inline step_t drive_speed(const drive_t *drive)
 {
     const bool known = (drive->state == DRIVE_STATE_RUN) || drive_has_sensor(drive);
 
-    return known ? drive->observer.speed : drive->vector.step;
+    return known ? drive->rotor.observer.speed : drive->vector.step;
 }
 
 /* Position estimate in Q32 electrical turns. */
 static inline int64_t drive_position_q32(const drive_t *drive)
 {
-    return drive->position.turns_q32;
+    return drive->rotor.position.turns_q32;
 }
 
 /* Position estimate relative to the zero of position targets, Q32 electrical turns. */
 static inline int64_t drive_position_from_zero_q32(const drive_t *drive)
 {
-    const uint64_t zero = fx_unsigned64(drive->position_loop.zero_q32);
+    const uint64_t zero = fx_unsigned64(drive->motion.position_loop.zero_q32);
 
-    return fx_signed64(fx_unsigned64(drive->position.turns_q32) - zero);
+    return fx_signed64(fx_unsigned64(drive->rotor.position.turns_q32) - zero);
 }
 
 /*
@@ -269,7 +308,7 @@ static inline int64_t drive_position_from_zero_q32(const drive_t *drive)
 static inline dq_t drive_current_in_force(const drive_t *drive)
 {
     return drive->voltage_drive.active ? virtual_resistance_mean(&drive->voltage_drive.damping)
-                                       : drive->current_ref;
+                                       : drive->control.current_ref;
 }
 
 /* The parts of the configuration that the model corrects. */
@@ -284,7 +323,7 @@ static inline model_nominal_t drive_nominal(const drive_t *drive)
 /* Returns ψ, the flux with which i_q* makes torque. */
 static inline int32_t drive_flux(const drive_t *drive)
 {
-    return current_reference_flux(&drive->model.run_loop, drive_current_in_force(drive).d);
+    return current_reference_flux(&drive->motor.model.run_loop, drive_current_in_force(drive).d);
 }
 
 /* A speed in Q15 of Ω_b, saturated, rounded down. */

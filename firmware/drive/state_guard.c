@@ -28,9 +28,9 @@ RARE static fault_id_t found(uint32_t part, fault_t *fault)
  */
 static uint32_t word_of_measured(const drive_t *drive)
 {
-    const uint32_t word = fx_unsigned(drive->offset_a ^ ~drive->offset_b);
+    const uint32_t word = fx_unsigned(drive->sensors.offset_a ^ ~drive->sensors.offset_b);
 
-    return drive->identified ? (word ^ IDENTIFIED) : word;
+    return drive->motor.identified ? (word ^ IDENTIFIED) : word;
 }
 
 void state_guard_keep_measured(drive_t *drive)
@@ -98,20 +98,20 @@ void state_guard_keep_config(drive_t *drive)
 
 static bool asks_speed(const drive_t *drive)
 {
-    return drive->mode == (uint8_t)DRIVE_MODE_SPEED;
+    return drive->motion.mode == (uint8_t)DRIVE_MODE_SPEED;
 }
 
 /* Whether the speed reference has changed no faster than its ramp. */
 static bool is_ramp(const drive_t *drive)
 {
-    const step_t change = fx_abs(drive->speed_loop.reference - drive->state_guard.reference);
+    const step_t change = fx_abs(drive->motion.speed_loop.reference - drive->state_guard.reference);
 
     return !asks_speed(drive) || (fx_asr(change, PERIODS_LOG2) <= drive->cfg->speed_loop.ramp);
 }
 
 static bool is_drift(const drive_t *drive)
 {
-    const int32_t change = fx_abs(drive->model.flux_q30 - drive->state_guard.flux_q30);
+    const int32_t change = fx_abs(drive->motor.model.flux_q30 - drive->state_guard.flux_q30);
 
     return fx_asr(change, PERIODS_LOG2) <= (ERROR_MAX * drive->cfg->model.flux_rate);
 }
@@ -126,7 +126,7 @@ static bool is_way(const drive_t *drive)
 {
     const state_guard_t *const guard = &drive->state_guard;
     const uint64_t before = ((uint64_t)guard->turns << 32U) | guard->turned;
-    const uint64_t moved = fx_unsigned64(drive->position.turns_q32) - before;
+    const uint64_t moved = fx_unsigned64(drive->rotor.position.turns_q32) - before;
     const uint64_t way = (fx_signed64(moved) < 0) ? (0U - moved) : moved;
     const uint32_t speed =
         fx_unsigned(fx_abs(guard->reference)) + fx_unsigned(fx_abs(guard->speed));
@@ -139,19 +139,19 @@ static bool is_way(const drive_t *drive)
 
 static void keep_motion(drive_t *drive)
 {
-    const uint64_t position = fx_unsigned64(drive->position.turns_q32);
+    const uint64_t position = fx_unsigned64(drive->rotor.position.turns_q32);
 
     drive->state_guard.turns = (uint32_t)(position >> 32U);
-    drive->state_guard.turned = rotor_position_angle(&drive->position);
-    drive->state_guard.speed = drive->observer.speed;
-    drive->state_guard.reference = drive->speed_loop.reference;
+    drive->state_guard.turned = rotor_position_angle(&drive->rotor.position);
+    drive->state_guard.speed = drive->rotor.observer.speed;
+    drive->state_guard.reference = drive->motion.speed_loop.reference;
 }
 
 static fault_id_t look_at_position(const drive_t *drive, fault_t *fault)
 {
     fault_id_t id = FAULT_NONE;
 
-    if (!position_loop_holds(&drive->position_loop)) {
+    if (!position_loop_holds(&drive->motion.position_loop)) {
         id = found((uint32_t)STATE_GUARD_PROFILE, fault);
     } else if (!is_way(drive)) {
         id = found((uint32_t)STATE_GUARD_TURNS, fault);
@@ -163,7 +163,7 @@ static fault_id_t look_at_position(const drive_t *drive, fault_t *fault)
 
 static bool asks_position(const drive_t *drive)
 {
-    return drive->mode == (uint8_t)DRIVE_MODE_POSITION;
+    return drive->motion.mode == (uint8_t)DRIVE_MODE_POSITION;
 }
 
 /* Checks the values that change only a little in RUN. */
@@ -177,7 +177,7 @@ static fault_id_t look_at_run(drive_t *drive, fault_t *fault)
             id = found((uint32_t)STATE_GUARD_REFERENCE, fault);
         } else if (!is_drift(drive)) {
             id = found((uint32_t)STATE_GUARD_FLUX, fault);
-        } else if (!weakening_holds(&drive->weakening)) {
+        } else if (!weakening_holds(&drive->motion.weakening)) {
             id = found((uint32_t)STATE_GUARD_WEAKENING, fault);
         } else if (asks_position(drive)) {
             id = look_at_position(drive, fault);
@@ -186,7 +186,7 @@ static fault_id_t look_at_run(drive_t *drive, fault_t *fault)
         }
     }
     keep_motion(drive);
-    guard->flux_q30 = drive->model.flux_q30;
+    guard->flux_q30 = drive->motor.model.flux_q30;
     return id;
 }
 
@@ -207,9 +207,9 @@ static bool has_soft_integrals(const drive_t *drive)
     const current_loop_cfg_t *const loop = &drive->cfg->hold_loop;
     const state_guard_t *const guard = &drive->state_guard;
 
-    return is_integral(drive, &loop->pi_d, drive->current_loop.pi_d.integral_q26,
+    return is_integral(drive, &loop->pi_d, drive->control.current_loop.pi_d.integral_q26,
                        guard->integral_d_q26) &&
-           is_integral(drive, &loop->pi_q, drive->current_loop.pi_q.integral_q26,
+           is_integral(drive, &loop->pi_q, drive->control.current_loop.pi_q.integral_q26,
                        guard->integral_q_q26);
 }
 
@@ -230,8 +230,8 @@ static fault_id_t look_at_rest(drive_t *drive, fault_t *fault)
         }
     }
     guard->angle = angle;
-    guard->integral_d_q26 = drive->current_loop.pi_d.integral_q26;
-    guard->integral_q_q26 = drive->current_loop.pi_q.integral_q26;
+    guard->integral_d_q26 = drive->control.current_loop.pi_d.integral_q26;
+    guard->integral_q_q26 = drive->control.current_loop.pi_q.integral_q26;
     return id;
 }
 
@@ -265,7 +265,7 @@ static bool holds_limits(const drive_t *drive)
 static bool has_inertia(const drive_t *drive)
 {
     const speed_loop_cfg_t *const cfg = &drive->cfg->speed_loop;
-    const int32_t ratio_q13 = fx_asr(drive->speed_loop.inertia_q17, Q13_TO_Q17_LOG2);
+    const int32_t ratio_q13 = fx_asr(drive->motion.speed_loop.inertia_q17, Q13_TO_Q17_LOG2);
 
     return (ratio_q13 >= cfg->inertia_least_q13) && (ratio_q13 <= cfg->inertia_most_q13);
 }
@@ -275,23 +275,23 @@ static bool holds_choices(const drive_t *drive)
     const bool voltage = drive->voltage_drive.active && (drive->cfg->voltage_drive.enabled == 0U);
 
     return !voltage && has_inertia(drive) &&
-           ((uint32_t)drive->align.phase <= (uint32_t)ALIGN_DONE) &&
-           ((uint32_t)drive->flying_start.phase <= (uint32_t)FLYING_START_CHARGE) &&
+           ((uint32_t)drive->start.align.phase <= (uint32_t)ALIGN_DONE) &&
+           ((uint32_t)drive->start.flying_start.phase <= (uint32_t)FLYING_START_CHARGE) &&
            ((uint32_t)drive->safe_state.phase <= (uint32_t)SAFE_STATE_BROKEN) &&
-           (drive->speed_loop.halvings <= 1U);
+           (drive->motion.speed_loop.halvings <= 1U);
 }
 
 /* A larger number of failed starts would have been a fault before. */
 static bool holds_start(const drive_t *drive)
 {
-    return drive->attempts <= drive->cfg->startup.attempts;
+    return drive->start.attempts <= drive->cfg->startup.attempts;
 }
 
 static bool holds_model(drive_t *drive, uint32_t part)
 {
     const model_nominal_t nominal = drive_nominal(drive);
 
-    return model_holds(&drive->model, &nominal, (model_part_t)part);
+    return model_holds(&drive->motor.model, &nominal, (model_part_t)part);
 }
 
 static bool holds(drive_t *drive, uint32_t part)
@@ -351,11 +351,11 @@ fault_id_t state_guard_check_vector(const drive_t *drive, fault_t *fault)
 {
     const startup_cfg_t *const cfg = &drive->cfg->startup;
     const step_t step = drive->vector.step;
-    const step_t change = fx_abs(drive->speed_reference - step);
+    const step_t change = fx_abs(drive->motion.speed_reference - step);
     const bool jumps = asks_speed(drive) && (change > cfg->ramp);
-    const bool lost = drive->lost_periods > cfg->lost_periods;
+    const bool lost = drive->start.lost_periods > cfg->lost_periods;
     const bool measured = word_of_measured(drive) == drive->state_guard.measured;
-    const bool sound = (step == drive->speed_loop.reference) && measured && !jumps && !lost;
+    const bool sound = (step == drive->motion.speed_loop.reference) && measured && !jumps && !lost;
 
     return sound ? FAULT_NONE : found((uint32_t)STATE_GUARD_VECTOR, fault);
 }

@@ -97,18 +97,18 @@ NEVER_INLINED static void rest(drive_t *drive, sample_t sample, drive_out_t *out
  */
 static dq_t aligning_voltage(const drive_t *drive)
 {
-    const dq_t change = align_voltage(&drive->align, &drive->cfg->startup.align);
+    const dq_t change = align_voltage(&drive->start.align, &drive->cfg->startup.align);
 
     return (dq_t){
-        .d = fx_clamp(drive->voltage.d + change.d, -FX_Q15_MAX, FX_Q15_MAX),
-        .q = fx_clamp(drive->voltage.q + change.q, -FX_Q15_MAX, FX_Q15_MAX),
+        .d = fx_clamp(drive->control.voltage.d + change.d, -FX_Q15_MAX, FX_Q15_MAX),
+        .q = fx_clamp(drive->control.voltage.q + change.q, -FX_Q15_MAX, FX_Q15_MAX),
     };
 }
 
 static dq_t imposed_voltage(drive_t *drive, const frame_t *frame, int32_t bus)
 {
     const bool aligning = (drive->state == DRIVE_STATE_ALIGN) &&
-                          align_holds_voltage(&drive->align, &drive->cfg->startup.align);
+                          align_holds_voltage(&drive->start.align, &drive->cfg->startup.align);
 
     return aligning ? aligning_voltage(drive) : frame_impose_current(drive, frame, bus);
 }
@@ -134,7 +134,7 @@ static void control(drive_t *drive, const frame_t *frame, int32_t bus, bool trai
 {
     const dq_t voltage = control_voltage(drive, frame, bus);
 
-    drive->voltage = voltage;
+    drive->control.voltage = voltage;
     frame_modulate(drive, frame, voltage, &out->compare);
     out->gate_enable = true;
     if (frame->imposed) {

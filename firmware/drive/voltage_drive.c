@@ -19,14 +19,15 @@
 /* Returns the EMF at this speed, ω·φ, Q15 of U_b. */
 static int32_t emf(const drive_t *drive, step_t speed)
 {
-    return fx_sat16(fx_asr(drive_speed_q15(drive, speed) * drive->model.run_loop.emf_q13,
+    return fx_sat16(fx_asr(drive_speed_q15(drive, speed) * drive->motor.model.run_loop.emf_q13,
                            CURRENT_LOOP_GAIN_BITS));
 }
 
 /* Returns the speed error, reference − ω̂, Q15 of 2·Ω_b. */
 static int32_t half_error(const drive_t *drive, step_t reference)
 {
-    return fx_sat16(fx_asr(reference - drive->observer.speed, drive->cfg->speed_loop.error_shift));
+    return fx_sat16(
+        fx_asr(reference - drive->rotor.observer.speed, drive->cfg->speed_loop.error_shift));
 }
 
 /*
@@ -37,17 +38,17 @@ static int32_t half_error(const drive_t *drive, step_t reference)
 static void take_over(drive_t *drive, int32_t magnitude, int32_t lead)
 {
     voltage_drive_t *const vd = &drive->voltage_drive;
-    const step_t reference = drive->speed_loop.reference;
+    const step_t reference = drive->motion.speed_loop.reference;
     const int32_t proportional =
         pi_sum(&drive->cfg->voltage_drive.pi, half_error(drive, reference), 0);
     const int32_t integral = magnitude - emf(drive, reference) - proportional;
 
     phase_compensator_start(&vd->compensator,
-                            rotor_position_angle(&drive->position) + fx_unsigned(lead));
+                            rotor_position_angle(&drive->rotor.position) + fx_unsigned(lead));
     pi_reset(&vd->pi, fx_sat16(integral));
     vd->magnitude = magnitude;
-    virtual_resistance_start(&vd->damping, drive->current_ref);
-    drive->current_ref = (dq_t){0, 0}; /* the voltage drive has no current reference */
+    virtual_resistance_start(&vd->damping, drive->control.current_ref);
+    drive->control.current_ref = (dq_t){0, 0}; /* the voltage drive has no current reference */
     vd->end_periods = 0U;
     vd->active = true;
 }
@@ -60,9 +61,10 @@ dq_t voltage_drive_step(drive_t *drive, dq_t current, int32_t bus)
     const int32_t limit = modulator_limit(&drive->cfg->modulator, bus);
     const int32_t room = fx_usat15(limit - fx_asr(fx_abs(damping.d) + fx_abs(damping.q), 15U));
     const int32_t magnitude = fx_clamp(vd->magnitude, -room, room);
-    const int32_t lead = phase_compensator_step(
-        &vd->compensator, &drive->cfg->voltage_drive.compensator, current,
-        rotor_position_angle(&drive->position), drive->observer.speed_out, vd->magnitude >= 0);
+    const int32_t lead =
+        phase_compensator_step(&vd->compensator, &drive->cfg->voltage_drive.compensator, current,
+                               rotor_position_angle(&drive->rotor.position),
+                               drive->rotor.observer.speed_out, vd->magnitude >= 0);
     const sincos_t angle = trig_sincos(fx_unsigned(lead));
 
     return (dq_t){
@@ -80,15 +82,16 @@ void voltage_drive_end(drive_t *drive)
     const dq_t mean = virtual_resistance_mean(&drive->voltage_drive.damping);
     dq_t modelled;
 
-    drive->current_ref = (dq_t){.d = 0, .q = mean.q};
+    drive->control.current_ref = (dq_t){.d = 0, .q = mean.q};
     frame_plan_rotor(drive);
-    modelled = current_loop_model(&drive->current_loop, mean);
+    modelled = current_loop_model(&drive->control.current_loop, mean);
 
-    pi_reset(&drive->current_loop.pi_d, fx_sat16(drive->voltage.d - modelled.d));
-    pi_reset(&drive->current_loop.pi_q, fx_sat16(drive->voltage.q - modelled.q));
-    speed_loop_start(&drive->speed_loop, drive->speed_loop.reference, drive->current_ref.q);
-    torque_filter_start(&drive->torque_filter, drive->current_ref.q);
-    weakening_reset(&drive->weakening); /* it was not updated during the voltage drive */
+    pi_reset(&drive->control.current_loop.pi_d, fx_sat16(drive->control.voltage.d - modelled.d));
+    pi_reset(&drive->control.current_loop.pi_q, fx_sat16(drive->control.voltage.q - modelled.q));
+    speed_loop_start(&drive->motion.speed_loop, drive->motion.speed_loop.reference,
+                     drive->control.current_ref.q);
+    torque_filter_start(&drive->motion.torque_filter, drive->control.current_ref.q);
+    weakening_reset(&drive->motion.weakening); /* it was not updated during the voltage drive */
     drive->voltage_drive.active = false;
     drive->voltage_drive.calm_periods = 0U;
 }
@@ -97,9 +100,9 @@ static void set_magnitude(drive_t *drive, int32_t bus)
 {
     const drive_cfg_t *const cfg = drive->cfg;
     const step_t speed_max = cfg->speed_loop.speed_max;
-    const step_t reference = fx_clamp(drive->speed_reference, -speed_max, speed_max);
+    const step_t reference = fx_clamp(drive->motion.speed_reference, -speed_max, speed_max);
 
-    drive->speed_loop.reference = reference;
+    drive->motion.speed_loop.reference = reference;
     drive->voltage_drive.magnitude =
         pi_step(&drive->voltage_drive.pi, &cfg->voltage_drive.pi, half_error(drive, reference),
                 emf(drive, reference), modulator_limit(&cfg->modulator, bus));
@@ -127,14 +130,14 @@ static bool is_wanted(const drive_t *drive, const drive_command_t *command, step
     const bool asked =
         (drive->cfg->voltage_drive.enabled != 0U) && (command->mode == (uint8_t)DRIVE_MODE_SPEED);
 
-    return asked && (fx_abs(drive->speed_reference) >= speed_min) &&
-           (fx_abs(drive->observer.speed) >= speed_min);
+    return asked && (fx_abs(drive->motion.speed_reference) >= speed_min) &&
+           (fx_abs(drive->rotor.observer.speed) >= speed_min);
 }
 
 /* Whether the mean current is beyond the limits that current control would keep. */
 static bool is_overloaded(const drive_t *drive)
 {
-    const torque_range_t range = drive->torque_range;
+    const torque_range_t range = drive->motion.torque_range;
     const dq_t i = virtual_resistance_mean(&drive->voltage_drive.damping);
     const int32_t square = (i.d * i.d) + (i.q * i.q);
     const int32_t length = (int32_t)trig_sqrt((uint32_t)square);
@@ -154,7 +157,7 @@ static bool is_at_end(const drive_t *drive)
     const int32_t floor = drive->cfg->current_reference.floor;
     const dq_t mean = virtual_resistance_mean(&drive->voltage_drive.damping);
 
-    return (present_lead(drive->voltage) <= (fx_asr(brake_max, END_SHIFT) - brake_max)) ||
+    return (present_lead(drive->control.voltage) <= (fx_asr(brake_max, END_SHIFT) - brake_max)) ||
            (fx_abs(mean.q) < (floor - fx_asr(floor, HYSTERESIS_SHIFT)));
 }
 
@@ -184,10 +187,10 @@ static bool is_calm(const drive_t *drive, step_t target, dq_t current, int32_t l
     const phase_compensator_cfg_t *const comp = &drive->cfg->voltage_drive.compensator;
     const int32_t brake = comp->brake_max - fx_asr(comp->brake_max, HYSTERESIS_SHIFT);
 
-    return (fx_abs(asked - drive->observer.speed) <= fx_asr(fx_abs(asked), SPEED_SHIFT)) &&
-           (drive->current_ref.d == 0) && (fx_abs(current.d) <= comp->current_min) &&
-           (fx_abs(drive->current_ref.q - current.q) <= comp->current_min) && (lead >= -brake) &&
-           (lead <= comp->lead_max);
+    return (fx_abs(asked - drive->rotor.observer.speed) <= fx_asr(fx_abs(asked), SPEED_SHIFT)) &&
+           (drive->control.current_ref.d == 0) && (fx_abs(current.d) <= comp->current_min) &&
+           (fx_abs(drive->control.current_ref.q - current.q) <= comp->current_min) &&
+           (lead >= -brake) && (lead <= comp->lead_max);
 }
 
 /*
@@ -197,8 +200,8 @@ static bool is_calm(const drive_t *drive, step_t target, dq_t current, int32_t l
  */
 static dq_t settled_voltage(const drive_t *drive)
 {
-    const current_loop_t *const loop = &drive->current_loop;
-    const dq_t modelled = current_loop_model(loop, drive->current_ref);
+    const current_loop_t *const loop = &drive->control.current_loop;
+    const dq_t modelled = current_loop_model(loop, drive->control.current_ref);
 
     return (dq_t){
         .d = fx_sat16(modelled.d + pi_output(&loop->pi_d)),

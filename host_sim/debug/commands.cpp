@@ -345,7 +345,7 @@ constexpr const char *HELP_EXPR =
     "EXPR: names, numbers, + - * / ( ), < <= > >= == !=, && || !, abs(x). Names are signals in SI\n"
     "units, NAME.raw their integers, and states and faults as words:\n"
     "    run until speed_rpm > 1000 && state == RUN\n"
-    "    run until abs(angle_error_el_deg) > 5 || drive.observer.gradient.raw == 32767";
+    "    run until abs(angle_error_el_deg) > 5 || drive.rotor.observer.gradient.raw == 32767";
 
 constexpr const char *HELP_SET =
     "What can be set: words of the drive's state (drive.…), of its configuration (cfg.…, sealed anew\n"
@@ -354,8 +354,8 @@ constexpr const char *HELP_SET =
     "position_command_rad, load_torque_nm. NAME takes the SI value,\n"
     "NAME.raw the integer:\n"
     "    set speed_command_rpm = 500\n"
-    "    set drive.model.observer.volt_gain.raw = 9000\n"
-    "    force drive.observer.speed_out = 300\n"
+    "    set drive.motor.model.observer.volt_gain.raw = 9000\n"
+    "    force drive.rotor.observer.speed_out = 300\n"
     "It acts after the tick's interrupt: a state is what the next tick begins with, a count is what it\n"
     "reads. Going back and on again repeats it; `release NAME` ends it, `set` alone lists.";
 

@@ -167,7 +167,7 @@ Rows diff_tick(const drive_t &before, const Tick &tick, const drive_cfg_t &built
     drive_out_t out{};
     Rows rows;
     compare_configuration(rows, *before.cfg, built);
-    compare_model(rows, tick.sim->drive().model, built);
+    compare_model(rows, tick.sim->drive().motor.model, built);
     const Rows modules = step_beside_twins(again, tick.sim->in(), out, tick.sim->bases());
     rows.insert(rows.end(), modules.begin(), modules.end());
     compare_words(rows, *tick.sim, again, out);

@@ -560,7 +560,7 @@ std::string speed_text(const Simulation &sim)
         return fmt::format("speed {:.0f} rpm", rpm);
     }
     return fmt::format("speed {:.0f} of {:.0f} rpm", rpm,
-                       sim.bases().rpm_from_step(drive.speed_reference));
+                       sim.bases().rpm_from_step(drive.motion.speed_reference));
 }
 
 // Along θ̂; with open gates none is controlled, and nothing turns what is measured.

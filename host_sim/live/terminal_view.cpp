@@ -42,13 +42,14 @@ void add_rotor(Rows &rows, const Simulation &sim)
         return;
     }
     rows.emplace_back("speed", fmt::format("{:.1f} of {:.1f} rpm", rpm,
-                                           bases.rpm_from_step(drive.speed_reference)));
+                                           bases.rpm_from_step(drive.motion.speed_reference)));
     const dq_t current = measured_current(sim);
     rows.emplace_back("current",
                       fmt::format("q {:.3f} A of {:.3f} A, d {:.3f} A", ampere(current.q),
-                                  ampere(drive.current_ref.q), ampere(current.d)));
-    rows.emplace_back("voltage", fmt::format("q {:.2f} V, d {:.2f} V", volt(drive.voltage.q),
-                                             volt(drive.voltage.d)));
+                                  ampere(drive.control.current_ref.q), ampere(current.d)));
+    rows.emplace_back("voltage",
+                      fmt::format("q {:.2f} V, d {:.2f} V", volt(drive.control.voltage.q),
+                                  volt(drive.control.voltage.d)));
 }
 
 // In one unit, that of the console.

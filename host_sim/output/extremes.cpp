@@ -13,14 +13,14 @@ namespace
 
 constexpr std::array<const char *, 9> INTERMEDIATES = {
     "drive.bus",
-    "drive.current_ref.d",
-    "drive.current_ref.q",
-    "drive.voltage.d",
-    "drive.voltage.q",
-    "drive.ratio_next.alpha",
-    "drive.ratio_next.beta",
-    "drive.ratio_acting.alpha",
-    "drive.ratio_acting.beta",
+    "drive.control.current_ref.d",
+    "drive.control.current_ref.q",
+    "drive.control.voltage.d",
+    "drive.control.voltage.q",
+    "drive.control.ratio_next.alpha",
+    "drive.control.ratio_next.beta",
+    "drive.control.ratio_acting.alpha",
+    "drive.control.ratio_acting.beta",
 };
 
 bool is_intermediate(const SignalInfo &signal)

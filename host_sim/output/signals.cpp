@@ -32,7 +32,7 @@ double speed_command(const Tick &t)
 {
     return t.mode == DriveMode::speed
                ? t.command
-               : t.sim->bases().rpm_from_step(t.sim->drive().speed_reference);
+               : t.sim->bases().rpm_from_step(t.sim->drive().motion.speed_reference);
 }
 
 double position_estimated(const Tick &t)
@@ -51,14 +51,14 @@ double angle_estimated(const Tick &t)
 double weight_change(const Tick &t)
 {
     return t.sim->bases().rpm_from_step(static_cast<double>(t.observer_speed) -
-                                        t.sim->drive().observer.speed);
+                                        t.sim->drive().rotor.observer.speed);
 }
 
 // β, by which the voltage is ahead of the q axis, in its own direction; 0 with current regulators.
 double lead(const Tick &t)
 {
     const drive_t &drive = t.sim->drive();
-    const dq_t &v = drive.voltage;
+    const dq_t &v = drive.control.voltage;
     const double along = drive.voltage_drive.magnitude < 0 ? -1 : 1;
     return drive.voltage_drive.active ? std::atan2(-v.d * along, v.q * along) * DEG_PER_RAD : 0.0;
 }
@@ -160,7 +160,7 @@ std::vector<SignalInfo> run_signals()
         of_rotor(
             derived("speed_estimated_rpm", Q::speed_rpm,
                     [](const Tick &t) { return t.sim->bases().rpm_from_step(t.speed_estimate); })),
-        of_control(ALIAS("speed_reference_rpm", speed_loop.reference, speed_step)),
+        of_control(ALIAS("speed_reference_rpm", motion.speed_loop.reference, speed_step)),
         derived("position_command_rad", Q::angle_rad,
                 [](const Tick &t) { return t.mode == DriveMode::position ? t.command : 0.0; }),
         derived("position_rad", Q::angle_rad, [](const Tick &t) { return t.truth.theta_mech_rad; }),
@@ -172,12 +172,12 @@ std::vector<SignalInfo> run_signals()
         derived("i_q_a", Q::current_a, [](const Tick &t) { return t.truth.i_q_a; }),
         of_control(derived("i_q_measured_a", Q::current_a,
                            [](const Tick &t) { return current_of(t, measured(t).along_rotor.q); })),
-        of_control(ALIAS("i_q_estimated_a", observer.current.q, current_q15)),
-        of_control(ALIAS("i_q_reference_a", current_ref.q, current_q15)),
+        of_control(ALIAS("i_q_estimated_a", rotor.observer.current.q, current_q15)),
+        of_control(ALIAS("i_q_reference_a", control.current_ref.q, current_q15)),
         derived("i_d_a", Q::current_a, [](const Tick &t) { return t.truth.i_d_a; }),
         of_control(derived("i_d_measured_a", Q::current_a,
                            [](const Tick &t) { return current_of(t, measured(t).along_rotor.d); })),
-        of_control(ALIAS("i_d_estimated_a", observer.current.d, current_q15)),
+        of_control(ALIAS("i_d_estimated_a", rotor.observer.current.d, current_q15)),
         derived("i_a_a", Q::current_a, [](const Tick &t) { return t.truth.i_abc_a[0]; }),
         derived("i_b_a", Q::current_a, [](const Tick &t) { return t.truth.i_abc_a[1]; }),
         derived("i_c_a", Q::current_a, [](const Tick &t) { return t.truth.i_abc_a[2]; }),
@@ -190,8 +190,8 @@ std::vector<SignalInfo> run_signals()
         derived("v_beta_applied_v", Q::voltage_v,
                 [](const Tick &t) { return voltage_of(t, voltage_applied(t).beta); }),
         derived("v_limit_v", Q::voltage_v, voltage_limit),
-        of_control(ALIAS("v_d_v", voltage.d, voltage_q15)),
-        of_control(ALIAS("v_q_v", voltage.q, voltage_q15)),
+        of_control(ALIAS("v_d_v", control.voltage.d, voltage_q15)),
+        of_control(ALIAS("v_q_v", control.voltage.q, voltage_q15)),
         derived("duty_a", Q::share, [](const Tick &t) { return duty(t, 0); }),
         derived("duty_b", Q::share, [](const Tick &t) { return duty(t, 1); }),
         derived("duty_c", Q::share, [](const Tick &t) { return duty(t, 2); }),

@@ -59,20 +59,20 @@ double speed_of(const Bases &bases, double step)
 // this is no flipped bit.
 void stop_training(drive_t &drive)
 {
-    nn_observer_cfg_t &network = drive.model.observer;
-    drive.model.check_gains ^= static_cast<uint32_t>(network.eta ^ network.kappa_p);
+    nn_observer_cfg_t &network = drive.motor.model.observer;
+    drive.motor.model.check_gains ^= static_cast<uint32_t>(network.eta ^ network.kappa_p);
     network.eta = 0;
     network.kappa_p = 0;
 }
 
 Model Replacement::model(const drive_t &drive) const
 {
-    const double inductance = belief_.inductance * drive.model.inductance_q14 / Q14;
+    const double inductance = belief_.inductance * drive.motor.model.inductance_q14 / Q14;
     return {bases_.control_period_s,
-            motor_.resistance_ohm * belief_.resistance * drive.model.resistance_q14 / Q14,
+            motor_.resistance_ohm * belief_.resistance * drive.motor.model.resistance_q14 / Q14,
             motor_.inductance_d_h * inductance,
-            motor_.inductance_q_h * inductance * drive.model.saliency_q14 / Q14,
-            motor_.flux_linkage_wb * belief_.flux * drive.model.flux_q30 / Q30,
+            motor_.inductance_q_h * inductance * drive.motor.model.saliency_q14 / Q14,
+            motor_.flux_linkage_wb * belief_.flux * drive.motor.model.flux_q30 / Q30,
             speed_of(bases_, drive.cfg->observer.rho_speed_min),
             speed_of(bases_, drive.cfg->observer.speed_limit)};
 }
@@ -94,14 +94,14 @@ Complex Replacement::voltage(const drive_t &drive) const
 // As the drive's observer has it for the sign of its ρ.
 double Replacement::course(const drive_t &drive) const
 {
-    const bool fast = std::abs(drive.observer.speed) >= 2 * drive.cfg->startup.handover_speed;
-    return speed_of(bases_, fast ? drive.observer.speed : drive.speed_loop.reference);
+    const bool fast = std::abs(drive.rotor.observer.speed) >= 2 * drive.cfg->startup.handover_speed;
+    return speed_of(bases_, fast ? drive.rotor.observer.speed : drive.motion.speed_loop.reference);
 }
 
 Estimate Replacement::known(const drive_t &drive) const
 {
-    return {rotor_position_angle(&drive.position) / STEPS_PER_RAD,
-            speed_of(bases_, drive.observer.speed)};
+    return {rotor_position_angle(&drive.rotor.position) / STEPS_PER_RAD,
+            speed_of(bases_, drive.rotor.observer.speed)};
 }
 
 // The position is a count of turns: it moves to the nearest place of that angle.
@@ -113,9 +113,9 @@ void Replacement::tell(drive_t &drive, const Estimate &estimate) const
     const double step = estimate.speed_rad_s * bases_.control_period_s * STEPS_PER_RAD;
     const auto wanted = static_cast<uint64_t>(std::llround(estimate.angle_rad * STEPS_PER_RAD));
     const auto ahead =
-        static_cast<angle_t>(wanted & 0xFFFFFFFFU) - rotor_position_angle(&drive.position);
-    rotor_position_step(&drive.position, static_cast<int32_t>(ahead));
-    nn_observer_follow(&drive.observer, static_cast<step_t>(std::lround(step)));
+        static_cast<angle_t>(wanted & 0xFFFFFFFFU) - rotor_position_angle(&drive.rotor.position);
+    rotor_position_step(&drive.rotor.position, static_cast<int32_t>(ahead));
+    nn_observer_follow(&drive.rotor.observer, static_cast<step_t>(std::lround(step)));
 }
 
 void Replacement::act(drive_t &drive, const sample_t &sample)
@@ -135,7 +135,7 @@ void Replacement::act(drive_t &drive, const sample_t &sample)
             estimator_->follow(model(drive), known(drive));
         }
     }
-    ratio_ = drive.ratio_acting;
+    ratio_ = drive.control.ratio_acting;
     bus_ = drive.bus;
 }
 

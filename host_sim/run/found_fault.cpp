@@ -17,10 +17,11 @@ FoundFault found_fault(const drive_t &drive, const Bases &bases)
 
 std::optional<double> last_swing_hz(const drive_t &drive, const Bases &bases)
 {
-    if (drive.oscillation.span == 0) {
+    if (drive.watch.oscillation.span == 0) {
         return std::nullopt;
     }
-    const double span_s = drive.oscillation.span * drive.cfg->slow_ticks * bases.control_period_s;
+    const double span_s =
+        drive.watch.oscillation.span * drive.cfg->slow_ticks * bases.control_period_s;
     return drive.cfg->oscillation.halves_max / (2 * span_s);
 }
 

@@ -39,9 +39,9 @@ angle_t control_angle(const drive_t &drive)
     if (drive.state != DRIVE_STATE_RUN) {
         return vector_angle(drive);
     }
-    return drive_has_sensor(&drive)
-               ? rotor_position_angle(&drive.angle_sensor.position)
-               : rotor_position_angle(&drive.position) - fx_unsigned(drive.observer.speed_out);
+    return drive_has_sensor(&drive) ? rotor_position_angle(&drive.angle_sensor.position)
+                                    : rotor_position_angle(&drive.rotor.position) -
+                                          fx_unsigned(drive.rotor.observer.speed_out);
 }
 
 } // namespace

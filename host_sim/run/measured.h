@@ -16,7 +16,7 @@ namespace nf
 instant_t measured(const Tick &tick);
 
 sample_t measured_sample(const Simulation &sim);
-// In the frame of the current control, as drive.current_ref.
+// In the frame of the current control, as drive.control.current_ref.
 dq_t measured_current(const Simulation &sim);
 
 } // namespace nf

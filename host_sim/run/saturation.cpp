@@ -62,7 +62,7 @@ void check_measured(const drive_t &drive, const sample_t &sample, Note note)
 
 template <typename Note> void check_network(const drive_t &drive, Note note)
 {
-    const nn_observer_t &n = drive.observer;
+    const nn_observer_t &n = drive.rotor.observer;
     const step_t speed_limit = drive.cfg->observer.speed_limit;
     note(Signal::network_alpha, at(n.alpha_q27, STATE_LIMIT_Q27));
     note(Signal::network_beta, at(n.beta_q27, STATE_LIMIT_Q27));
@@ -74,15 +74,15 @@ template <typename Note> void check_network(const drive_t &drive, Note note)
 
 template <typename Note> void check_loops(const drive_t &drive, Note note)
 {
-    const int32_t error =
-        (drive.speed_loop.reference - drive.observer.speed) >> drive.cfg->speed_loop.error_shift;
-    const current_loop_t &loop = drive.current_loop;
+    const int32_t error = (drive.motion.speed_loop.reference - drive.rotor.observer.speed) >>
+                          drive.cfg->speed_loop.error_shift;
+    const current_loop_t &loop = drive.control.current_loop;
     note(Signal::integral_d, at(loop.pi_d.integral_q26, INTEGRAL_LIMIT_Q26));
     note(Signal::integral_q, at(loop.pi_q.integral_q26, INTEGRAL_LIMIT_Q26));
-    note(Signal::integral_speed, at(drive.speed_loop.pi.integral_q26, INTEGRAL_LIMIT_Q26));
+    note(Signal::integral_speed, at(drive.motion.speed_loop.pi.integral_q26, INTEGRAL_LIMIT_Q26));
     note(Signal::speed_error, at(error, FX_Q15_MAX));
-    if (drive.mode == DRIVE_MODE_POSITION) {
-        const int64_t lag = drive.position_loop.profile_q32 - drive.position.turns_q32;
+    if (drive.motion.mode == DRIVE_MODE_POSITION) {
+        const int64_t lag = drive.motion.position_loop.profile_q32 - drive.rotor.position.turns_q32;
         note(Signal::position_lag, std::abs(lag >> LAG_BITS) >= FX_Q15_MAX);
     }
 }
@@ -99,11 +99,11 @@ template <typename Note> void check_limits(const drive_t &drive, const drive_out
     const modulator_cfg_t &modulator = drive.cfg->modulator;
     const auto [lowest, highest] =
         std::minmax({out.compare.phase[0], out.compare.phase[1], out.compare.phase[2]});
-    note(Signal::torque, drive_current_in_force(&drive).q >= drive.torque_range.upper ||
-                             drive_current_in_force(&drive).q <= drive.torque_range.lower);
-    note(Signal::voltage, on_circle(drive.voltage, modulator_limit(&modulator, drive.bus)));
-    note(Signal::ratio, std::abs(drive.ratio_next.alpha) >= modulator.ratio_max_q15 ||
-                            std::abs(drive.ratio_next.beta) >= modulator.ratio_max_q15);
+    note(Signal::torque, drive_current_in_force(&drive).q >= drive.motion.torque_range.upper ||
+                             drive_current_in_force(&drive).q <= drive.motion.torque_range.lower);
+    note(Signal::voltage, on_circle(drive.control.voltage, modulator_limit(&modulator, drive.bus)));
+    note(Signal::ratio, std::abs(drive.control.ratio_next.alpha) >= modulator.ratio_max_q15 ||
+                            std::abs(drive.control.ratio_next.beta) >= modulator.ratio_max_q15);
     note(Signal::duty, lowest == 0 || highest >= modulator.timer_counts);
 }
 

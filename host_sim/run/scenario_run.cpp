@@ -28,24 +28,25 @@ std::vector<Parameter> parameters_of(const Config &config, const drive_t &drive)
     };
     return {
         parameter("resistance_ohm", motor.resistance_ohm, config.model.resistance,
-                  drive.model.resistance_q14 * ratio_q14, config.plant.resistance_scale),
+                  drive.motor.model.resistance_q14 * ratio_q14, config.plant.resistance_scale),
         parameter("inductance_d_h", motor.inductance_d_h, config.model.inductance,
-                  drive.model.inductance_q14 * ratio_q14, config.plant.inductance_scale),
+                  drive.motor.model.inductance_q14 * ratio_q14, config.plant.inductance_scale),
         parameter("inductance_q_h", motor.inductance_q_h, config.model.inductance,
-                  drive.model.inductance_q14 * drive.model.saliency_q14 * ratio_q14 * ratio_q14,
+                  drive.motor.model.inductance_q14 * drive.motor.model.saliency_q14 * ratio_q14 *
+                      ratio_q14,
                   config.plant.inductance_scale * config.plant.saliency_scale),
         parameter("flux_linkage_wb", motor.flux_linkage_wb, config.model.flux,
-                  std::ldexp(drive.model.flux_q30, -30), config.plant.flux_scale),
+                  std::ldexp(drive.motor.model.flux_q30, -30), config.plant.flux_scale),
         parameter("inertia_kg_m2", motor.inertia_kg_m2, config.model.inertia,
-                  std::ldexp(drive.speed_loop.inertia_q17, -17), config.plant.inertia_scale),
+                  std::ldexp(drive.motion.speed_loop.inertia_q17, -17), config.plant.inertia_scale),
     };
 }
 
 // In torque mode the torque counts where nothing but the command decides it.
 bool decides_torque(const drive_t &drive)
 {
-    return drive.state == DRIVE_STATE_RUN && drive.mode == DRIVE_MODE_TORQUE &&
-           !drive.torque_loop.bound && drive.torque_loop.end == SPEED_END_NONE;
+    return drive.state == DRIVE_STATE_RUN && drive.motion.mode == DRIVE_MODE_TORQUE &&
+           !drive.motion.torque_loop.bound && drive.motion.torque_loop.end == SPEED_END_NONE;
 }
 
 double commanded(const Tick &tick, double speed_rpm)
@@ -99,11 +100,11 @@ bool ScenarioRun::reference_moving()
 {
     const drive_t &drive = run_.sim().drive();
     const DriveMode mode = config_.scenario.mode;
-    int64_t reference = drive.speed_reference;
+    int64_t reference = drive.motion.speed_reference;
     if (mode == DriveMode::position) {
-        reference = drive.position_loop.profile_q32;
+        reference = drive.motion.position_loop.profile_q32;
     } else if (mode == DriveMode::torque) {
-        reference = drive.torque_loop.reference_q28;
+        reference = drive.motion.torque_loop.reference_q28;
     }
     const bool held_off = mode == DriveMode::torque && !decides_torque(drive);
     const bool moving = held_off || reference != reference_;
@@ -122,7 +123,7 @@ void ScenarioRun::evaluate(const Tick &tick)
     now.angle_error_deg = angle_error_deg(tick);
     now.angle_el_rad = truth.theta_el_rad;
     now.supply_rad = std::remainder(supply_rad_s_ * tick.time_s, 2 * PI);
-    now.iq_error_a = truth.i_q_a - drive.observer.current.q * ampere_per_bit_;
+    now.iq_error_a = truth.i_q_a - drive.rotor.observer.current.q * ampere_per_bit_;
     now.i_q_a = truth.i_q_a;
     now.i_d_a = truth.i_d_a;
     now.actual = commanded(tick, now.speed_rpm);
@@ -175,9 +176,10 @@ void ScenarioRun::note_swing()
 {
     const drive_t &drive = run_.sim().drive();
     if (const std::optional<double> hz = last_swing_hz(drive, run_.sim().bases())) {
-        result_.notes.push_back(fmt::format(
-            "the torque current swung at {:.1f} Hz{}", *hz,
-            drive.speed_loop.halvings > 0 ? ", the speed loop was given half its bandwidth" : ""));
+        result_.notes.push_back(fmt::format("the torque current swung at {:.1f} Hz{}", *hz,
+                                            drive.motion.speed_loop.halvings > 0
+                                                ? ", the speed loop was given half its bandwidth"
+                                                : ""));
     }
 }
 

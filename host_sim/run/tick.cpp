@@ -14,9 +14,9 @@ Tick believed_tick(const Simulation &sim, double time_s)
     tick.sim = &sim;
     tick.speed_estimate = drive_speed(&sim.drive());
     tick.position_estimate_q32 = drive_position_q32(&sim.drive());
-    tick.position_zero_q32 = sim.drive().position_loop.zero_q32;
-    tick.observer_speed = sim.drive().observer.speed;
-    tick.ratio_acted = sim.drive().ratio_acting;
+    tick.position_zero_q32 = sim.drive().motion.position_loop.zero_q32;
+    tick.observer_speed = sim.drive().rotor.observer.speed;
+    tick.ratio_acted = sim.drive().control.ratio_acting;
     tick.bus_before = sim.drive().bus;
     tick.time_s = time_s;
     return tick;

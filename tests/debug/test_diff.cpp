@@ -263,19 +263,19 @@ static void expect_first(Timeline &timeline, const char *assignment, const char 
 
 TEST(test_a_wrong_word_is_named)
 {
-    expect_first(running(), "drive.model.observer.volt_gain.raw = 9000", "model");
-    expect_first(running(), "drive.model.observer.feedback_q15.raw = 9000", "model");
-    expect_first(running(), "drive.model.run_loop.pi_q.kp.raw = 1", "model");
+    expect_first(running(), "drive.motor.model.observer.volt_gain.raw = 9000", "model");
+    expect_first(running(), "drive.motor.model.observer.feedback_q15.raw = 9000", "model");
+    expect_first(running(), "drive.motor.model.run_loop.pi_q.kp.raw = 1", "model");
     expect_first(running(), "drive.bus = 5", "state");
-    expect_first(running(), "drive.current_loop.constant.d.raw = 9", "state");
-    expect_first(running(), "drive.current_loop.reactance_q14.q.raw = 9", "state");
-    expect_first(running(), "drive.observer.half_step_q15.raw = 9", "state");
-    expect_first(running(), "drive.observer.alpha_q27 = 1", "state");
-    expect_first(running(), "drive.observer.rotated_error.q = 1", "state");
-    expect_first(running(), "drive.voltage.q = 10", "state");
-    expect_first(running(), "drive.ratio_next.alpha = 0.3", "state");
-    expect_first(running(), "drive.position.turns_q32 = 0.25", "state");
-    expect_first(running(), "drive.speed_loop.pi.integral_q26.raw = 0", "state");
+    expect_first(running(), "drive.control.current_loop.constant.d.raw = 9", "state");
+    expect_first(running(), "drive.control.current_loop.reactance_q14.q.raw = 9", "state");
+    expect_first(running(), "drive.rotor.observer.half_step_q15.raw = 9", "state");
+    expect_first(running(), "drive.rotor.observer.alpha_q27 = 1", "state");
+    expect_first(running(), "drive.rotor.observer.rotated_error.q = 1", "state");
+    expect_first(running(), "drive.control.voltage.q = 10", "state");
+    expect_first(running(), "drive.control.ratio_next.alpha = 0.3", "state");
+    expect_first(running(), "drive.rotor.position.turns_q32 = 0.25", "state");
+    expect_first(running(), "drive.motion.speed_loop.pi.integral_q26.raw = 0", "state");
     expect_first(driven_by_voltage(), "drive.vector.step = 500", "state");
     expect_first(driven_by_voltage(), "drive.voltage_drive.compensator.angle = 0.1", "state");
     expect_first(driven_by_voltage(), "drive.voltage_drive.magnitude = 5", "state");

@@ -109,13 +109,13 @@ TEST(test_acts_come_again_on_the_way)
     act(timeline, [](ScriptedRun &run) { run.set_command(DriveMode::position, 3.0); });
     TEST_ASSERT_TRUE(steps_to(timeline, DRIVE_STATE_RUN, FAR));
     timeline.go_to(timeline.now() + 2000);
-    TEST_ASSERT_EQUAL(DRIVE_MODE_POSITION, timeline.run().sim().drive().mode);
+    TEST_ASSERT_EQUAL(DRIVE_MODE_POSITION, timeline.run().sim().drive().motion.mode);
 
     const int64_t end = timeline.now();
     const uint32_t at_end = hash(timeline);
     timeline.go_to(fault - 1);
     TEST_ASSERT_NOT_EQUAL(DRIVE_STATE_FAULT, state(timeline));
-    TEST_ASSERT_EQUAL(DRIVE_MODE_SPEED, timeline.run().sim().drive().mode);
+    TEST_ASSERT_EQUAL(DRIVE_MODE_SPEED, timeline.run().sim().drive().motion.mode);
     timeline.step();
     TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, state(timeline));
     timeline.go_to(end);

@@ -57,7 +57,7 @@ class FindsAFault(SessionTest):
         return answers[4], answers[5].splitlines()[-1]
 
     def test_a_stuck_result_is_found_by_its_word(self):
-        stages, verdict = self.three_ticks_before_the_fault("force drive.position.turns_q32 = 0.25")
+        stages, verdict = self.three_ticks_before_the_fault("force drive.rotor.position.turns_q32 = 0.25")
         self.assertRegex(stages, r"drive\.position\.turns_q32 +0\.25 turns el")
         departure = re.fullmatch(r"first departure: state, drive\.position\.turns_q32: drive 0\.25, "
                                  r"reference (\S+) turns el, tolerance 0", verdict)
@@ -66,7 +66,7 @@ class FindsAFault(SessionTest):
 
     def test_a_corrupted_parameter_is_found_in_the_model(self):
         _, verdict = self.three_ticks_before_the_fault(
-            "set drive.model.observer.volt_gain.raw = 20000")
+            "set drive.motor.model.observer.volt_gain.raw = 20000")
         self.assertRegex(verdict, r"^first departure: model, observer\.volt_gain: "
                                   r"drive 20000, reference 63\d\d")
 
@@ -129,12 +129,12 @@ class Stops(SessionTest):
         self.assertRegex(done.stdout, r"stopped: break on fault\n.*FAULT.*OVERCURRENT")
 
     def test_watched_signals_are_printed_at_each_stop(self):
-        answers = self.session(["watch i_q_a drive.observer.speed", "step", "unwatch i_q_a", "step",
+        answers = self.session(["watch i_q_a drive.rotor.observer.speed", "step", "unwatch i_q_a", "step",
                                 "unwatch", "step"])
         self.assertIn("i_q_a", answers[1])
         self.assertNotIn("i_q_a", answers[3])
-        self.assertIn("drive.observer.speed", answers[3])
-        self.assertNotIn("drive.observer", answers[5])
+        self.assertIn("drive.rotor.observer.speed", answers[3])
+        self.assertNotIn("drive.rotor.observer", answers[5])
 
 
 class Prints(SessionTest):
@@ -154,8 +154,8 @@ class Prints(SessionTest):
         self.assertEqual(places, sorted(places))
 
     def test_stages_are_those_of_the_state(self):
-        own = {"FLYING_START": "drive.flying_start.phase ", "ALIGN": "drive.align.phase ",
-               "RUN": "drive.speed_loop.pi.integral_q26 "}
+        own = {"FLYING_START": "drive.start.flying_start.phase ", "ALIGN": "drive.start.align.phase ",
+               "RUN": "drive.motion.speed_loop.pi.integral_q26 "}
         imposed = "drive.vector.current_mean.d "
         for state in (*own, "IF_RAMP"):
             stopped, shown = self.session([f"run until state == {state}", "stages"])
@@ -193,7 +193,7 @@ class Sets(SessionTest):
 class Refuses(SessionTest):
     def test_an_unknown_signal_lists_near_names(self):
         self.assertRegex(self.refused("print speed_rmp"), r"no signal speed_rmp; near: speed_rpm\b")
-        self.assertIn("near: drive.observer.speed_out", self.refused("watch drive.observer.sped_out"))
+        self.assertIn("near: drive.rotor.observer.speed_out", self.refused("watch drive.rotor.observer.sped_out"))
 
     def test_what_is_like_no_name_lists_the_least_unlike(self):
         for command in ("print xyzzyplugh", "print x", "set zzz = 1", "watch cfg.qqqqqq.wwwwww", "release flux"):
@@ -227,17 +227,17 @@ class Refuses(SessionTest):
                 ("set speed_rpm = 5", "speed_rpm is a result"),
                 ("set out.compare.phase[0] = 1", "is a result"),
                 ("set state = RUN", "is a result"),
-                ("set drive.observer.speed", "NAME = VALUE; found 'drive.observer.speed'"),
+                ("set drive.rotor.observer.speed", "NAME = VALUE; found 'drive.rotor.observer.speed'"),
                 ("set in.adc_ia.raw = 65536", "from 0 to 65535, found 65536"),
-                ("set drive.observer.speed.raw = 0.5", "found 0.5"),
-                ("set drive.observer.speed = 1e300", "drive.observer.speed is from -150000 to 149999.9999 rpm, found 1e+300"),
-                ("set drive.observer.speed.raw = 1e10",
-                 "drive.observer.speed.raw is a whole number from -2147483648 to 2147483647, found 10000000000"),
-                ("set drive.position.turns_q32.raw = 9007199254740994",
+                ("set drive.rotor.observer.speed.raw = 0.5", "found 0.5"),
+                ("set drive.rotor.observer.speed = 1e300", "drive.rotor.observer.speed is from -150000 to 149999.9999 rpm, found 1e+300"),
+                ("set drive.rotor.observer.speed.raw = 1e10",
+                 "drive.rotor.observer.speed.raw is a whole number from -2147483648 to 2147483647, found 10000000000"),
+                ("set drive.rotor.position.turns_q32.raw = 9007199254740994",
                  "is a whole number from -9007199254740992 to 9007199254740992, found 9007199254740994"),
-                ("set drive.position.turns_q32 = 3e6",
-                 "drive.position.turns_q32 is from -2097152 to 2097152 turns el, found 3000000"),
-                ("set drive.residual = 0/0", "drive.residual is from -"),
+                ("set drive.rotor.position.turns_q32 = 3e6",
+                 "drive.rotor.position.turns_q32 is from -2097152 to 2097152 turns el, found 3000000"),
+                ("set drive.rotor.residual = 0/0", "drive.rotor.residual is from -"),
                 ("set cfg.slow_ticks.raw = 5", "refused by the drive: slow_ticks"),
                 ("set position_command_rad = 1", "commands nothing in a run in speed mode"),
                 ("release i_q_a", "i_q_a is not set at tick 0"),

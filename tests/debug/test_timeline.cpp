@@ -264,9 +264,9 @@ TEST(test_a_state_that_the_firmware_cannot_come_to_is_refused)
     const Mark before(timeline);
     for (const char *assignment :
          {"drive.guard.at.raw = 100000000", "drive.guard.at.raw = 1",
-          "drive.voltage_drive.active.raw = 2", "drive.align.phase.raw = 77",
-          "drive.flying_start.phase.raw = 99", "drive.slow_count.raw = 0",
-          "drive.model.observer.eta_shift.raw = 40", "load_torque_nm = 1/0"}) {
+          "drive.voltage_drive.active.raw = 2", "drive.start.align.phase.raw = 77",
+          "drive.start.flying_start.phase.raw = 99", "drive.slow_count.raw = 0",
+          "drive.motor.model.observer.eta_shift.raw = 40", "load_torque_nm = 1/0"}) {
         const std::string refusal = refusal_of(timeline, assignment);
         const bool refused = !refusal.empty() && refusal.find('\n') == std::string::npos;
         TEST_ASSERT_TRUE_MESSAGE(refused, assignment);

@@ -38,9 +38,9 @@ std::size_t place(const drive_t &drive)
 {
     std::size_t part = drive.voltage_drive.active ? 1 : 0;
     if (drive.state == DRIVE_STATE_ALIGN) {
-        part = drive.align.phase;
+        part = drive.start.align.phase;
     } else if (drive.state == DRIVE_STATE_FLYING_START) {
-        part = drive.flying_start.phase;
+        part = drive.start.flying_start.phase;
     }
     return static_cast<std::size_t>(transitions_number(drive.state)) * PARTS + part;
 }

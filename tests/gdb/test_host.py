@@ -56,10 +56,10 @@ class OnTheHost(support.GdbTest):
 
     def test_vectors_speeds_angles_and_states_say_what_they_are(self):
         vector, raws, speed, raw_speed, angle, raw_angle, state, fault = self.gdb(
-            [STEP, "print app->drive.voltage", "print/r app->drive.voltage",
-             "print app->drive.observer.speed", "print/r app->drive.observer.speed",
-             "print (angle_t)app->drive.position.turns_q32",
-             "print/r (angle_t)app->drive.position.turns_q32", "print app->drive.state",
+            [STEP, "print app->drive.control.voltage", "print/r app->drive.control.voltage",
+             "print app->drive.rotor.observer.speed", "print/r app->drive.rotor.observer.speed",
+             "print (angle_t)app->drive.rotor.position.turns_q32",
+             "print/r (angle_t)app->drive.rotor.position.turns_q32", "print app->drive.state",
              "print app->drive.fault.id"])[1:]
         d, q = map(int, re.search(r"d = (-?\d+), q = (-?\d+)", raws).groups())
         self.assertIn(f"= d {d / 2**15 * 450:.6g} V, q {q / 2**15 * 450:.6g} V (raw {d}, {q}; Q15 of U_b = 450 V)",
@@ -75,7 +75,7 @@ class OnTheHost(support.GdbTest):
         self.assertEqual(fault.split("=")[1].strip(), "NONE")
 
     def test_a_word_without_a_place_in_the_table_is_shown_by_its_name_or_type(self):
-        guard, sine = self.gdb([STEP, "print app->drive.flying_start", "print (sincos_t){16384, -8192}"])[1:]
+        guard, sine = self.gdb([STEP, "print app->drive.start.flying_start", "print (sincos_t){16384, -8192}"])[1:]
         self.assertIn("speed = 0 rpm, 0 rad/s el (raw 0)", guard)
         self.assertIn("sin 0.5, cos -0.25 (raw 16384, -8192; as Q15)", sine)
 

@@ -37,8 +37,8 @@ class OnTheTarget(support.GdbTest):
 
     def test_scales_are_asked_for_and_those_of_another_configuration_refused(self):
         shown, vector, refused, _, _, kept = self.gdb(
-            ["step-isr 2", "stages", "print app.drive.voltage", "scales s1",
-             "scales s1_robust --with deadtime", "scales s1", "print app.drive.voltage"], self.START)[1:]
+            ["step-isr 2", "stages", "print app.drive.control.voltage", "scales s1",
+             "scales s1_robust --with deadtime", "scales s1", "print app.drive.control.voltage"], self.START)[1:]
         self.assertEqual(shown.strip(), "the scales are not known: `scales SCENARIO` chooses them")
         self.assertIn("(raw 0, 0; as Q15)", vector)
         self.assertIn("Q15 of U_b = 450 V", kept)

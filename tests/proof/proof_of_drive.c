@@ -99,11 +99,11 @@ static void choose_state(void)
     drive.path = Frama_C_long_long_interval(lowest, highest);
 #include "state.def"
 #undef FIELD
-    drive.position.turns_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
+    drive.rotor.position.turns_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
     drive.vector.position.turns_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
     drive.angle_sensor.position.turns_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
-    drive.position_loop.profile_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
-    drive.position_loop.zero_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
+    drive.motion.position_loop.profile_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
+    drive.motion.position_loop.zero_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
     drive.state = any_state(0U, DRIVE_STATES - 1U);
     drive.state_guard.state = Frama_C_interval(DRIVE_STATE_INIT, DRIVE_STATE_FAULT);
     drive.guard.at = Frama_C_unsigned_int_interval(0U, GUARD_AT_MAX);
@@ -272,10 +272,10 @@ void proof_flipped(void)
     choose_configuration();
     choose_voltage_drive();
     choose_state();
-    choose_words((uint32_t *)&drive.align, sizeof(drive.align));
-    choose_words((uint32_t *)&drive.flying_start, sizeof(drive.flying_start));
+    choose_words((uint32_t *)&drive.start.align, sizeof(drive.start.align));
+    choose_words((uint32_t *)&drive.start.flying_start, sizeof(drive.start.flying_start));
     choose_words((uint32_t *)&drive.safe_state, sizeof(drive.safe_state));
-    drive.speed_loop.halvings = Frama_C_unsigned_int_interval(0U, UINT32_MAX);
+    drive.motion.speed_loop.halvings = Frama_C_unsigned_int_interval(0U, UINT32_MAX);
     (void)holds_choices(&drive);
     choose_words((uint32_t *)&guard, sizeof(guard));
     (void)config_guard_step(&guard, &cfg, &fault);

@@ -109,8 +109,8 @@ public:
     bool torque_is_free() const
     {
         const drive_t &drive = sim.drive();
-        return drive.state == DRIVE_STATE_RUN && drive.mode == DRIVE_MODE_TORQUE &&
-               !drive.torque_loop.bound && drive.torque_loop.end == SPEED_END_NONE;
+        return drive.state == DRIVE_STATE_RUN && drive.motion.mode == DRIVE_MODE_TORQUE &&
+               !drive.motion.torque_loop.bound && drive.motion.torque_loop.end == SPEED_END_NONE;
     }
 
     Config config;

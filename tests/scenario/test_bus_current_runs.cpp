@@ -49,7 +49,7 @@ public:
             braked_a = std::min(braked_a, mean);
         }
         if (tick.time_s >= SETTLED_S && tick.time_s < LOAD_END_S) {
-            const double demand = tick.sim->drive().current_ref.q;
+            const double demand = tick.sim->drive().control.current_ref.q;
             settled_a = std::min(settled_a, mean);
             demand_low = std::min(demand_low, demand);
             demand_high = std::max(demand_high, demand);

@@ -86,7 +86,7 @@ struct Rows {
         for (const double i : truth.i_abc_a) {
             current_a = std::max(current_a, std::fabs(i));
         }
-        all.push_back({drive.state, sim.out().gate_enable, drive.align.phase, current_a,
+        all.push_back({drive.state, sim.out().gate_enable, drive.start.align.phase, current_a,
                        truth.omega_mech_rad_s * RPM_PER_RAD_S});
         if (drive.state == DRIVE_STATE_FAULT) {
             fault = nf::found_fault(drive, sim.bases());

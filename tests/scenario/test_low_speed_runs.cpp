@@ -73,7 +73,7 @@ public:
 
     double estimated_rpm() const
     {
-        return sim.bases().rpm_from_step(sim.drive().observer.speed);
+        return sim.bases().rpm_from_step(sim.drive().rotor.observer.speed);
     }
 
     double angle_mech_deg() const

@@ -30,7 +30,7 @@ int32_t saturated(int32_t error)
 // The observer's error is what was measured less what its network has predicted.
 void check_rotor_frame(const drive_t &drive, const dq_t &current)
 {
-    const nn_observer_t &network = drive.observer;
+    const nn_observer_t &network = drive.rotor.observer;
     TEST_ASSERT_EQUAL_INT32(saturated(current.d - network.current.d), network.error.d);
     TEST_ASSERT_EQUAL_INT32(saturated(current.q - network.current.q), network.error.q);
 }

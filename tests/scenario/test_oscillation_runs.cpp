@@ -176,7 +176,7 @@ class Longest : public nf::TickSink
 public:
     void add(const nf::Tick &tick) override
     {
-        halves = std::max(halves, tick.sim->drive().oscillation.halves);
+        halves = std::max(halves, tick.sim->drive().watch.oscillation.halves);
     }
 
     uint32_t halves = 0;

@@ -137,7 +137,7 @@ public:
     {
         const drive_t &drive = tick.sim->drive();
         const bool pulse = drive.state == DRIVE_STATE_FLYING_START && tick.sim->out().gate_enable;
-        if (pulse && !pulse_before_ && drive.flying_start.phase == FLYING_START_FIRST_PULSE) {
+        if (pulse && !pulse_before_ && drive.start.flying_start.phase == FLYING_START_FIRST_PULSE) {
             for (const double i : tick.truth.i_abc_a) {
                 largest_a = std::max(largest_a, std::fabs(i));
             }

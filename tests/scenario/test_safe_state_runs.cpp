@@ -358,8 +358,8 @@ public:
         }
         if (what.loses_observer) {
             drive_t &drive = sim.seam().drive;
-            rotor_position_step(&drive.position, INT32_MIN); // half a turn
-            drive.observer.speed = 0;
+            rotor_position_step(&drive.rotor.position, INT32_MIN); // half a turn
+            drive.rotor.observer.speed = 0;
         } else if (what.entries.empty()) {
             sim.request(0);
         }
@@ -419,7 +419,8 @@ public:
 private:
     double believed_rad_s() const
     {
-        return nf::rad_s_from_rpm(std::abs(sim.bases().rpm_from_step(sim.drive().observer.speed)));
+        return nf::rad_s_from_rpm(
+            std::abs(sim.bases().rpm_from_step(sim.drive().rotor.observer.speed)));
     }
     void watch()
     {

@@ -38,7 +38,7 @@ Frame calm()
 {
     Frame frame;
     frame.drive.cfg = &CFG;
-    frame.drive.torque_range = {-CURRENT_MAX, CURRENT_MAX};
+    frame.drive.motion.torque_range = {-CURRENT_MAX, CURRENT_MAX};
     frame.drive.modulator.inverse_bus_q12 = 5000;
     frame.drive.bus = 21846; // two thirds of 18000 are the circle's 12000
     for (uint16_t &phase : frame.out.compare.phase) {
@@ -86,17 +86,17 @@ TEST(test_measured_currents)
 TEST(test_network)
 {
     check_ends(Signal::network_alpha, 134217727,
-               [](Frame &f, int32_t x) { f.drive.observer.alpha_q27 = x; });
+               [](Frame &f, int32_t x) { f.drive.rotor.observer.alpha_q27 = x; });
     check_ends(Signal::network_beta, 134217727,
-               [](Frame &f, int32_t x) { f.drive.observer.beta_q27 = x; });
+               [](Frame &f, int32_t x) { f.drive.rotor.observer.beta_q27 = x; });
     check_ends(Signal::network_error_d, 8191,
-               [](Frame &f, int32_t x) { f.drive.observer.error.d = x; });
+               [](Frame &f, int32_t x) { f.drive.rotor.observer.error.d = x; });
     check_ends(Signal::network_error_q, 8191,
-               [](Frame &f, int32_t x) { f.drive.observer.error.q = x; });
+               [](Frame &f, int32_t x) { f.drive.rotor.observer.error.q = x; });
     check_ends(Signal::network_speed, SPEED_LIMIT,
-               [](Frame &f, int32_t x) { f.drive.observer.speed = x; });
+               [](Frame &f, int32_t x) { f.drive.rotor.observer.speed = x; });
     check_ends(Signal::network_weight_step, 536870911,
-               [](Frame &f, int32_t x) { f.drive.observer.weight_step = x; });
+               [](Frame &f, int32_t x) { f.drive.rotor.observer.weight_step = x; });
 }
 
 // Saturation to n bits ends one lower on the negative side.
@@ -105,13 +105,13 @@ TEST(test_most_negative_values)
     Frame frame = calm();
     frame.sample.phase_a = -16384;
     frame.sample.phase_b = -16384;
-    frame.drive.observer.alpha_q27 = -134217728;
-    frame.drive.observer.beta_q27 = -134217728;
-    frame.drive.observer.error = {-8192, -8192};
-    frame.drive.observer.weight_step = -536870912;
-    frame.drive.current_loop.pi_d.integral_q26 = -67108864;
-    frame.drive.current_loop.pi_q.integral_q26 = -67108864;
-    frame.drive.speed_loop.pi.integral_q26 = -67108864;
+    frame.drive.rotor.observer.alpha_q27 = -134217728;
+    frame.drive.rotor.observer.beta_q27 = -134217728;
+    frame.drive.rotor.observer.error = {-8192, -8192};
+    frame.drive.rotor.observer.weight_step = -536870912;
+    frame.drive.control.current_loop.pi_d.integral_q26 = -67108864;
+    frame.drive.control.current_loop.pi_q.integral_q26 = -67108864;
+    frame.drive.motion.speed_loop.pi.integral_q26 = -67108864;
     for (const Signal signal :
          {Signal::phase_a, Signal::phase_b, Signal::network_alpha, Signal::network_beta,
           Signal::network_error_d, Signal::network_error_q, Signal::network_weight_step,
@@ -124,7 +124,7 @@ TEST(test_most_negative_values)
 TEST(test_inner_speed_has_no_end)
 {
     Frame frame = calm();
-    frame.drive.observer.speed_out = 4 * SPEED_LIMIT;
+    frame.drive.rotor.observer.speed_out = 4 * SPEED_LIMIT;
     Saturations saturations;
     saturations.add(frame.drive, frame.sample, frame.out);
     TEST_ASSERT_EQUAL_UINT64(0, saturations.internal_count());
@@ -133,24 +133,26 @@ TEST(test_inner_speed_has_no_end)
 TEST(test_integrals_saturate_at_one)
 {
     check_ends(Signal::integral_d, 67108863,
-               [](Frame &f, int32_t x) { f.drive.current_loop.pi_d.integral_q26 = x; });
+               [](Frame &f, int32_t x) { f.drive.control.current_loop.pi_d.integral_q26 = x; });
     check_ends(Signal::integral_q, 67108863,
-               [](Frame &f, int32_t x) { f.drive.current_loop.pi_q.integral_q26 = x; });
+               [](Frame &f, int32_t x) { f.drive.control.current_loop.pi_q.integral_q26 = x; });
     check_ends(Signal::integral_speed, 67108863,
-               [](Frame &f, int32_t x) { f.drive.speed_loop.pi.integral_q26 = x; });
+               [](Frame &f, int32_t x) { f.drive.motion.speed_loop.pi.integral_q26 = x; });
 }
 
 TEST(test_largest_ratio_of_either_axis)
 {
-    check_ends(Signal::ratio, 18000, [](Frame &f, int32_t x) { f.drive.ratio_next.alpha = x; });
-    check_ends(Signal::ratio, 18000, [](Frame &f, int32_t x) { f.drive.ratio_next.beta = x; });
+    check_ends(Signal::ratio, 18000,
+               [](Frame &f, int32_t x) { f.drive.control.ratio_next.alpha = x; });
+    check_ends(Signal::ratio, 18000,
+               [](Frame &f, int32_t x) { f.drive.control.ratio_next.beta = x; });
 }
 
 TEST(test_limits_are_not_internal)
 {
     Frame frame = calm();
-    frame.drive.current_ref.q = -CURRENT_MAX;
-    frame.drive.voltage = {0, 12000};
+    frame.drive.control.current_ref.q = -CURRENT_MAX;
+    frame.drive.control.voltage = {0, 12000};
     frame.out.compare.phase[1] = 0;
     Saturations saturations;
     saturations.add(frame.drive, frame.sample, frame.out);
@@ -164,9 +166,9 @@ TEST(test_limits_are_not_internal)
 TEST(test_voltage_circle)
 {
     Frame frame = calm();
-    frame.drive.voltage = {7200, 9599};
+    frame.drive.control.voltage = {7200, 9599};
     TEST_ASSERT_EQUAL_UINT64(0, hits(frame, Signal::voltage));
-    frame.drive.voltage = {7200, -9600};
+    frame.drive.control.voltage = {7200, -9600};
     TEST_ASSERT_EQUAL_UINT64(1, hits(frame, Signal::voltage));
 }
 
@@ -174,7 +176,7 @@ TEST(test_internal_count_adds_up)
 {
     Frame frame = calm();
     frame.sample.phase_a = 16383;
-    frame.drive.observer.error.q = -8191;
+    frame.drive.rotor.observer.error.q = -8191;
     Saturations saturations;
     saturations.add(frame.drive, frame.sample, frame.out);
     saturations.add(frame.drive, frame.sample, frame.out);
@@ -184,9 +186,9 @@ TEST(test_internal_count_adds_up)
 TEST(test_position_lag_counts_in_position_mode_only)
 {
     Frame frame = calm();
-    frame.drive.position_loop.profile_q32 = int64_t{1} << 40;
+    frame.drive.motion.position_loop.profile_q32 = int64_t{1} << 40;
     TEST_ASSERT_EQUAL_UINT64(0, hits(frame, Signal::position_lag));
-    frame.drive.mode = DRIVE_MODE_POSITION;
+    frame.drive.motion.mode = DRIVE_MODE_POSITION;
     TEST_ASSERT_EQUAL_UINT64(1, hits(frame, Signal::position_lag));
 }
 

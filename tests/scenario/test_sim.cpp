@@ -242,14 +242,14 @@ TEST(test_a_fault_of_a_swing_is_said_with_amplitude_and_frequency)
     const drive_cfg_t cfg = nf::build(config);
     drive_t drive{};
     drive.cfg = &cfg;
-    drive.oscillation.span = 25;
+    drive.watch.oscillation.span = 25;
     drive.fault = {FAULT_OSCILLATION, 8192, 2048, 0};
     TEST_ASSERT_EQUAL_STRING("OSCILLATION: 10 A at 200.0 Hz, limit 2.5 A",
                              nf::fault_measure(nf::found_fault(drive, bases), bases).c_str());
     drive.fault.id = FAULT_OVERCURRENT;
     TEST_ASSERT_EQUAL_STRING("OVERCURRENT: 10 A, limit 2.5 A",
                              nf::fault_measure(nf::found_fault(drive, bases), bases).c_str());
-    drive.oscillation.span = 0;
+    drive.watch.oscillation.span = 0;
     TEST_ASSERT_FALSE(nf::last_swing_hz(drive, bases).has_value());
 }
 

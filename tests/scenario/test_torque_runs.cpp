@@ -328,11 +328,11 @@ Changes change_at_random(const Machine &machine, const Words &sets, unsigned see
     bench.ask_torque(0);
     bench.until(DRIVE_STATE_HOLD, 10);
     for (double t = 0; t < time_s; t += period_s) {
-        const int mode = drive.mode;
-        const int32_t before = drive.current_ref.q;
+        const int mode = drive.motion.mode;
+        const int32_t before = drive.control.current_ref.q;
         const bool by_voltage = drive.voltage_drive.active;
         const bool ran = drive.state == DRIVE_STATE_RUN && !by_voltage;
-        const bool bridged = drive.torque_loop.bridging;
+        const bool bridged = drive.motion.torque_loop.bridging;
         if (--left < 0) {
             left = std::lround(within(0, within(0, longest_s)) / period_s);
             const int next = static_cast<int>(random() % 3);
@@ -347,12 +347,12 @@ Changes change_at_random(const Machine &machine, const Words &sets, unsigned see
         bench.slow_period();
         const std::string what =
             fmt::format("{}, seed {}, {:.3f} s, mode {} to {}, state {}", machine.motor, seed, t,
-                        mode, drive.mode, static_cast<int>(drive.state));
+                        mode, drive.motion.mode, static_cast<int>(drive.state));
         TEST_ASSERT_EQUAL_INT_MESSAGE(FAULT_NONE, drive.fault.id, what.c_str());
         if (drive.state == DRIVE_STATE_RUN) {
             found.worst_deg = std::max(found.worst_deg, std::abs(nf::angle_error_deg(bench.now)));
         }
-        const bool changes = mode != drive.mode;
+        const bool changes = mode != drive.motion.mode;
         // The voltage drive has no i_q*: it begins with the mean of the current, and the bridge
         // goes on from there.
         found.of_voltage_drive += changes && by_voltage && drive.state == DRIVE_STATE_RUN ? 1 : 0;
@@ -361,11 +361,11 @@ Changes change_at_random(const Machine &machine, const Words &sets, unsigned see
         }
         found.between_runs += changes ? 1 : 0;
         // A limit of the current comes before the slope.
-        const int32_t now = drive.current_ref.q;
-        const torque_range_t range = drive.torque_range;
+        const int32_t now = drive.control.current_ref.q;
+        const torque_range_t range = drive.motion.torque_range;
         const bool limited =
             std::max(before, now) >= range.upper || std::min(before, now) <= range.lower;
-        if (!limited && (changes || (bridged && drive.torque_loop.bridging))) {
+        if (!limited && (changes || (bridged && drive.motion.torque_loop.bridging))) {
             const int32_t flux = drive_flux(&drive);
             const int32_t slope =
                 std::max(current_reference_q(drive.cfg->torque_loop.slope, flux), 1);

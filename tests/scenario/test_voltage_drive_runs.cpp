@@ -30,7 +30,7 @@ class Settled : public nf::TickSink
 public:
     void add(const nf::Tick &tick) override
     {
-        const dq_t &v = tick.sim->drive().voltage;
+        const dq_t &v = tick.sim->drive().control.voltage;
         states_[transitions_number(tick.sim->drive().state)]++;
         changes_ += tick.sim->drive().voltage_drive.active != driven_ ? 1 : 0;
         driven_ = tick.sim->drive().voltage_drive.active;

@@ -48,8 +48,8 @@ static void make_ordinary(drive_t *drive, drive_in_t *in)
 {
     drive->state = DRIVE_STATE_RUN;
     drive->limits = protection_limits(&cfg.protection, true);
-    drive->offset_a = 16384;
-    drive->offset_b = 16384;
+    drive->sensors.offset_a = 16384;
+    drive->sensors.offset_b = 16384;
     state_guard_keep_measured(drive);
     in->command.request = DRIVE_REQUEST_RUN;
     in->flags = 0U;

@@ -98,8 +98,8 @@ TEST(test_a_sample_has_the_sum_of_the_three_counts_and_the_currents_of_the_drive
     app.in.adc_ia = (uint16_t)(EXAMPLE_MIDDLE + 10U);
     app.in.adc_ib = (uint16_t)(EXAMPLE_MIDDLE + 20U);
     hardware.health.adc_ic = (uint16_t)(EXAMPLE_MIDDLE + 30U);
-    app.drive.offset_a += 80 - 100; /* 10 counts are 80 LSB */
-    app.drive.offset_b += 160 + 300;
+    app.drive.sensors.offset_a += 80 - 100; /* 10 counts are 80 LSB */
+    app.drive.sensors.offset_b += 160 + 300;
     pass_controlled(1U);
     TEST_ASSERT_EQUAL_UINT32(1U, app.check.sum.samples);
     TEST_ASSERT_EQUAL_UINT32(8U * 60U, app.check.sum.sum);

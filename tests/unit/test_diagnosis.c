@@ -45,7 +45,7 @@ static void swing(double hz, int32_t amplitude)
 {
     const double periods = cfg.oscillation.halves_max / (2.0 * hz) * TICKS_PER_S / cfg.slow_ticks;
 
-    drive.oscillation.span = (uint32_t)(periods + 0.5);
+    drive.watch.oscillation.span = (uint32_t)(periods + 0.5);
     drive.fault.value = amplitude;
 }
 
@@ -82,7 +82,7 @@ static void assert_swing(double hz, int32_t amplitude, fault_sign_t only)
  */
 TEST(test_each_swing_has_the_sign_of_its_frequency)
 {
-    drive.speed_loop.reference = -step_of_hz(12.0);
+    drive.motion.speed_loop.reference = -step_of_hz(12.0);
     assert_swing(3.0, 2000, FAULT_SIGN_SHAFT);
     assert_swing(6.2, 2000, FAULT_SIGN_SHAFT);
     assert_swing(1.5, 2000, FAULT_SIGN_SHAFT);
@@ -95,7 +95,7 @@ TEST(test_each_swing_has_the_sign_of_its_frequency)
     assert_swing(130.0, 2000, FAULT_SIGN_LAG);
     assert_swing(50.0, 2000, FAULT_SIGN_NONE);
     assert_swing(150.0, 2000, FAULT_SIGN_NONE);
-    drive.speed_loop.reference = step_of_hz(8.0);
+    drive.motion.speed_loop.reference = step_of_hz(8.0);
     assert_swing(48.0, 2000, FAULT_SIGN_SIX);
 }
 
@@ -105,7 +105,7 @@ TEST(test_each_swing_has_the_sign_of_its_frequency)
  */
 TEST(test_with_few_pole_pairs_a_swing_has_two_causes)
 {
-    drive.speed_loop.reference = step_of_hz(12.0);
+    drive.motion.speed_loop.reference = step_of_hz(12.0);
     swing(12.0, 2000);
     TEST_ASSERT_EQUAL_UINT32(sign_of(FAULT_SIGN_SHAFT_OR_ELECTRIC), swing_signs_of(3U));
     TEST_ASSERT_EQUAL_UINT32(sign_of(FAULT_SIGN_SHAFT_OR_ELECTRIC), swing_signs_of(2U));
@@ -123,7 +123,7 @@ TEST(test_with_few_pole_pairs_a_swing_has_two_causes)
  */
 TEST(test_a_swing_at_the_limit_of_the_current_is_the_loops_own)
 {
-    drive.speed_loop.reference = step_of_hz(320.0);
+    drive.motion.speed_loop.reference = step_of_hz(320.0);
     swing(80.0, 4000);
     TEST_ASSERT_TRUE(has(FAULT_SIGN_SHAFT));
     swing(80.0, WHOLE_CURRENT);
@@ -133,18 +133,18 @@ TEST(test_a_swing_at_the_limit_of_the_current_is_the_loops_own)
 
 TEST(test_without_a_swing_there_is_no_sign_of_one)
 {
-    drive.speed_loop.reference = 0;
-    drive.oscillation.span = 0U;
+    drive.motion.speed_loop.reference = 0;
+    drive.watch.oscillation.span = 0U;
     TEST_ASSERT_FALSE(has(FAULT_SIGN_SHAFT));
     TEST_ASSERT_FALSE(has(FAULT_SIGN_ELECTRIC));
     TEST_ASSERT_FALSE(has(FAULT_SIGN_LAG));
     cfg.oscillation.lag_periods_q4 = 0U; /* nothing is faster than such a loop */
-    drive.speed_loop.reference = step_of_hz(12.0);
+    drive.motion.speed_loop.reference = step_of_hz(12.0);
     TEST_ASSERT_FALSE(has(FAULT_SIGN_SHAFT));
     TEST_ASSERT_FALSE(has(FAULT_SIGN_ELECTRIC));
-    drive.oscillation.halves = 3U;
+    drive.watch.oscillation.halves = 3U;
     TEST_ASSERT_FALSE(has(FAULT_SIGN_SWING));
-    drive.oscillation.halves = 4U;
+    drive.watch.oscillation.halves = 4U;
     TEST_ASSERT_TRUE(has(FAULT_SIGN_SWING));
 }
 
@@ -164,8 +164,8 @@ TEST(test_a_derated_torque_is_a_sign_in_RUN_where_a_quarter_of_it_is_gone)
 /* 100 samples of both sensors whose neighbours differ by `counts` in the mean. */
 static void noise(int32_t counts)
 {
-    drive.calibration.samples = 100U;
-    drive.calibration.noise = 200 * counts;
+    drive.sensors.sums.samples = 100U;
+    drive.sensors.sums.noise = 200 * counts;
 }
 
 TEST(test_noise_at_rest_is_told_beside_the_limit_of_the_start)
@@ -200,9 +200,9 @@ TEST(test_a_rotor_follows_the_vector_of_a_start_with_half_of_its_speed)
 {
     drive.scene.state = DRIVE_STATE_HANDOVER;
     drive.vector.step = 1000000;
-    drive.observer.speed = 500000;
+    drive.rotor.observer.speed = 500000;
     TEST_ASSERT_FALSE(has(FAULT_SIGN_NOT_FOLLOWED));
-    drive.observer.speed = 499999;
+    drive.rotor.observer.speed = 499999;
     TEST_ASSERT_TRUE(has(FAULT_SIGN_NOT_FOLLOWED));
     TEST_ASSERT_TRUE(has(FAULT_SIGN_START));
     drive.scene.state = DRIVE_STATE_RUN;
@@ -227,13 +227,13 @@ TEST(test_an_open_thermistor_is_at_the_cold_end_whichever_side_that_is)
 
 TEST(test_a_phase_that_keeps_its_value_while_the_other_moves_is_stuck)
 {
-    drive.supervision.highest[0] = 500;
-    drive.supervision.lowest[0] = 500;
-    drive.supervision.highest[1] = cfg.supervision.phase_range_min;
+    drive.watch.supervision.highest[0] = 500;
+    drive.watch.supervision.lowest[0] = 500;
+    drive.watch.supervision.highest[1] = cfg.supervision.phase_range_min;
     TEST_ASSERT_FALSE(has(FAULT_SIGN_STUCK));
-    drive.supervision.highest[1]++;
+    drive.watch.supervision.highest[1]++;
     TEST_ASSERT_TRUE(has(FAULT_SIGN_STUCK));
-    drive.supervision.highest[0] = 502;
+    drive.watch.supervision.highest[0] = 502;
     TEST_ASSERT_FALSE(has(FAULT_SIGN_STUCK));
 }
 

@@ -65,7 +65,7 @@ static void tick(void)
 /* What the observer was given in this tick. */
 static ab_t applied_voltage(void)
 {
-    return estimate_applied_voltage(was.ratio_acting, was.bus, drive.bus);
+    return estimate_applied_voltage(was.control.ratio_acting, was.bus, drive.bus);
 }
 
 static void ticks(uint32_t count)
@@ -192,9 +192,10 @@ static void run_and_stop(void)
     in.command.target = 10000000;
     in.adc_ia = MID_COUNTS + 300U;
     ticks(20U); /* later the d axis would have the whole voltage circle */
-    TEST_ASSERT_TRUE(drive.speed_loop.reference != 0);
-    TEST_ASSERT_TRUE((drive.ratio_next.alpha != 0) && (drive.ratio_next.beta != 0));
-    TEST_ASSERT_TRUE((drive.ratio_acting.alpha != 0) && (drive.ratio_acting.beta != 0));
+    TEST_ASSERT_TRUE(drive.motion.speed_loop.reference != 0);
+    TEST_ASSERT_TRUE((drive.control.ratio_next.alpha != 0) && (drive.control.ratio_next.beta != 0));
+    TEST_ASSERT_TRUE((drive.control.ratio_acting.alpha != 0) &&
+                     (drive.control.ratio_acting.beta != 0));
     quiet_frame();
     tick();
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
@@ -239,10 +240,10 @@ TEST(test_a_second_run_starts_afresh)
     run_and_stop();
     begin_run(second);
     TEST_ASSERT_EQUAL_MEMORY(&first[1], &second[1], sizeof second[1]);
-    TEST_ASSERT_EQUAL_INT32(0, second[0].speed_loop.reference);
-    TEST_ASSERT_EQUAL_INT32(0, second[0].current_ref.q);
-    assert_ab((ab_t){0, 0}, second[0].ratio_acting);
-    assert_ab((ab_t){0, 0}, second[0].ratio_next);
+    TEST_ASSERT_EQUAL_INT32(0, second[0].motion.speed_loop.reference);
+    TEST_ASSERT_EQUAL_INT32(0, second[0].control.current_ref.q);
+    assert_ab((ab_t){0, 0}, second[0].control.ratio_acting);
+    assert_ab((ab_t){0, 0}, second[0].control.ratio_next);
     TEST_ASSERT_EQUAL_INT64(0, drive_position_q32(&second[0]));
     TEST_ASSERT_EQUAL_INT32(0, drive_speed(&second[0]));
 }
@@ -258,8 +259,8 @@ TEST(test_offset_is_the_mean_of_the_samples_and_is_removed)
         tick();
     }
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
-    TEST_ASSERT_EQUAL_INT32(16404, drive.offset_a); /* 2050.5·8 */
-    TEST_ASSERT_EQUAL_INT32(16320, drive.offset_b);
+    TEST_ASSERT_EQUAL_INT32(16404, drive.sensors.offset_a); /* 2050.5·8 */
+    TEST_ASSERT_EQUAL_INT32(16320, drive.sensors.offset_b);
     in.adc_ia = 2151U;
     tick();
     TEST_ASSERT_EQUAL_INT32((2151 * 8) - 16404, instant_sample(&drive, &in).phase_a);
@@ -277,8 +278,8 @@ TEST(test_offset_of_one_sample_or_of_4096_at_full_scale_is_their_mean)
         in.adc_ib = 0U;
         ticks(1U + (1U << log2));
         TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
-        TEST_ASSERT_EQUAL_INT32(4095 * 8, drive.offset_a);
-        TEST_ASSERT_EQUAL_INT32(0, drive.offset_b);
+        TEST_ASSERT_EQUAL_INT32(4095 * 8, drive.sensors.offset_a);
+        TEST_ASSERT_EQUAL_INT32(0, drive.sensors.offset_b);
     }
 }
 
@@ -415,9 +416,9 @@ TEST(test_currents_that_do_not_follow_at_standstill_are_a_lost_phase)
     go_to(DRIVE_STATE_RUN);
     in.adc_ia = MID_COUNTS + 200U; /* 1600 of Q15 that nobody asked for, limit 1101 */
     while ((drive.state == DRIVE_STATE_RUN) && (k < 2000U)) {
-        nn_observer_start(&drive.observer, &cfg.observer, 0, (dq_t){0, 0},
+        nn_observer_start(&drive.rotor.observer, &cfg.observer, 0, (dq_t){0, 0},
                           trig_sincos(0U)); /* it stands */
-        drive.position.turns_q32 = 0;
+        drive.rotor.position.turns_q32 = 0;
         tick();
         k++;
     }
@@ -430,7 +431,7 @@ static void run_a_slow_period(uint16_t bus)
 {
     in.adc_bus = bus;
     for (uint32_t k = 0U; k < cfg.slow_ticks; k++) {
-        drive.observer.speed = 10000000;
+        drive.rotor.observer.speed = 10000000;
         tick();
     }
 }
@@ -439,9 +440,11 @@ TEST(test_a_high_bus_takes_the_braking_torque_and_a_low_one_the_motoring)
 {
     go_to(DRIVE_STATE_RUN);
     run_a_slow_period(3600U); /* 396 V */
-    TEST_ASSERT_TRUE((drive.torque_range.lower > -2000) && (drive.torque_range.upper == 8192));
+    TEST_ASSERT_TRUE((drive.motion.torque_range.lower > -2000) &&
+                     (drive.motion.torque_range.upper == 8192));
     run_a_slow_period(1850U); /* 203 V */
-    TEST_ASSERT_TRUE((drive.torque_range.lower == -8192) && (drive.torque_range.upper < 2000));
+    TEST_ASSERT_TRUE((drive.motion.torque_range.lower == -8192) &&
+                     (drive.motion.torque_range.upper < 2000));
 }
 
 TEST(test_the_shortest_slow_periods_supervise_too)
@@ -508,8 +511,8 @@ static void run_at(step_t estimate, step_t reference)
 {
     short_above_speed();
     go_to(DRIVE_STATE_RUN);
-    drive.observer.speed = estimate;
-    drive.speed_loop.reference = reference;
+    drive.rotor.observer.speed = estimate;
+    drive.motion.speed_loop.reference = reference;
 }
 
 /*
@@ -573,7 +576,7 @@ TEST(test_in_probe_the_vector_tells_the_speed)
 static void leave_torque_control(step_t forward, step_t backward, bool by_fault)
 {
     run_at(0, 0);
-    drive.mode = (uint8_t)DRIVE_MODE_TORQUE;
+    drive.motion.mode = (uint8_t)DRIVE_MODE_TORQUE;
     in.command.mode = (uint8_t)DRIVE_MODE_TORQUE;
     cfg.torque_loop.speed_forward = forward;
     cfg.torque_loop.speed_backward = backward;
@@ -794,11 +797,11 @@ TEST(test_current_demand_changes_once_in_a_slow_period_only)
     in.command.target = 20000000;
     for (uint32_t k = 1U; k <= 100U; k++) {
         tick();
-        if (drive.current_ref.q != before) {
+        if (drive.control.current_ref.q != before) {
             TEST_ASSERT_EQUAL_UINT32(0U, k % cfg.slow_ticks);
             changes++;
         }
-        before = drive.current_ref.q;
+        before = drive.control.current_ref.q;
     }
     /* It moves in every period until it has reached its limit. */
     TEST_ASSERT_TRUE(changes > 4U);
@@ -822,7 +825,7 @@ TEST(test_observer_sees_the_ratio_of_two_ticks_ago_times_the_mean_bus)
         assert_ab((ab_t){(ratios[0].alpha * bus) >> 15, (ratios[0].beta * bus) >> 15},
                   applied_voltage());
         ratios[0] = ratios[1];
-        ratios[1] = drive.ratio_next;
+        ratios[1] = drive.control.ratio_next;
     }
     TEST_ASSERT_TRUE(ratios[0].beta != 0);
 }
@@ -830,16 +833,16 @@ TEST(test_observer_sees_the_ratio_of_two_ticks_ago_times_the_mean_bus)
 TEST(test_change_to_position_mode_takes_the_present_position_as_its_start)
 {
     go_to(DRIVE_STATE_RUN);
-    drive.position.turns_q32 = 123456789012;
-    nn_observer_start(&drive.observer, &cfg.observer, 0, (dq_t){0, 0},
-                      trig_sincos(rotor_position_angle(&drive.position)));
+    drive.rotor.position.turns_q32 = 123456789012;
+    nn_observer_start(&drive.rotor.observer, &cfg.observer, 0, (dq_t){0, 0},
+                      trig_sincos(rotor_position_angle(&drive.rotor.position)));
     in.command.mode = DRIVE_MODE_POSITION;
     in.command.target = (int32_t)((123456789012 - (28 * TURN_Q32)) / 65536); /* of 14 turns */
     ticks(cfg.slow_ticks);
-    TEST_ASSERT_EQUAL_INT64(28 * TURN_Q32, drive.position_loop.zero_q32);
-    TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_POSITION, drive.mode);
+    TEST_ASSERT_EQUAL_INT64(28 * TURN_Q32, drive.motion.position_loop.zero_q32);
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_POSITION, drive.motion.mode);
     /* Within the rest that the Q16 command cannot express: the profile starts there. */
-    TEST_ASSERT_TRUE(llabs(drive.position_loop.profile_q32 - 123456789012) < 1000000);
+    TEST_ASSERT_TRUE(llabs(drive.motion.position_loop.profile_q32 - 123456789012) < 1000000);
 }
 
 TEST(test_profile_moves_by_its_speed_times_the_ticks_of_the_slow_period)
@@ -857,14 +860,14 @@ TEST(test_profile_moves_by_its_speed_times_the_ticks_of_the_slow_period)
             .target = INT32_MAX, .mode = DRIVE_MODE_POSITION, .request = DRIVE_REQUEST_RUN};
         tick();
         for (uint32_t k = 0U; k < 50U; k++) {
-            const int64_t before = drive.position_loop.profile_q32;
+            const int64_t before = drive.motion.position_loop.profile_q32;
 
             ticks(periods[i]);
-            TEST_ASSERT_TRUE(drive.position_loop.profile_speed > 0);
+            TEST_ASSERT_TRUE(drive.motion.position_loop.profile_speed > 0);
             if (k > 0U) { /* the first period starts with the change of mode */
                 TEST_ASSERT_EQUAL_INT64(
-                    before + ((int64_t)drive.position_loop.profile_speed * periods[i]),
-                    drive.position_loop.profile_q32);
+                    before + ((int64_t)drive.motion.position_loop.profile_speed * periods[i]),
+                    drive.motion.position_loop.profile_q32);
             }
         }
     }
@@ -876,7 +879,7 @@ TEST(test_an_unknown_mode_counts_as_speed)
     in.command.mode = 7U;
     in.command.target = 5000000;
     ticks(cfg.slow_ticks);
-    TEST_ASSERT_EQUAL_INT32(143166, drive.speed_reference); /* one ramp */
+    TEST_ASSERT_EQUAL_INT32(143166, drive.motion.speed_reference); /* one ramp */
 }
 
 TEST(test_saturated_samples_keep_their_sign)
@@ -962,7 +965,7 @@ TEST(test_a_copy_is_a_snapshot_from_which_the_same_future_follows)
 
 static void assert_everything_in_range(void)
 {
-    const dq_t voltage = drive.voltage;
+    const dq_t voltage = drive.control.voltage;
     const int32_t limit = modulator_limit(&cfg.modulator, drive.bus);
 
     for (int32_t p = 0; p < 3; p++) {
@@ -972,7 +975,7 @@ static void assert_everything_in_range(void)
                      (drive.state == DRIVE_STATE_PROBE));
     TEST_ASSERT_TRUE((drive.state >= DRIVE_STATE_INIT) && (drive.state <= DRIVE_STATE_FAULT));
     TEST_ASSERT_TRUE((drive.bus >= 0) && (drive.bus <= 32767));
-    TEST_ASSERT_TRUE(abs(drive.current_ref.q) <= cfg.derating.current_max);
+    TEST_ASSERT_TRUE(abs(drive.control.current_ref.q) <= cfg.derating.current_max);
     if (drive.state == DRIVE_STATE_RUN) {
         TEST_ASSERT_TRUE(((voltage.d * voltage.d) + (voltage.q * voltage.q)) <= (limit * limit));
     }
@@ -1099,15 +1102,16 @@ TEST(test_position_command_is_reached_by_a_motor_in_both_directions)
  */
 static void run_without_bump(example_motor_t *m)
 {
-    const step_t reference = drive.speed_loop.reference;
-    const bool changes = drive.mode != (uint8_t)DRIVE_MODE_POSITION;
-    const step_t profile = changes ? reference : drive.position_loop.profile_speed;
+    const step_t reference = drive.motion.speed_loop.reference;
+    const bool changes = drive.motion.mode != (uint8_t)DRIVE_MODE_POSITION;
+    const step_t profile = changes ? reference : drive.motion.position_loop.profile_speed;
 
     run_motor(m, cfg.slow_ticks, 0.0);
-    TEST_ASSERT_TRUE(abs(drive.position_loop.profile_speed - profile) <= cfg.position_loop.ramp);
-    TEST_ASSERT_TRUE((100 * (int64_t)abs(drive.speed_loop.reference - reference)) <=
+    TEST_ASSERT_TRUE(abs(drive.motion.position_loop.profile_speed - profile) <=
+                     cfg.position_loop.ramp);
+    TEST_ASSERT_TRUE((100 * (int64_t)abs(drive.motion.speed_loop.reference - reference)) <=
                      (107 * (int64_t)cfg.position_loop.ramp));
-    TEST_ASSERT_TRUE(abs(drive.current_ref.q) < cfg.derating.current_max);
+    TEST_ASSERT_TRUE(abs(drive.control.current_ref.q) < cfg.derating.current_max);
 }
 
 TEST(test_change_to_position_mode_at_speed_has_no_bump_and_comes_back_to_the_target)
@@ -1128,11 +1132,11 @@ TEST(test_change_to_position_mode_at_speed_has_no_bump_and_comes_back_to_the_tar
         for (uint32_t k = 0U; k < 1500U; k++) {
             run_without_bump(&m);
         }
-        target = drive.position_loop.zero_q32;
+        target = drive.motion.position_loop.zero_q32;
         TEST_ASSERT_EQUAL_INT64(0, target % (2 * TURN_Q32)); /* where it started, in this turn */
         TEST_ASSERT_TRUE(llabs(target - before) <= (TURN_Q32 + (TURN_Q32 / 10)));
-        TEST_ASSERT_EQUAL_INT64(target, drive.position_loop.profile_q32);
-        TEST_ASSERT_EQUAL_INT32(0, drive.position_loop.profile_speed);
+        TEST_ASSERT_EQUAL_INT64(target, drive.motion.position_loop.profile_q32);
+        TEST_ASSERT_EQUAL_INT32(0, drive.motion.position_loop.profile_speed);
         TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, (double)target / 4294967296.0 / 2.0,
                                   (double)drive_position_q32(&drive) / 4294967296.0 / 2.0);
     }
@@ -1155,14 +1159,15 @@ TEST(test_a_change_to_position_mode_unwinds_no_turn_that_speed_control_has_made)
         run_motor(&m, 6000U, 0.0);
         in.command.target = 0;
         run_motor(&m, 2000U, 0.0);
-        drive.position.turns_q32 += turns[i] * 2 * TURN_Q32;
+        drive.rotor.position.turns_q32 += turns[i] * 2 * TURN_Q32;
         start = m.angle;
         in.command.mode = DRIVE_MODE_POSITION;
         run_motor(&m, 10000U, 0.0);
         TEST_ASSERT_TRUE(fabs(m.angle - start) < (2.0 * EXAMPLE_PI * 1.02));
         TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, 0.0,
                                   remainder(m.angle / 2.0 / (2.0 * EXAMPLE_PI), 1.0));
-        TEST_ASSERT_EQUAL_INT64(0, drive.position_loop.profile_q32 - drive.position_loop.zero_q32);
+        TEST_ASSERT_EQUAL_INT64(0, drive.motion.position_loop.profile_q32 -
+                                       drive.motion.position_loop.zero_q32);
     }
 }
 
@@ -1188,12 +1193,12 @@ TEST(test_a_zero_at_rest_in_position_mode_moves_nothing_and_targets_count_from_i
     in.command.mode = DRIVE_MODE_POSITION;
     in.command.target = (int32_t)lround(1.3 * 2.0 * 65536.0);
     run_motor(&m, 10000U, 0.0);
-    profile = drive.position_loop.profile_q32;
+    profile = drive.motion.position_loop.profile_q32;
     zero_here(&m);
-    TEST_ASSERT_EQUAL_INT64(profile, drive.position_loop.profile_q32);
+    TEST_ASSERT_EQUAL_INT64(profile, drive.motion.position_loop.profile_q32);
     in.command.target = 0;
     run_motor(&m, 2000U, 0.0);
-    TEST_ASSERT_EQUAL_INT64(profile, drive.position_loop.profile_q32);
+    TEST_ASSERT_EQUAL_INT64(profile, drive.motion.position_loop.profile_q32);
     TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, 1.3, shaft_turns(&m));
     in.command.target = -2 * 65536;
     run_motor(&m, 10000U, 0.0);
@@ -1212,7 +1217,7 @@ TEST(test_a_zero_on_the_way_has_no_jump_and_the_rotor_comes_back_to_it)
     in.command.mode = DRIVE_MODE_POSITION;
     in.command.target = 20 * 65536;
     run_motor(&m, 3000U, 0.0);
-    TEST_ASSERT_TRUE(abs(drive.position_loop.profile_speed) > (10 * cfg.position_loop.ramp));
+    TEST_ASSERT_TRUE(abs(drive.motion.position_loop.profile_speed) > (10 * cfg.position_loop.ramp));
     in.command.request = DRIVE_REQUEST_RUN | DRIVE_REQUEST_ZERO;
     in.command.target = 0;
     run_without_bump(&m);
@@ -1222,7 +1227,8 @@ TEST(test_a_zero_on_the_way_has_no_jump_and_the_rotor_comes_back_to_it)
     for (uint32_t k = 0U; k < 1000U; k++) {
         run_without_bump(&m);
     }
-    TEST_ASSERT_EQUAL_INT64(drive.position_loop.zero_q32, drive.position_loop.profile_q32);
+    TEST_ASSERT_EQUAL_INT64(drive.motion.position_loop.zero_q32,
+                            drive.motion.position_loop.profile_q32);
     TEST_ASSERT_DOUBLE_WITHIN(0.02, there, shaft_turns(&m));
 }
 
@@ -1233,21 +1239,21 @@ TEST(test_a_zero_in_speed_mode_is_where_the_rotor_is_and_changes_nothing_else)
 
     ask_to_run((int32_t)lround(600.0 * STEPS_PER_RPM));
     run_motor(&m, 6000U, 0.0);
-    before = drive.speed_loop.reference;
+    before = drive.motion.speed_loop.reference;
     zero_here(&m);
-    TEST_ASSERT_EQUAL_INT32(before, drive.speed_loop.reference);
-    TEST_ASSERT_TRUE(drive.position_loop.zero_q32 != 0);
+    TEST_ASSERT_EQUAL_INT32(before, drive.motion.speed_loop.reference);
+    TEST_ASSERT_TRUE(drive.motion.position_loop.zero_q32 != 0);
     TEST_ASSERT_TRUE(llabs(drive_position_from_zero_q32(&drive)) < (TURN_Q32 / 10));
 }
 
 TEST(test_without_a_sensor_a_zero_at_rest_is_none)
 {
     go_to(DRIVE_STATE_READY);
-    drive.position.turns_q32 = 5 * TURN_Q32; /* of the last run */
+    drive.rotor.position.turns_q32 = 5 * TURN_Q32; /* of the last run */
     in.command.request = DRIVE_REQUEST_ZERO;
     ticks(20U);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
-    TEST_ASSERT_EQUAL_INT64(0, drive.position_loop.zero_q32);
+    TEST_ASSERT_EQUAL_INT64(0, drive.motion.position_loop.zero_q32);
 }
 
 TEST(test_a_late_tick_leaves_the_observer_without_voltage)
@@ -1292,22 +1298,22 @@ static uint32_t telling; /* ticks in which the speed without its proportional pa
 /* Demand over bus as the tick computes it. */
 static dq_t ratio_of(const modulator_t *modulator)
 {
-    return modulator_ratio(modulator, drive.voltage);
+    return modulator_ratio(modulator, drive.control.voltage);
 }
 
 /* Sampled at t_k, acting on average at t_k + 1.5·T: the rotor is that much further then. */
 static void check_angle_of_the_vector(void)
 {
-    const angle_t sampled = rotor_position_angle(&was.position);
-    const step_t step = drive.observer.speed_out;
-    const step_t other = drive.observer.speed;
+    const angle_t sampled = rotor_position_angle(&was.rotor.position);
+    const step_t step = drive.rotor.observer.speed_out;
+    const step_t other = drive.rotor.observer.speed;
     const angle_t middle = sampled + (angle_t)step + (angle_t)(step >> 1);
     const angle_t elsewhere = sampled + (angle_t)other + (angle_t)(other >> 1);
     const dq_t ratio = ratio_of(&drive.modulator);
     const ab_t expected = transforms_park_inverse(ratio, trig_sincos(middle));
     const ab_t unlike = transforms_park_inverse(ratio, trig_sincos(elsewhere));
 
-    assert_ab(expected, drive.ratio_next);
+    assert_ab(expected, drive.control.ratio_next);
     telling += ((unlike.alpha != expected.alpha) || (unlike.beta != expected.beta)) ? 1U : 0U;
 }
 
@@ -1317,15 +1323,15 @@ TEST(test_vector_is_turned_for_the_middle_of_the_period_in_which_it_acts)
         telling = 0U;
         run_beside(sign, check_angle_of_the_vector);
         TEST_ASSERT_TRUE(telling > 1000U);
-        TEST_ASSERT_TRUE((sign * drive.observer.speed_out) > 20000000);
+        TEST_ASSERT_TRUE((sign * drive.rotor.observer.speed_out) > 20000000);
     }
 }
 
 static void check_bus(void)
 {
     const int32_t bus = (int32_t)in.adc_bus * 8; /* 15 − 12 bits */
-    const angle_t sampled = rotor_position_angle(&was.position);
-    const step_t step = drive.observer.speed_out;
+    const angle_t sampled = rotor_position_angle(&was.rotor.position);
+    const step_t step = drive.rotor.observer.speed_out;
     modulator_t modulator = was.modulator;
     ab_t ratio;
 
@@ -1334,7 +1340,7 @@ static void check_bus(void)
                                     trig_sincos(sampled + (angle_t)step + (angle_t)(step >> 1)));
     TEST_ASSERT_EQUAL_INT32(bus, drive.bus);
     TEST_ASSERT_EQUAL_INT32(modulator.inverse_bus_q12, drive.modulator.inverse_bus_q12);
-    assert_ab(ratio, drive.ratio_next);
+    assert_ab(ratio, drive.control.ratio_next);
 }
 
 TEST(test_voltage_circle_and_reciprocal_follow_the_bus_of_the_same_tick)
@@ -1358,20 +1364,20 @@ TEST(test_reciprocal_follows_the_bus_of_the_same_tick_with_open_gates)
 /* Loops are fed with the integral ω̂; its proportional part would carry ripple into the demand. */
 static void check_speed_and_demand(void)
 {
-    const step_t speed = drive.observer.speed;
-    speed_loop_t loop = was.speed_loop;
-    speed_loop_t unlike = was.speed_loop;
-    int32_t demand = was.current_ref.q;
+    const step_t speed = drive.rotor.observer.speed;
+    speed_loop_t loop = was.motion.speed_loop;
+    speed_loop_t unlike = was.motion.speed_loop;
+    int32_t demand = was.control.current_ref.q;
     int32_t other = demand;
 
     if (was.slow_count == 1U) { /* its last tick */
-        demand =
-            speed_loop_step(&loop, &cfg.speed_loop, was.speed_reference, speed, drive.torque_range);
-        other = speed_loop_step(&unlike, &cfg.speed_loop, was.speed_reference,
-                                drive.observer.speed_out, drive.torque_range);
+        demand = speed_loop_step(&loop, &cfg.speed_loop, was.motion.speed_reference, speed,
+                                 drive.motion.torque_range);
+        other = speed_loop_step(&unlike, &cfg.speed_loop, was.motion.speed_reference,
+                                drive.rotor.observer.speed_out, drive.motion.torque_range);
     }
-    TEST_ASSERT_EQUAL_INT32(demand, drive.current_ref.q);
-    TEST_ASSERT_EQUAL_INT32(loop.pi.integral_q26, drive.speed_loop.pi.integral_q26);
+    TEST_ASSERT_EQUAL_INT32(demand, drive.control.current_ref.q);
+    TEST_ASSERT_EQUAL_INT32(loop.pi.integral_q26, drive.motion.speed_loop.pi.integral_q26);
     telling += (other != demand) ? 1U : 0U;
 }
 
@@ -1386,21 +1392,21 @@ TEST(test_speed_signal_and_current_demand_come_from_the_integral_of_the_observer
 
 static void check_voltage(void)
 {
-    const dq_t reference = {.d = 0, .q = drive.current_ref.q};
+    const dq_t reference = {.d = 0, .q = drive.control.current_ref.q};
     const sample_t sample = instant_sample(&drive, &in);
     const dq_t current = transforms_park(transforms_clarke(sample.phase_a, sample.phase_b),
-                                         trig_sincos(rotor_position_angle(&was.position)));
-    current_loop_t loop = was.current_loop;
+                                         trig_sincos(rotor_position_angle(&was.rotor.position)));
+    current_loop_t loop = was.control.current_loop;
     dq_t voltage;
 
     if (was.slow_count == 1U) { /* the plan is made with the reference */
         current_loop_plan(&loop, &cfg.current_loop, reference,
-                          drive.observer.speed >> cfg.speed_shift);
+                          drive.rotor.observer.speed >> cfg.speed_shift);
     }
     voltage = current_loop_step(&loop, &cfg.current_loop, reference, current,
                                 modulator_limit(&cfg.modulator, drive.bus));
-    TEST_ASSERT_EQUAL_INT32(voltage.d, drive.voltage.d);
-    TEST_ASSERT_EQUAL_INT32(voltage.q, drive.voltage.q);
+    TEST_ASSERT_EQUAL_INT32(voltage.d, drive.control.voltage.d);
+    TEST_ASSERT_EQUAL_INT32(voltage.q, drive.control.voltage.q);
 }
 
 TEST(test_voltage_demand_is_that_of_the_current_loop_with_no_current_along_the_flux)
@@ -1442,11 +1448,11 @@ TEST(test_run_begins_with_a_plan_of_its_current_control)
     go_to(DRIVE_STATE_READY);
     in.command.request = DRIVE_REQUEST_RUN;
     while (drive.state != DRIVE_STATE_RUN) {
-        drive.current_loop.constant = (dq_t){77, 77};
+        drive.control.current_loop.constant = (dq_t){77, 77};
         tick();
     }
-    fresh = drive.current_loop;
-    current_loop_plan(&fresh, &drive.model.run_loop, drive.current_ref,
-                      drive_speed_q15(&drive, drive.observer.speed));
-    TEST_ASSERT_EQUAL_MEMORY(&fresh, &drive.current_loop, sizeof fresh);
+    fresh = drive.control.current_loop;
+    current_loop_plan(&fresh, &drive.motor.model.run_loop, drive.control.current_ref,
+                      drive_speed_q15(&drive, drive.rotor.observer.speed));
+    TEST_ASSERT_EQUAL_MEMORY(&fresh, &drive.control.current_loop, sizeof fresh);
 }

@@ -165,8 +165,8 @@ static void measure_model(void)
 {
     const model_nominal_t nominal = drive_nominal(&drive);
 
-    model_set(&drive.model, &cfg.model, &nominal, &MEASURED);
-    drive.model.flux_q30 = 0x3C000000; /* 15/16, within the limits of ±1/4 */
+    model_set(&drive.motor.model, &cfg.model, &nominal, &MEASURED);
+    drive.motor.model.flux_q30 = 0x3C000000; /* 15/16, within the limits of ±1/4 */
 }
 
 static void scale_motor(double factor)
@@ -194,21 +194,22 @@ TEST(test_what_was_measured_stays_as_a_ratio_to_the_new_values)
     model_t before;
 
     measure_model();
-    before = drive.model;
+    before = drive.motor.model;
     scale_motor(1.05);
     change();
-    TEST_ASSERT_EQUAL_INT32(before.resistance_q14, drive.model.resistance_q14);
-    TEST_ASSERT_EQUAL_INT32(before.inductance_q14, drive.model.inductance_q14);
-    TEST_ASSERT_EQUAL_INT32(before.inductance_inverse_q14, drive.model.inductance_inverse_q14);
-    TEST_ASSERT_EQUAL_INT32(before.saliency_q14, drive.model.saliency_q14);
-    TEST_ASSERT_EQUAL_INT32(before.flux_q30, drive.model.flux_q30);
+    TEST_ASSERT_EQUAL_INT32(before.resistance_q14, drive.motor.model.resistance_q14);
+    TEST_ASSERT_EQUAL_INT32(before.inductance_q14, drive.motor.model.inductance_q14);
+    TEST_ASSERT_EQUAL_INT32(before.inductance_inverse_q14,
+                            drive.motor.model.inductance_inverse_q14);
+    TEST_ASSERT_EQUAL_INT32(before.saliency_q14, drive.motor.model.saliency_q14);
+    TEST_ASSERT_EQUAL_INT32(before.flux_q30, drive.motor.model.flux_q30);
     assert_times(other.current_loop.resistance_q13, before.resistance_q14 / 16384.0,
-                 drive.model.run_loop.resistance_q13);
+                 drive.motor.model.run_loop.resistance_q13);
     assert_times(other.current_loop.reactance_d_q13, before.inductance_q14 / 16384.0,
-                 drive.model.run_loop.reactance_d_q13);
-    assert_times(other.current_loop.emf_q13, 15.0 / 16.0, drive.model.hold_loop.emf_q13);
+                 drive.motor.model.run_loop.reactance_d_q13);
+    assert_times(other.current_loop.emf_q13, 15.0 / 16.0, drive.motor.model.hold_loop.emf_q13);
     assert_times(other.current_loop.pi_d.kp, before.inductance_q14 / 16384.0,
-                 drive.model.run_loop.pi_d.kp);
+                 drive.motor.model.run_loop.pi_d.kp);
 }
 
 /* Each part that keeps something of the configuration, or in its scale, is told. */
@@ -218,16 +219,16 @@ TEST(test_every_part_takes_the_change_over)
         const char *name;
         size_t offset;
     } kept[] = {
-        {"model", offsetof(drive_t, model.run_loop.pi_d.kp)},
+        {"model", offsetof(drive_t, motor.model.run_loop.pi_d.kp)},
         {"modulator", offsetof(drive_t, modulator.dead_time_q15)},
         {"heat", offsetof(drive_t, derating.heat_q24)},
-        {"inertia", offsetof(drive_t, speed_loop.inertia_q17)},
+        {"inertia", offsetof(drive_t, motion.speed_loop.inertia_q17)},
     };
     drive_t before;
 
     drive.derating.heat_q24 = 8000000;
     state_guard_keep_heat(&drive);
-    drive.speed_loop.inertia_q17 = 500000;
+    drive.motion.speed_loop.inertia_q17 = 500000;
     before = drive;
     other.current_loop.pi_d.kp /= 2;
     other.modulator.dead_time_q15++;
@@ -250,17 +251,19 @@ TEST(test_every_part_takes_the_change_over)
 TEST(test_an_alignment_measures_again)
 {
     go_to(DRIVE_STATE_ALIGN);
-    for (uint32_t k = 0U; (k < PATIENCE_TICKS) && (drive.align.phase != ALIGN_INDUCTANCE); k++) {
+    for (uint32_t k = 0U; (k < PATIENCE_TICKS) && (drive.start.align.phase != ALIGN_INDUCTANCE);
+         k++) {
         tick();
     }
     ticks(5U);
     other.startup.ramp++;
     change();
-    TEST_ASSERT_EQUAL_INT(ALIGN_PULL, drive.align.phase);
-    TEST_ASSERT_EQUAL_INT32(0, drive.align.high.current);
-    TEST_ASSERT_EQUAL_INT32(drive.current_ref.d, drive.align.current_ref);
+    TEST_ASSERT_EQUAL_INT(ALIGN_PULL, drive.start.align.phase);
+    TEST_ASSERT_EQUAL_INT32(0, drive.start.align.high.current);
+    TEST_ASSERT_EQUAL_INT32(drive.control.current_ref.d, drive.start.align.current_ref);
     go_to(DRIVE_STATE_HOLD);
-    TEST_ASSERT_INT32_WITHIN(164, 16384, drive.model.inductance_q14); /* within 1 %, as without */
+    TEST_ASSERT_INT32_WITHIN(164, 16384,
+                             drive.motor.model.inductance_q14); /* within 1 %, as without */
 }
 
 TEST(test_a_rotor_that_is_pulled_is_pulled_on)
@@ -269,23 +272,24 @@ TEST(test_a_rotor_that_is_pulled_is_pulled_on)
 
     go_to(DRIVE_STATE_ALIGN);
     ticks(20U);
-    before = drive.align;
+    before = drive.start.align;
     other.startup.ramp++;
     change();
-    TEST_ASSERT_EQUAL_MEMORY(&before, &drive.align, sizeof before);
+    TEST_ASSERT_EQUAL_MEMORY(&before, &drive.start.align, sizeof before);
 }
 
 TEST(test_a_flying_start_looks_again)
 {
     go_to(DRIVE_STATE_FLYING_START);
     for (uint32_t k = 0U;
-         (k < PATIENCE_TICKS) && (drive.flying_start.phase != FLYING_START_SECOND_PULSE); k++) {
+         (k < PATIENCE_TICKS) && (drive.start.flying_start.phase != FLYING_START_SECOND_PULSE);
+         k++) {
         tick();
     }
     other.startup.ramp++;
     change();
-    TEST_ASSERT_EQUAL_INT(FLYING_START_PRELOAD, drive.flying_start.phase);
-    TEST_ASSERT_FALSE(drive.flying_start.gates);
+    TEST_ASSERT_EQUAL_INT(FLYING_START_PRELOAD, drive.start.flying_start.phase);
+    TEST_ASSERT_FALSE(drive.start.flying_start.gates);
     go_to(DRIVE_STATE_RUN);
 }
 
@@ -303,7 +307,7 @@ static next_t next_tick_of(drive_t copy)
 
     example_motor_measure(&motor, &in);
     drive_step(&copy, &in, &ignored);
-    return (next_t){copy.voltage, copy.observer.current};
+    return (next_t){copy.control.voltage, copy.rotor.observer.current};
 }
 
 /*
@@ -376,18 +380,18 @@ TEST(test_a_torque_filter_begins_with_the_present_torque)
     int32_t torque;
 
     run_loaded();
-    torque = drive.current_ref.q;
-    TEST_ASSERT_TRUE(abs(drive.torque_filter.origin - torque) > 1000);
+    torque = drive.control.current_ref.q;
+    TEST_ASSERT_TRUE(abs(drive.motion.torque_filter.origin - torque) > 1000);
     other.torque_filter.smooth_rate_q15 = 3000;
     change();
-    TEST_ASSERT_EQUAL_INT32(torque, drive.torque_filter.origin);
-    TEST_ASSERT_EQUAL_INT32(torque * 2048, drive.torque_filter.smooth_q26);
-    drive.torque_filter.smooth_q26 = 1; /* a filter that stays goes on */
+    TEST_ASSERT_EQUAL_INT32(torque, drive.motion.torque_filter.origin);
+    TEST_ASSERT_EQUAL_INT32(torque * 2048, drive.motion.torque_filter.smooth_q26);
+    drive.motion.torque_filter.smooth_q26 = 1; /* a filter that stays goes on */
     cfg = other;
     cfg.speed_loop.ramp++;
     cfg.crc = config_guard_crc(&cfg);
     drive_change(&drive, &cfg);
-    TEST_ASSERT_EQUAL_INT32(1, drive.torque_filter.smooth_q26);
+    TEST_ASSERT_EQUAL_INT32(1, drive.motion.torque_filter.smooth_q26);
 }
 
 /* Nothing limits the current there, so it begins again by itself when all is calm. */
@@ -405,13 +409,13 @@ TEST(test_a_voltage_drive_goes_back_to_current_control)
     }
     TEST_ASSERT_TRUE(drive.voltage_drive.active);
     ticks(100U);
-    voltage = drive.voltage;
+    voltage = drive.control.voltage;
     other.voltage_drive.pi.kp = scaled(other.voltage_drive.pi.kp, 1.1);
     change();
     TEST_ASSERT_FALSE(drive.voltage_drive.active);
     tick();
     /* the proportional part: 1/8 A off its mean, 100 LSB, times ω_c·L of 3.2 U_b/I_b */
-    assert_near(400, voltage, drive.voltage);
+    assert_near(400, voltage, drive.control.voltage);
     ticks(SETTLED_TICKS);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
     TEST_ASSERT_TRUE(drive.voltage_drive.active);
@@ -426,7 +430,7 @@ TEST(test_a_setting_of_rest_makes_a_drive_at_rest_calibrate_again)
 
     drive.derating.heat_q24 = 1234567;
     state_guard_keep_heat(&drive);
-    drive.identified = true;
+    drive.motor.identified = true;
     state_guard_keep_measured(&drive);
     other.sampling.offset_log2 = 4U;
     TEST_ASSERT_NOT_NULL(config_change_refused(&cfg, &other));
@@ -435,7 +439,7 @@ TEST(test_a_setting_of_rest_makes_a_drive_at_rest_calibrate_again)
     TEST_ASSERT_EQUAL_UINT32(tick_before, drive.tick);
     TEST_ASSERT_EQUAL_UINT32(left, drive.slow_count);
     TEST_ASSERT_EQUAL_INT32(1234567, drive.derating.heat_q24);
-    TEST_ASSERT_FALSE(drive.identified);
+    TEST_ASSERT_FALSE(drive.motor.identified);
     ticks(17U);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
 }

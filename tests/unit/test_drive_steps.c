@@ -58,8 +58,8 @@ static void slot(slot_t which)
 static void calibrate(drive_command_t command)
 {
     in = (drive_in_t){.adc_ia = 2048U, .adc_ib = 2048U, .adc_bus = 2822U, .command = command};
-    drive.offset_a = 16384;
-    drive.offset_b = 16384;
+    drive.sensors.offset_a = 16384;
+    drive.sensors.offset_b = 16384;
     state_guard_keep_measured(&drive);
 }
 
@@ -67,10 +67,11 @@ static void calibrate(drive_command_t command)
 static void run_at(step_t speed, int32_t torque)
 {
     enter(DRIVE_STATE_RUN);
-    speed_loop_start(&drive.speed_loop, speed, torque);
-    drive.speed_reference = speed;
-    drive.observer.speed = speed;
-    drive.torque_range = (torque_range_t){-cfg.derating.current_max, cfg.derating.current_max};
+    speed_loop_start(&drive.motion.speed_loop, speed, torque);
+    drive.motion.speed_reference = speed;
+    drive.rotor.observer.speed = speed;
+    drive.motion.torque_range =
+        (torque_range_t){-cfg.derating.current_max, cfg.derating.current_max};
 }
 
 void setUp(void)
@@ -81,7 +82,7 @@ void setUp(void)
     drive.bus = NOMINAL_BUS;
     now = (instant_t){.sample = {.bus = NOMINAL_BUS}};
     run_reset(&drive);
-    supervision_reset(&drive.supervision);
+    supervision_reset(&drive.watch.supervision);
 }
 
 /* ---- what a start begins with ---- */
@@ -92,35 +93,35 @@ TEST(test_a_reset_forgets_all_that_a_run_has_left_and_is_at_rest_at_angle_0)
 
     drive.voltage_drive.active = true;
     drive.voltage_drive.calm_periods = STALE;
-    drive.lost_periods = STALE;
-    drive.residual = STALE_CURRENT;
+    drive.start.lost_periods = STALE;
+    drive.rotor.residual = STALE_CURRENT;
     drive.vector.step = 1;
-    drive.speed_reference = 1;
-    drive.ratio_next = (ab_t){1, 1};
-    drive.ratio_acting = (ab_t){1, 1};
-    drive.current_ref = (dq_t){1, 1};
+    drive.motion.speed_reference = 1;
+    drive.control.ratio_next = (ab_t){1, 1};
+    drive.control.ratio_acting = (ab_t){1, 1};
+    drive.control.current_ref = (dq_t){1, 1};
     drive.vector.current_mean = (dq_t){1, 1};
-    drive.torque_range = (torque_range_t){0, 0};
-    drive.mode = (uint8_t)DRIVE_MODE_POSITION;
-    drive.position.turns_q32 = QUARTER;
+    drive.motion.torque_range = (torque_range_t){0, 0};
+    drive.motion.mode = (uint8_t)DRIVE_MODE_POSITION;
+    drive.rotor.position.turns_q32 = QUARTER;
     drive.vector.position.turns_q32 = QUARTER;
-    pi_reset(&drive.current_loop.pi_d, 1);
-    pi_reset(&drive.current_loop.pi_q, 1);
-    drive.observer.speed = 1;
-    speed_loop_reset(&drive.speed_loop, 1);
-    position_loop_reset(&drive.position_loop, QUARTER, 1);
+    pi_reset(&drive.control.current_loop.pi_d, 1);
+    pi_reset(&drive.control.current_loop.pi_q, 1);
+    drive.rotor.observer.speed = 1;
+    speed_loop_reset(&drive.motion.speed_loop, 1);
+    position_loop_reset(&drive.motion.position_loop, QUARTER, 1);
     run_reset(&drive);
     TEST_ASSERT_EQUAL_MEMORY(&fresh, &drive, sizeof drive);
-    TEST_ASSERT_EQUAL_INT64(0, drive.position.turns_q32);
+    TEST_ASSERT_EQUAL_INT64(0, drive.rotor.position.turns_q32);
     TEST_ASSERT_EQUAL_INT64(0, drive.vector.position.turns_q32);
-    TEST_ASSERT_EQUAL_INT64(0, drive.position_loop.profile_q32);
-    TEST_ASSERT_EQUAL_INT32(0, drive.position_loop.profile_speed);
-    TEST_ASSERT_EQUAL_INT32(0, drive.speed_loop.reference);
-    TEST_ASSERT_EQUAL_INT32(0, drive.observer.speed);
-    TEST_ASSERT_EQUAL_INT32(0, drive.speed_reference);
+    TEST_ASSERT_EQUAL_INT64(0, drive.motion.position_loop.profile_q32);
+    TEST_ASSERT_EQUAL_INT32(0, drive.motion.position_loop.profile_speed);
+    TEST_ASSERT_EQUAL_INT32(0, drive.motion.speed_loop.reference);
+    TEST_ASSERT_EQUAL_INT32(0, drive.rotor.observer.speed);
+    TEST_ASSERT_EQUAL_INT32(0, drive.motion.speed_reference);
     TEST_ASSERT_EQUAL_INT32(0, drive.vector.step);
-    TEST_ASSERT_EQUAL_INT32(0, drive.current_ref.d);
-    TEST_ASSERT_EQUAL_INT32(0, drive.current_ref.q);
+    TEST_ASSERT_EQUAL_INT32(0, drive.control.current_ref.d);
+    TEST_ASSERT_EQUAL_INT32(0, drive.control.current_ref.q);
 }
 
 TEST(test_a_run_begins_with_nothing_counted)
@@ -129,19 +130,19 @@ TEST(test_a_run_begins_with_nothing_counted)
         const char *name;
         uint32_t *count;
     } counts[] = {
-        {"attempts", &drive.attempts},
-        {"lost_periods", &drive.lost_periods},
+        {"attempts", &drive.start.attempts},
+        {"lost_periods", &drive.start.lost_periods},
         {"calm_periods", &drive.voltage_drive.calm_periods},
-        {"late", &drive.supervision.late},
-        {"unexplained", &drive.supervision.unexplained},
-        {"absent_periods", &drive.supervision.absent_periods},
-        {"too_fast", &drive.supervision.too_fast},
-        {"stalled", &drive.supervision.stalled},
-        {"off_reference", &drive.supervision.off_reference},
-        {"runaway", &drive.supervision.runaway},
-        {"halves", &drive.oscillation.halves},
-        {"span", &drive.oscillation.span},
-        {"halvings", &drive.speed_loop.halvings},
+        {"late", &drive.watch.supervision.late},
+        {"unexplained", &drive.watch.supervision.unexplained},
+        {"absent_periods", &drive.watch.supervision.absent_periods},
+        {"too_fast", &drive.watch.supervision.too_fast},
+        {"stalled", &drive.watch.supervision.stalled},
+        {"off_reference", &drive.watch.supervision.off_reference},
+        {"runaway", &drive.watch.supervision.runaway},
+        {"halves", &drive.watch.oscillation.halves},
+        {"span", &drive.watch.oscillation.span},
+        {"halvings", &drive.motion.speed_loop.halvings},
     };
 
     enter(DRIVE_STATE_READY);
@@ -173,15 +174,15 @@ TEST(test_a_start_moves_nothing_in_its_own_tick)
                                     .mode = (uint8_t)DRIVE_MODE_POSITION,
                                     .request = DRIVE_REQUEST_RUN});
         drive.slow_count = (uint8_t)slot_count;
-        flux = drive.model.flux_q30;
+        flux = drive.motor.model.flux_q30;
         drive_step(&drive, &in, &out);
         TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, drive.state);
-        TEST_ASSERT_EQUAL_INT32(0, drive.speed_reference);
-        TEST_ASSERT_EQUAL_INT32(0, drive.speed_loop.reference);
-        TEST_ASSERT_EQUAL_INT32(0, drive.residual);
-        TEST_ASSERT_EQUAL(DRIVE_MODE_SPEED, drive.mode);
+        TEST_ASSERT_EQUAL_INT32(0, drive.motion.speed_reference);
+        TEST_ASSERT_EQUAL_INT32(0, drive.motion.speed_loop.reference);
+        TEST_ASSERT_EQUAL_INT32(0, drive.rotor.residual);
+        TEST_ASSERT_EQUAL(DRIVE_MODE_SPEED, drive.motion.mode);
         TEST_ASSERT_EQUAL_UINT32(0U, drive.voltage_drive.calm_periods);
-        TEST_ASSERT_EQUAL_INT32(flux, drive.model.flux_q30);
+        TEST_ASSERT_EQUAL_INT32(flux, drive.motor.model.flux_q30);
     }
 }
 
@@ -196,7 +197,7 @@ TEST(test_no_slot_moves_a_drive_without_a_motion_loop)
         slot(SLOT_PLAN);
         slot(SLOT_SPEED);
         TEST_ASSERT_EQUAL(states[k], drive.state);
-        TEST_ASSERT_EQUAL_INT32(0, drive.speed_reference);
+        TEST_ASSERT_EQUAL_INT32(0, drive.motion.speed_reference);
         TEST_ASSERT_EQUAL_INT32(0, drive.vector.step);
     }
 }
@@ -206,14 +207,14 @@ TEST(test_no_slot_moves_a_drive_without_a_motion_loop)
 static void assert_imposed(int32_t expected, int32_t thermal, step_t reference)
 {
     drive.derating.thermal = thermal;
-    drive.speed_reference = reference;
+    drive.motion.speed_reference = reference;
     for (int32_t k = 0; k <= (cfg.startup.current_move / cfg.startup.current_slope); k++) {
-        const int32_t before = drive.current_ref.d;
+        const int32_t before = drive.control.current_ref.d;
 
         (void)open_loop_step(&drive, &now, &fault);
-        TEST_ASSERT_INT32_WITHIN(cfg.startup.current_slope, before, drive.current_ref.d);
+        TEST_ASSERT_INT32_WITHIN(cfg.startup.current_slope, before, drive.control.current_ref.d);
     }
-    TEST_ASSERT_EQUAL_INT32(expected, drive.current_ref.d);
+    TEST_ASSERT_EQUAL_INT32(expected, drive.control.current_ref.d);
 }
 
 TEST(test_derating_holds_for_an_imposed_current_too)
@@ -229,8 +230,8 @@ TEST(test_derating_holds_for_an_imposed_current_too)
 /* A slow period's end with the vector at this speed. */
 static void drag(step_t speed)
 {
-    speed_loop_reset(&drive.speed_loop, speed);
-    drive.speed_reference = speed;
+    speed_loop_reset(&drive.motion.speed_loop, speed);
+    drive.motion.speed_reference = speed;
     drive.vector.step = speed;
     slot(SLOT_SPEED);
 }
@@ -238,7 +239,7 @@ static void drag(step_t speed)
 /* An observer that has found the rotor turns with the vector. */
 static void drag_with(step_t speed)
 {
-    drive.observer.speed = speed;
+    drive.rotor.observer.speed = speed;
     drag(speed);
 }
 
@@ -246,7 +247,7 @@ TEST(test_a_hand_over_takes_its_time_to_settle)
 {
     cfg.startup.settle_periods = 3U;
     enter(DRIVE_STATE_IF_RAMP);
-    drive.identified = true;
+    drive.motor.identified = true;
     state_guard_keep_measured(&drive);
     drag(cfg.startup.handover_speed);
     for (uint32_t k = 0U; k < 3U; k++) {
@@ -261,9 +262,9 @@ static drive_state_t handed_over_with(step_t slip, int64_t load_angle)
 {
     setUp();
     enter(DRIVE_STATE_HANDOVER);
-    drive.position.turns_q32 = QUARTER;
+    drive.rotor.position.turns_q32 = QUARTER;
     drive.vector.position.turns_q32 = QUARTER + load_angle;
-    drive.observer.speed = cfg.startup.handover_speed - slip;
+    drive.rotor.observer.speed = cfg.startup.handover_speed - slip;
     drag(cfg.startup.handover_speed);
     return drive.state;
 }
@@ -290,19 +291,19 @@ TEST(test_the_observer_proves_itself_within_a_sixth_of_a_turn_of_the_vector)
 TEST(test_a_hand_over_begins_to_count_and_counts_each_period)
 {
     enter(DRIVE_STATE_IF_RAMP);
-    drive.handover_periods = STALE;
+    drive.start.handover_periods = STALE;
     drag(cfg.startup.handover_speed);
     TEST_ASSERT_EQUAL(DRIVE_STATE_HANDOVER, drive.state);
-    TEST_ASSERT_EQUAL_UINT32(0U, drive.handover_periods);
-    drive.residual = cfg.startup.residual_max;
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.start.handover_periods);
+    drive.rotor.residual = cfg.startup.residual_max;
     for (uint32_t k = 1U; k < cfg.startup.handover_periods; k++) {
         drag(cfg.startup.handover_speed);
         TEST_ASSERT_EQUAL(DRIVE_STATE_HANDOVER, drive.state);
-        TEST_ASSERT_EQUAL_UINT32(k, drive.handover_periods);
+        TEST_ASSERT_EQUAL_UINT32(k, drive.start.handover_periods);
     }
     drag(cfg.startup.handover_speed);
     TEST_ASSERT_EQUAL(DRIVE_STATE_FLYING_START, drive.state);
-    TEST_ASSERT_EQUAL_UINT32(1U, drive.attempts);
+    TEST_ASSERT_EQUAL_UINT32(1U, drive.start.attempts);
 }
 
 /*
@@ -314,31 +315,31 @@ TEST(test_failed_starts_are_forgotten_when_run_has_lasted_and_not_before)
     const uint32_t lasting = 100U * cfg.startup.lost_periods;
 
     enter(DRIVE_STATE_HANDOVER);
-    drive.identified = true;
+    drive.motor.identified = true;
     state_guard_keep_measured(&drive);
-    drive.attempts = cfg.startup.attempts - 1U;
-    drive.residual = cfg.startup.residual_max - 1;
+    drive.start.attempts = cfg.startup.attempts - 1U;
+    drive.rotor.residual = cfg.startup.residual_max - 1;
     drag_with(cfg.startup.handover_speed);
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, drive.state);
     for (uint32_t k = 0U; k < lasting; k++) {
-        TEST_ASSERT_EQUAL_UINT32(cfg.startup.attempts - 1U, drive.attempts);
+        TEST_ASSERT_EQUAL_UINT32(cfg.startup.attempts - 1U, drive.start.attempts);
         slot(SLOT_SPEED);
         TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, drive.state);
     }
-    TEST_ASSERT_EQUAL_UINT32(0U, drive.attempts);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.start.attempts);
 }
 
 TEST(test_a_start_that_fails_counts_the_time_of_run_anew)
 {
     enter(DRIVE_STATE_HANDOVER);
-    drive.identified = true;
+    drive.motor.identified = true;
     state_guard_keep_measured(&drive);
-    drive.held_periods = STALE;
-    drive.handover_periods = cfg.startup.handover_periods;
-    drive.residual = cfg.startup.residual_max;
+    drive.start.held_periods = STALE;
+    drive.start.handover_periods = cfg.startup.handover_periods;
+    drive.rotor.residual = cfg.startup.residual_max;
     drag(cfg.startup.handover_speed);
     TEST_ASSERT_EQUAL(DRIVE_STATE_FLYING_START, drive.state);
-    TEST_ASSERT_EQUAL_UINT32(0U, drive.held_periods);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.start.held_periods);
 }
 
 /*
@@ -352,16 +353,16 @@ static int32_t hand_over_with(step_t change)
 
     enter(DRIVE_STATE_HANDOVER);
     drive.vector.position.turns_q32 = 357913941; /* 2^32/12 */
-    drive.position.turns_q32 = 0;
-    drive.current_ref.d = 3000;
-    speed_loop_reset(&drive.speed_loop, cfg.startup.handover_speed);
+    drive.rotor.position.turns_q32 = 0;
+    drive.control.current_ref.d = 3000;
+    speed_loop_reset(&drive.motion.speed_loop, cfg.startup.handover_speed);
     drive.vector.step = cfg.startup.handover_speed;
-    drive.speed_reference = reference;
-    drive.observer.speed = reference;
-    before = drive.speed_loop;
+    drive.motion.speed_reference = reference;
+    drive.rotor.observer.speed = reference;
+    before = drive.motion.speed_loop;
     slot(SLOT_SPEED);
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, drive.state);
-    return speed_loop_accelerate(&before, &cfg.speed_loop, reference, drive.torque_range);
+    return speed_loop_accelerate(&before, &cfg.speed_loop, reference, drive.motion.torque_range);
 }
 
 TEST(test_a_hand_over_gives_the_load_to_the_integral_and_not_the_torque_of_the_ramp)
@@ -370,21 +371,21 @@ TEST(test_a_hand_over_gives_the_load_to_the_integral_and_not_the_torque_of_the_r
     int32_t of_ramp = hand_over_with(0);
 
     TEST_ASSERT_EQUAL_INT32(0, of_ramp);
-    TEST_ASSERT_INT32_WITHIN(TURN_LSB, 1500, pi_output(&drive.speed_loop.pi));
+    TEST_ASSERT_INT32_WITHIN(TURN_LSB, 1500, pi_output(&drive.motion.speed_loop.pi));
     of_ramp = hand_over_with(cfg.startup.ramp);
     TEST_ASSERT_TRUE(of_ramp > 50);
     TEST_ASSERT_INT32_WITHIN(TURN_LSB, lround(1500.0 - (of_ramp * (1.0 - cos_30))),
-                             pi_output(&drive.speed_loop.pi));
+                             pi_output(&drive.motion.speed_loop.pi));
 }
 
 TEST(test_the_last_attempt_that_fails_is_a_fault)
 {
     enter(DRIVE_STATE_HANDOVER);
-    drive.identified = true;
+    drive.motor.identified = true;
     state_guard_keep_measured(&drive);
-    drive.attempts = cfg.startup.attempts - 1U;
-    drive.handover_periods = cfg.startup.handover_periods;
-    drive.residual = cfg.startup.residual_max;
+    drive.start.attempts = cfg.startup.attempts - 1U;
+    drive.start.handover_periods = cfg.startup.handover_periods;
+    drive.rotor.residual = cfg.startup.residual_max;
     drag(cfg.startup.handover_speed);
     TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, drive.state);
     TEST_ASSERT_EQUAL(FAULT_STARTUP, drive.fault.id);
@@ -395,29 +396,29 @@ TEST(test_the_last_attempt_that_fails_is_a_fault)
 TEST(test_a_rotor_is_lost_when_periods_above_the_limit_outweigh_those_below)
 {
     enter(DRIVE_STATE_HOLD);
-    drive.identified = true;
+    drive.motor.identified = true;
     state_guard_keep_measured(&drive);
-    drive.residual = cfg.startup.residual_lost + 1;
+    drive.rotor.residual = cfg.startup.residual_lost + 1;
     for (uint32_t k = 1U; k < cfg.startup.lost_periods; k++) {
         drag(0);
-        TEST_ASSERT_EQUAL_UINT32(k, drive.lost_periods);
+        TEST_ASSERT_EQUAL_UINT32(k, drive.start.lost_periods);
     }
-    drive.residual = cfg.startup.residual_lost;
+    drive.rotor.residual = cfg.startup.residual_lost;
     for (uint32_t k = cfg.startup.lost_periods - 1U; k > 0U; k--) {
         drag(0);
-        TEST_ASSERT_EQUAL_UINT32(k - 1U, drive.lost_periods);
+        TEST_ASSERT_EQUAL_UINT32(k - 1U, drive.start.lost_periods);
         TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, drive.state);
     }
     drag(0);
-    TEST_ASSERT_EQUAL_UINT32(0U, drive.lost_periods);
-    drive.residual = cfg.startup.residual_lost + 1;
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.start.lost_periods);
+    drive.rotor.residual = cfg.startup.residual_lost + 1;
     for (uint32_t k = 0U; k < cfg.startup.lost_periods; k++) {
         TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, drive.state);
         drag(0);
     }
     TEST_ASSERT_EQUAL(DRIVE_STATE_FLYING_START, drive.state);
-    TEST_ASSERT_EQUAL_UINT32(1U, drive.attempts);
-    TEST_ASSERT_EQUAL_UINT32(0U, drive.lost_periods);
+    TEST_ASSERT_EQUAL_UINT32(1U, drive.start.attempts);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.start.lost_periods);
 }
 
 /* ---- the hand-back ---- */
@@ -434,28 +435,28 @@ TEST(test_the_hand_back_begins_with_what_flows_and_nothing_older)
     int64_t ahead;
 
     enter(DRIVE_STATE_RUN);
-    drive.position.turns_q32 = QUARTER / 2;
-    drive.current_ref = (dq_t){cfg.startup.current_hold, 0};
+    drive.rotor.position.turns_q32 = QUARTER / 2;
+    drive.control.current_ref = (dq_t){cfg.startup.current_hold, 0};
     now.along_rotor = (dq_t){3000, -4000};
     drive.vector.current_mean = (dq_t){2, 2};
-    drive.supervision.absent = 1U;
-    drive.supervision.absent_periods = STALE;
-    drive.supervision.unexplained = STALE;
-    speed_loop_reset(&drive.speed_loop, 1000);
-    drive.speed_reference = 1000;
+    drive.watch.supervision.absent = 1U;
+    drive.watch.supervision.absent_periods = STALE;
+    drive.watch.supervision.unexplained = STALE;
+    speed_loop_reset(&drive.motion.speed_loop, 1000);
+    drive.motion.speed_reference = 1000;
     slot(SLOT_SPEED);
     TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, drive.state);
-    TEST_ASSERT_EQUAL_UINT32(SUPERVISION_PHASES, drive.supervision.absent);
-    TEST_ASSERT_EQUAL_UINT32(0U, drive.supervision.absent_periods);
-    TEST_ASSERT_EQUAL_UINT32(0U, drive.supervision.unexplained);
-    TEST_ASSERT_EQUAL_INT32(drive.speed_loop.reference, drive.vector.step);
+    TEST_ASSERT_EQUAL_UINT32(SUPERVISION_PHASES, drive.watch.supervision.absent);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.watch.supervision.absent_periods);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.watch.supervision.unexplained);
+    TEST_ASSERT_EQUAL_INT32(drive.motion.speed_loop.reference, drive.vector.step);
     TEST_ASSERT_INT64_WITHIN(2LL * 5000 * TURN_LSB, 25000000LL,
                              ((int64_t)current->d * current->d) +
                                  ((int64_t)current->q * current->q));
-    ahead = drive.vector.position.turns_q32 - drive.position.turns_q32;
+    ahead = drive.vector.position.turns_q32 - drive.rotor.position.turns_q32;
     TEST_ASSERT_TRUE((ahead > -QUARTER) && (ahead < QUARTER));
-    TEST_ASSERT_INT32_WITHIN(TURN_LSB, 0, drive.current_ref.q);
-    TEST_ASSERT_TRUE(drive.current_ref.d >= (cfg.startup.current_hold - TURN_LSB));
+    TEST_ASSERT_INT32_WITHIN(TURN_LSB, 0, drive.control.current_ref.q);
+    TEST_ASSERT_TRUE(drive.control.current_ref.d >= (cfg.startup.current_hold - TURN_LSB));
 }
 
 /* ---- what the observer does not explain ---- */
@@ -464,10 +465,10 @@ static int32_t residual_in(drive_state_t state, step_t vector_speed)
 {
     enter(state);
     drive.vector.step = vector_speed;
-    drive.observer.rotated_error = (dq_t){.d = -800, .q = 1600};
-    drive.residual = 0;
+    drive.rotor.observer.rotated_error = (dq_t){.d = -800, .q = 1600};
+    drive.rotor.residual = 0;
     estimate_refine(&drive);
-    return drive.residual;
+    return drive.rotor.residual;
 }
 
 /* At rest a leg without current lies along q. The filter takes an eighth of it. */
@@ -488,11 +489,11 @@ TEST(test_the_residual_is_that_across_the_flux_and_at_rest_that_along_the_vector
 static void assert_rho_follows(step_t own, step_t speed)
 {
     enter(DRIVE_STATE_RUN);
-    drive.observer.speed = own;
-    speed_loop_reset(&drive.speed_loop, -own);
+    drive.rotor.observer.speed = own;
+    speed_loop_reset(&drive.motion.speed_loop, -own);
     estimate_refine(&drive);
-    TEST_ASSERT_TRUE(drive.observer.rho_q13 != 0);
-    TEST_ASSERT_EQUAL((speed > 0), (drive.observer.rho_q13 > 0));
+    TEST_ASSERT_TRUE(drive.rotor.observer.rho_q13 != 0);
+    TEST_ASSERT_EQUAL((speed > 0), (drive.rotor.observer.rho_q13 > 0));
 }
 
 TEST(test_the_static_part_follows_the_estimate_from_twice_the_hand_over_speed_on)
@@ -514,26 +515,26 @@ TEST(test_the_static_part_follows_the_estimate_from_twice_the_hand_over_speed_on
 static void ramp_under(torque_range_t range, step_t change)
 {
     enter(DRIVE_STATE_RUN);
-    speed_loop_start(&drive.speed_loop, 0, 0);
-    position_loop_reset(&drive.position_loop, 0, 0);
-    drive.position.turns_q32 = QUARTER;
-    drive.speed_reference = change;
-    drive.torque_range = range;
+    speed_loop_start(&drive.motion.speed_loop, 0, 0);
+    position_loop_reset(&drive.motion.position_loop, 0, 0);
+    drive.rotor.position.turns_q32 = QUARTER;
+    drive.motion.speed_reference = change;
+    drive.motion.torque_range = range;
     slot(SLOT_SPEED);
 }
 
 static void assert_waits(torque_range_t range, step_t change)
 {
     ramp_under(range, change);
-    TEST_ASSERT_EQUAL_INT32(0, drive.speed_loop.reference);
-    TEST_ASSERT_TRUE(drive.position_loop.profile_q32 == QUARTER);
+    TEST_ASSERT_EQUAL_INT32(0, drive.motion.speed_loop.reference);
+    TEST_ASSERT_TRUE(drive.motion.position_loop.profile_q32 == QUARTER);
 }
 
 static void assert_goes_on(torque_range_t range, step_t change)
 {
     ramp_under(range, change);
-    TEST_ASSERT_EQUAL_INT32(change, drive.speed_loop.reference);
-    TEST_ASSERT_TRUE(drive.position_loop.profile_q32 == 0);
+    TEST_ASSERT_EQUAL_INT32(change, drive.motion.speed_loop.reference);
+    TEST_ASSERT_TRUE(drive.motion.position_loop.profile_q32 == 0);
 }
 
 TEST(test_ramp_and_profile_wait_at_the_end_of_a_narrowed_torque_and_only_there)
@@ -552,7 +553,7 @@ TEST(test_ramp_and_profile_wait_at_the_end_of_a_narrowed_torque_and_only_there)
     assert_goes_on(no_motoring, -ramp);
     assert_goes_on(whole, beyond);
     assert_goes_on(whole, -beyond);
-    TEST_ASSERT_EQUAL_INT32(-full, drive.current_ref.q);
+    TEST_ASSERT_EQUAL_INT32(-full, drive.control.current_ref.q);
 }
 
 /* ---- J ---- */
@@ -564,9 +565,9 @@ static int32_t learned_under(torque_range_t range, step_t change)
     cfg.speed_loop.inertia_rate = 30274;
     cfg.speed_loop.inertia_rate_shift = 4U;
     cfg.speed_loop.inertia_most_q13 = 32767;
-    drive.observer.speed = -cfg.startup.handover_speed / 16;
+    drive.rotor.observer.speed = -cfg.startup.handover_speed / 16;
     ramp_under(range, change);
-    return drive.speed_loop.inertia_q17 - 131072;
+    return drive.motion.speed_loop.inertia_q17 - 131072;
 }
 
 TEST(test_j_is_learned_on_a_ramp_and_not_at_the_end_of_the_torque)
@@ -584,12 +585,12 @@ TEST(test_j_is_learned_on_a_ramp_and_not_at_the_end_of_the_torque)
 
 TEST(test_what_was_learned_of_j_is_forgotten_with_a_fault)
 {
-    drive.speed_loop.inertia_q17 = 200000;
+    drive.motion.speed_loop.inertia_q17 = 200000;
     enter(DRIVE_STATE_FAULT);
     in.command.request = DRIVE_REQUEST_CLEAR;
     drive_step(&drive, &in, &out);
     TEST_ASSERT_EQUAL(DRIVE_STATE_OFFSET_CAL, drive.state);
-    TEST_ASSERT_EQUAL_INT32(131072, drive.speed_loop.inertia_q17);
+    TEST_ASSERT_EQUAL_INT32(131072, drive.motion.speed_loop.inertia_q17);
 }
 
 /* ---- the estimate on a ramp ---- */
@@ -599,9 +600,9 @@ static step_t estimate_after(step_t begun, step_t change, int32_t share_q14)
     const int32_t full = cfg.derating.current_max;
 
     cfg.run.acceleration_q14 = share_q14;
-    drive.observer.speed = begun;
+    drive.rotor.observer.speed = begun;
     ramp_under((torque_range_t){-full, full}, change);
-    return drive.observer.speed;
+    return drive.rotor.observer.speed;
 }
 
 /*
@@ -634,9 +635,9 @@ TEST(test_the_estimate_takes_on_its_share_of_what_the_reference_changes)
 TEST(test_the_estimate_waits_with_a_ramp_that_waits)
 {
     cfg.run.acceleration_q14 = 16384;
-    drive.observer.speed = 0;
+    drive.rotor.observer.speed = 0;
     ramp_under((torque_range_t){-cfg.derating.current_max, 0}, cfg.speed_loop.ramp);
-    TEST_ASSERT_EQUAL_INT32(0, drive.observer.speed);
+    TEST_ASSERT_EQUAL_INT32(0, drive.rotor.observer.speed);
 }
 
 /* ---- the least current ---- */
@@ -648,9 +649,9 @@ static int32_t current_d_after(int32_t d, int32_t q)
     cfg.current_reference.floor = 4000;
     cfg.current_reference.slope = 64;
     cfg.current_reference.slope_down = 2;
-    drive.current_ref = (dq_t){d, q};
+    drive.control.current_ref = (dq_t){d, q};
     run_limit(&drive, &now);
-    return drive.current_ref.d;
+    return drive.control.current_ref.d;
 }
 
 TEST(test_the_least_current_comes_with_its_slope_and_goes_with_its_own)
@@ -680,14 +681,14 @@ static int32_t current_d_beyond_base_speed(dq_t demand)
     const int32_t limit = modulator_limit(&cfg.modulator, drive.bus);
     const int32_t speed_q15 = ((limit + (limit / 16)) * 8192) / cfg.current_loop.emf_q13;
 
-    weakening_reset(&drive.weakening);
-    drive.voltage = demand;
+    weakening_reset(&drive.motion.weakening);
+    drive.control.voltage = demand;
     (void)current_d_after(0, 0);
-    drive.current_ref = (dq_t){0, 0};
-    drive.observer.speed = speed_q15 * 2048; /* 2^speed_shift */
-    drive.speed_reference = drive.observer.speed;
+    drive.control.current_ref = (dq_t){0, 0};
+    drive.rotor.observer.speed = speed_q15 * 2048; /* 2^speed_shift */
+    drive.motion.speed_reference = drive.rotor.observer.speed;
     run_limit(&drive, &now);
-    return drive.current_ref.d;
+    return drive.control.current_ref.d;
 }
 
 TEST(test_the_least_current_gives_way_to_a_weakened_field_where_the_voltage_ends)
@@ -706,7 +707,7 @@ TEST(test_the_voltage_drive_leaves_the_current_reference_alone)
     drive.voltage_drive.active = true;
     TEST_ASSERT_EQUAL_INT32(0, current_d_after(0, 0));
     TEST_ASSERT_EQUAL_INT32(-8000, current_d_after(-8000, 0));
-    TEST_ASSERT_EQUAL_INT32(8192, drive.torque_range.upper);
+    TEST_ASSERT_EQUAL_INT32(8192, drive.motion.torque_range.upper);
 }
 
 /* ---- the alignment ---- */
@@ -719,18 +720,19 @@ static void end_measurement(align_phase_t phase, int32_t swing, int32_t step_fal
 
     fault_clear(&fault);
     enter(DRIVE_STATE_ALIGN);
-    drive.align = (align_t){.phase = phase,
-                            .tick = (uint32_t)before,
-                            .swing = swing,
-                            .current_ref = 3000,
-                            .inductance = {.step = {.change = {.d = step_fall}}},
-                            .high = {.voltage = 64 * 1000, .current = 64 * 2500},
-                            .low = {.voltage = 800 * before, .current = 1500 * before}};
+    drive.start.align = (align_t){.phase = phase,
+                                  .tick = (uint32_t)before,
+                                  .swing = swing,
+                                  .current_ref = 3000,
+                                  .inductance = {.step = {.change = {.d = step_fall}}},
+                                  .high = {.voltage = 64 * 1000, .current = 64 * 2500},
+                                  .low = {.voltage = 800 * before, .current = 1500 * before}};
     if (first) {
-        drive.align.high = (align_point_t){.voltage = 1000 * before, .current = 2500 * before};
+        drive.start.align.high =
+            (align_point_t){.voltage = 1000 * before, .current = 2500 * before};
     }
     now.along_vector = (dq_t){first ? 2500 : 1500, 0};
-    drive.voltage.d = first ? 1000 : 800;
+    drive.control.voltage.d = first ? 1000 : 800;
     take(open_loop_step(&drive, &now, &fault));
 }
 
@@ -745,22 +747,22 @@ static void end_alignment(int32_t swing, int32_t step_fall)
 
 TEST(test_an_alignment_without_an_inductance_leaves_the_model_and_is_not_repeated)
 {
-    const int32_t resistance = drive.model.resistance_q14;
+    const int32_t resistance = drive.motor.model.resistance_q14;
 
-    speed_loop_lower(&drive.speed_loop); /* a rotor was caught */
+    speed_loop_lower(&drive.motion.speed_loop); /* a rotor was caught */
     end_alignment(0, 0);
     TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, drive.state);
-    TEST_ASSERT_TRUE(drive.identified);
-    TEST_ASSERT_EQUAL_UINT32(0U, drive.speed_loop.halvings);
-    TEST_ASSERT_EQUAL_INT32(resistance, drive.model.resistance_q14);
+    TEST_ASSERT_TRUE(drive.motor.identified);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.motion.speed_loop.halvings);
+    TEST_ASSERT_EQUAL_INT32(resistance, drive.motor.model.resistance_q14);
 }
 
 TEST(test_the_second_measurement_follows_when_the_rotor_rested_in_the_first)
 {
     end_measurement(ALIGN_MEASURE_HIGH, cfg.startup.align.swing_max, 2000);
     TEST_ASSERT_EQUAL(DRIVE_STATE_ALIGN, drive.state);
-    TEST_ASSERT_EQUAL(ALIGN_INDUCTANCE, drive.align.phase);
-    TEST_ASSERT_EQUAL_UINT32(0U, drive.attempts);
+    TEST_ASSERT_EQUAL(ALIGN_INDUCTANCE, drive.start.align.phase);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.start.attempts);
 }
 
 TEST(test_a_rotor_that_does_not_rest_is_looked_for_after_the_measurement_that_shows_it)
@@ -768,17 +770,17 @@ TEST(test_a_rotor_that_does_not_rest_is_looked_for_after_the_measurement_that_sh
     static const align_phase_t PHASES[] = {ALIGN_MEASURE_HIGH, ALIGN_MEASURE_LOW};
 
     for (uint32_t k = 0; k < 2U; k++) {
-        drive.attempts = 0U;
+        drive.start.attempts = 0U;
         end_measurement(PHASES[k], cfg.startup.align.swing_max + 1, 2000);
         TEST_ASSERT_EQUAL(DRIVE_STATE_FLYING_START, drive.state);
-        TEST_ASSERT_EQUAL_UINT32(1U, drive.attempts);
-        TEST_ASSERT_FALSE(drive.identified);
+        TEST_ASSERT_EQUAL_UINT32(1U, drive.start.attempts);
+        TEST_ASSERT_FALSE(drive.motor.identified);
     }
 }
 
 TEST(test_the_last_alignment_without_rest_is_a_fault_that_names_the_current_across)
 {
-    drive.attempts = cfg.startup.attempts - 1U;
+    drive.start.attempts = cfg.startup.attempts - 1U;
     end_alignment(cfg.startup.align.swing_max + 1, 2000);
     TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, drive.state);
     TEST_ASSERT_EQUAL(FAULT_STARTUP, fault.id);
@@ -792,14 +794,14 @@ TEST(test_the_last_alignment_without_rest_is_a_fault_that_names_the_current_acro
 static step_t reference_from(step_t present, uint32_t attempts, bool identified)
 {
     enter(DRIVE_STATE_IF_RAMP);
-    drive.attempts = attempts;
-    drive.identified = identified;
+    drive.start.attempts = attempts;
+    drive.motor.identified = identified;
     state_guard_keep_measured(&drive);
     drive.vector.step = present;
-    drive.speed_loop.reference = present;
+    drive.motion.speed_loop.reference = present;
     in.command.target = cfg.speed_loop.speed_max;
     open_loop_plan(&drive, &in.command);
-    return drive.speed_reference;
+    return drive.motion.speed_reference;
 }
 
 TEST(test_a_rotor_that_slipped_is_brought_to_rest_before_it_obeys)
@@ -817,12 +819,12 @@ TEST(test_a_rotor_that_slipped_is_brought_to_rest_before_it_obeys)
 static drive_state_t state_of_fast_vector(uint32_t attempts, bool identified)
 {
     enter(DRIVE_STATE_IF_RAMP);
-    drive.attempts = attempts;
-    drive.identified = identified;
+    drive.start.attempts = attempts;
+    drive.motor.identified = identified;
     state_guard_keep_measured(&drive);
     drive.vector.step = cfg.startup.handover_speed;
-    drive.speed_loop.reference = cfg.startup.handover_speed;
-    drive.speed_reference = cfg.startup.handover_speed;
+    drive.motion.speed_loop.reference = cfg.startup.handover_speed;
+    drive.motion.speed_reference = cfg.startup.handover_speed;
     take(open_loop_drag(&drive, &fault));
     return drive.state;
 }
@@ -841,8 +843,8 @@ static dq_t voltage_of_imposed(dq_t current)
     frame_t frame;
 
     enter(DRIVE_STATE_HOLD);
-    current_loop_reset(&drive.current_loop);
-    drive.current_ref = (dq_t){0, 0};
+    current_loop_reset(&drive.control.current_loop);
+    drive.control.current_ref = (dq_t){0, 0};
     frame = frame_of_vector(&drive, current);
     return frame_impose_current(&drive, &frame, 22576); /* 310 V */
 }
@@ -856,8 +858,8 @@ TEST(test_an_imposed_current_is_controlled_firmly_beyond_its_limits_alone)
     const int32_t q = ((500 * firm->pi_q.kp) >> firm->pi_q.kp_shift) * 3 / 4;
     const dq_t limit = {cfg.startup.along_max, cfg.startup.across_max};
 
-    drive.model.inductance_q14 = 8192;
-    drive.model.saliency_q14 = 24576;
+    drive.motor.model.inductance_q14 = 8192;
+    drive.motor.model.saliency_q14 = 24576;
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         const dq_t beyond = {sign * (limit.d + 500), sign * (limit.q + 500)};
         dq_t held;
@@ -886,11 +888,11 @@ static int32_t torque_beside(int32_t current_d, int32_t sign)
     cfg.current_reference.slope_down = 1;
     cfg.speed_loop.inertia = 0;
     run_at(speed, sign * cfg.derating.current_max);
-    drive.observer.speed -= sign * (speed / 2);
-    drive.current_ref = (dq_t){current_d, 0};
+    drive.rotor.observer.speed -= sign * (speed / 2);
+    drive.control.current_ref = (dq_t){current_d, 0};
     run_limit(&drive, &now);
     slot(SLOT_SPEED);
-    return drive.current_ref.q;
+    return drive.control.current_ref.q;
 }
 
 TEST(test_the_torque_leaves_an_imposed_current_its_part_of_the_largest_one)
@@ -915,7 +917,7 @@ static int32_t dead_time_after_an_alignment_at(int64_t angle)
     drive.vector.position.turns_q32 = angle;
     end_alignment(cfg.startup.align.swing_max, 2000);
     TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, drive.state);
-    TEST_ASSERT_TRUE(drive.identified);
+    TEST_ASSERT_TRUE(drive.motor.identified);
     return drive.modulator.dead_time_q15;
 }
 
@@ -934,14 +936,14 @@ TEST(test_what_the_alignment_finds_lost_corrects_the_dead_time_within_its_limits
 static bool sweeps_backwards(uint32_t attempts)
 {
     enter(DRIVE_STATE_FLYING_START);
-    flying_start_reset(&drive.flying_start);
-    drive.attempts = attempts;
-    drive.align.backwards = false;
+    flying_start_reset(&drive.start.flying_start);
+    drive.start.attempts = attempts;
+    drive.start.align.backwards = false;
     for (int32_t k = 0; (k < 100000) && (drive.state == DRIVE_STATE_FLYING_START); k++) {
         take(open_loop_flying_start(&drive, &in, now.sample, &out, &fault));
     }
     TEST_ASSERT_EQUAL(DRIVE_STATE_ALIGN, drive.state);
-    return drive.align.backwards;
+    return drive.start.align.backwards;
 }
 
 TEST(test_each_further_attempt_sweeps_the_other_way)
@@ -967,7 +969,7 @@ static int32_t compensated_a(int32_t reference, int32_t mean)
     compare_t compare;
 
     enter(DRIVE_STATE_HOLD);
-    drive.current_ref = (dq_t){reference, 0};
+    drive.control.current_ref = (dq_t){reference, 0};
     drive.vector.current_mean = (dq_t){mean, 0};
     frame = frame_of_vector(&drive, (dq_t){0, 0});
     frame_modulate(&drive, &frame, (dq_t){0, 0}, &compare);
@@ -994,9 +996,9 @@ static step_t planned_from(step_t reference, step_t target)
 {
     enter(DRIVE_STATE_RUN);
     in.command.target = target;
-    drive.speed_loop.reference = reference;
+    drive.motion.speed_loop.reference = reference;
     slot(SLOT_PLAN);
-    return drive.speed_reference;
+    return drive.motion.speed_reference;
 }
 
 TEST(test_below_the_hold_speed_run_follows_the_ramp_of_an_imposed_vector)
@@ -1016,7 +1018,7 @@ TEST(test_below_the_hold_speed_run_follows_the_ramp_of_an_imposed_vector)
 static drive_state_t after_a_period_at(step_t reference, int32_t load)
 {
     run_at(reference, load);
-    drive.current_ref = (dq_t){cfg.startup.current_hold, 0};
+    drive.control.current_ref = (dq_t){cfg.startup.current_hold, 0};
     run_limit(&drive, &now);
     slot(SLOT_SPEED);
     return drive.state;
@@ -1043,7 +1045,7 @@ TEST(test_with_a_load_run_goes_down_to_the_loaded_speed)
     cfg.startup.loaded_speed = loaded;
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, after_a_period_at(sign * loaded, sign * load));
-        TEST_ASSERT_TRUE(drive.current_ref.d < cfg.startup.current_hold);
+        TEST_ASSERT_TRUE(drive.control.current_ref.d < cfg.startup.current_hold);
         /* A load that drives needs the imposed current. */
         TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, after_a_period_at(sign * loaded, -sign * 2 * load));
         TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, after_a_period_at(sign * settled, sign * load));
@@ -1061,7 +1063,7 @@ TEST(test_the_hand_back_of_a_position_profile_waits_for_half_of_the_hold_speed)
     const step_t half = cfg.startup.hold_speed / 2;
 
     cfg.startup.loaded_speed = half / 2;
-    drive.mode = (uint8_t)DRIVE_MODE_POSITION;
+    drive.motion.mode = (uint8_t)DRIVE_MODE_POSITION;
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, after_a_period_at(half + 1, 0));
     TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, after_a_period_at(half, 0));
     TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, after_a_period_at(half, 2000));
@@ -1073,10 +1075,10 @@ static void offer_voltage_drive(void)
 {
     cfg.voltage_drive = example_voltage_drive_cfg();
     run_at(2 * cfg.voltage_drive.speed_min, 1000);
-    in.command.target = drive.speed_reference;
+    in.command.target = drive.motion.speed_reference;
     now.along_rotor = (dq_t){0, 1000};
-    drive.current_ref = (dq_t){0, 1000};
-    drive.voltage = (dq_t){0, 8000};
+    drive.control.current_ref = (dq_t){0, 1000};
+    drive.control.voltage = (dq_t){0, 8000};
 }
 
 TEST(test_the_voltage_drive_takes_over_after_its_periods_and_counts_anew)
@@ -1102,10 +1104,10 @@ TEST(test_the_voltage_drive_begins_with_the_voltage_that_acts_whatever_speed_is_
     int32_t begun;
 
     offer_voltage_drive();
-    pi_reset(&drive.current_loop.pi_q, 8000);
-    drive.observer.speed -= drive.observer.speed / 50;
+    pi_reset(&drive.control.current_loop.pi_q, 8000);
+    drive.rotor.observer.speed -= drive.rotor.observer.speed / 50;
     for (uint32_t k = 0U; k < cfg.voltage_drive.settle_periods; k++) {
-        now.along_rotor = drive.current_ref;
+        now.along_rotor = drive.control.current_ref;
         slot(SLOT_SPEED);
     }
     TEST_ASSERT_TRUE(drive.voltage_drive.active);
@@ -1124,10 +1126,10 @@ TEST(test_the_voltage_drive_waits_for_the_speed_that_its_loop_is_asked_for)
     least = cfg.voltage_drive.speed_min;
     in.command.target = least;
     run_at(least, 1000);
-    drive.speed_reference = least - 1;
+    drive.motion.speed_reference = least - 1;
     slot(SLOT_SPEED);
     TEST_ASSERT_EQUAL_UINT32(0U, drive.voltage_drive.calm_periods);
-    drive.speed_reference = least;
+    drive.motion.speed_reference = least;
     slot(SLOT_SPEED);
     TEST_ASSERT_EQUAL_UINT32(1U, drive.voltage_drive.calm_periods);
 }
@@ -1138,7 +1140,7 @@ TEST(test_the_voltage_drive_gives_back_after_its_periods_and_current_control_cou
     drive.voltage_drive.active = true;
     drive.voltage_drive.calm_periods = STALE;
     virtual_resistance_start(&drive.voltage_drive.damping, (dq_t){0, 1000});
-    drive.voltage = (dq_t){8000, 100}; /* the lead is at its end towards braking */
+    drive.control.voltage = (dq_t){8000, 100}; /* the lead is at its end towards braking */
     for (uint32_t k = 1U; k < cfg.voltage_drive.settle_periods; k++) {
         slot(SLOT_SPEED);
         TEST_ASSERT_EQUAL_UINT32(k, drive.voltage_drive.end_periods);
@@ -1159,20 +1161,20 @@ static void filter_torque(int32_t current, int32_t begun, int32_t limit)
 {
     cfg.torque_filter = (torque_filter_cfg_t){.smooth_rate_q15 = 16384};
     run_at(0, current);
-    torque_filter_start(&drive.torque_filter, begun);
-    drive.torque_range = (torque_range_t){-limit, limit};
+    torque_filter_start(&drive.motion.torque_filter, begun);
+    drive.motion.torque_range = (torque_range_t){-limit, limit};
 }
 
 TEST(test_the_torque_filter_stands_behind_the_speed_loop)
 {
     filter_torque(4000, 1000, 6000);
     slot(SLOT_SPEED);
-    TEST_ASSERT_EQUAL_INT32(2500, drive.current_ref.q);
+    TEST_ASSERT_EQUAL_INT32(2500, drive.control.current_ref.q);
     slot(SLOT_SPEED);
-    TEST_ASSERT_EQUAL_INT32(3250, drive.current_ref.q);
+    TEST_ASSERT_EQUAL_INT32(3250, drive.control.current_ref.q);
     cfg.torque_filter = (torque_filter_cfg_t){.smooth_rate_q15 = 0};
     slot(SLOT_SPEED);
-    TEST_ASSERT_EQUAL_INT32(4000, drive.current_ref.q);
+    TEST_ASSERT_EQUAL_INT32(4000, drive.control.current_ref.q);
 }
 
 /* A low-pass that is still above a range that has just become narrow. */
@@ -1185,7 +1187,7 @@ TEST(test_behind_the_torque_filter_the_torque_keeps_its_limits)
 
         filter_torque(asked[k], sign * 6000, 3001);
         slot(SLOT_SPEED);
-        TEST_ASSERT_EQUAL_INT32(sign * 3001, drive.current_ref.q);
+        TEST_ASSERT_EQUAL_INT32(sign * 3001, drive.control.current_ref.q);
     }
 }
 
@@ -1199,12 +1201,12 @@ TEST(test_at_the_end_of_its_range_the_torque_winds_up_no_more_than_without_a_fil
         if (k == 0U) {
             cfg.torque_filter = (torque_filter_cfg_t){.smooth_rate_q15 = 0};
         }
-        drive.observer.speed = -cfg.startup.handover_speed;
+        drive.rotor.observer.speed = -cfg.startup.handover_speed;
         for (uint32_t n = 0U; n < 500U; n++) {
             slot(SLOT_SPEED);
         }
-        TEST_ASSERT_EQUAL_INT32(6000, drive.current_ref.q);
-        integral[k] = drive.speed_loop.pi.integral_q26;
+        TEST_ASSERT_EQUAL_INT32(6000, drive.control.current_ref.q);
+        integral[k] = drive.motion.speed_loop.pi.integral_q26;
     }
     TEST_ASSERT_EQUAL_INT32(integral[0], integral[1]);
 }
@@ -1224,25 +1226,26 @@ TEST(test_behind_a_notch_the_limit_of_the_torque_is_reached_in_the_end)
             .notch_turn = {.sin = (int16_t)lround(32767.0 * sin(turn)),
                            .cos = (int16_t)lround(32767.0 * cos(turn))},
         };
-        drive.observer.speed = -sign * cfg.startup.handover_speed;
+        drive.rotor.observer.speed = -sign * cfg.startup.handover_speed;
         for (uint32_t n = 0U; n < 3000U; n++) {
             slot(SLOT_SPEED);
         }
-        TEST_ASSERT_EQUAL_INT32(sign * 6001, drive.current_ref.q);
+        TEST_ASSERT_EQUAL_INT32(sign * 6001, drive.control.current_ref.q);
     }
 }
 
 static void assert_filter_begins_with(int32_t current)
 {
-    TEST_ASSERT_EQUAL_INT32(current, drive.torque_filter.origin);
-    TEST_ASSERT_EQUAL_INT32(current * 2048, drive.torque_filter.smooth_q26);
-    TEST_ASSERT_EQUAL_INT32(0, drive.torque_filter.swing_q26.d);
-    TEST_ASSERT_EQUAL_INT32(0, drive.torque_filter.swing_q26.q);
+    TEST_ASSERT_EQUAL_INT32(current, drive.motion.torque_filter.origin);
+    TEST_ASSERT_EQUAL_INT32(current * 2048, drive.motion.torque_filter.smooth_q26);
+    TEST_ASSERT_EQUAL_INT32(0, drive.motion.torque_filter.swing_q26.d);
+    TEST_ASSERT_EQUAL_INT32(0, drive.motion.torque_filter.swing_q26.q);
 }
 
 static void leave_a_swing_in_the_filter(void)
 {
-    drive.torque_filter = (torque_filter_t){.origin = 1, .smooth_q26 = 2, .swing_q26 = {3, 4}};
+    drive.motion.torque_filter =
+        (torque_filter_t){.origin = 1, .smooth_q26 = 2, .swing_q26 = {3, 4}};
 }
 
 /* A twelfth of a turn of load angle leaves half of the imposed current as torque. */
@@ -1254,13 +1257,13 @@ TEST(test_run_begins_with_the_torque_filter_at_the_torque_that_acts)
     run_at(cfg.startup.handover_speed, 0);
     enter(DRIVE_STATE_HANDOVER);
     drive.slow_count = 1U;
-    drive.current_ref = (dq_t){4000, 0};
-    drive.position.turns_q32 = -(QUARTER / 3);
+    drive.control.current_ref = (dq_t){4000, 0};
+    drive.rotor.position.turns_q32 = -(QUARTER / 3);
     drive.vector.step = cfg.startup.handover_speed;
     drive_step(&drive, &in, &out);
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, drive.state);
-    TEST_ASSERT_INT32_WITHIN(4000 / 16, 2000, drive.current_ref.q);
-    assert_filter_begins_with(drive.current_ref.q);
+    TEST_ASSERT_INT32_WITHIN(4000 / 16, 2000, drive.control.current_ref.q);
+    assert_filter_begins_with(drive.control.current_ref.q);
 }
 
 TEST(test_current_control_is_given_back_with_the_torque_filter_at_the_torque_that_acts)
@@ -1269,10 +1272,10 @@ TEST(test_current_control_is_given_back_with_the_torque_filter_at_the_torque_tha
     leave_a_swing_in_the_filter();
     drive.voltage_drive.active = true;
     virtual_resistance_start(&drive.voltage_drive.damping, (dq_t){0, 1000});
-    drive.speed_reference = 0; /* too slow for a voltage drive */
+    drive.motion.speed_reference = 0; /* too slow for a voltage drive */
     slot(SLOT_SPEED);
     TEST_ASSERT_FALSE(drive.voltage_drive.active);
-    TEST_ASSERT_EQUAL_INT32(1000, drive.current_ref.q);
+    TEST_ASSERT_EQUAL_INT32(1000, drive.control.current_ref.q);
     assert_filter_begins_with(1000);
 }
 
@@ -1283,7 +1286,7 @@ static int32_t heat_after_one_look(drive_state_t state)
     enter(state);
     drive.derating.heat_q24 = 1000000;
     state_guard_keep_heat(&drive);
-    drive.supervision.step = 0U;
+    drive.watch.supervision.step = 0U;
     now.along_rotor = (dq_t){STALE_CURRENT, 0};
     now.sample.phase_a = 0;
     now.sample.phase_b = 0;
@@ -1297,7 +1300,7 @@ static int32_t heat_of_phases(drive_state_t state, int32_t a, int32_t b)
     enter(state);
     drive.derating.heat_q24 = 1000000;
     state_guard_keep_heat(&drive);
-    drive.supervision.step = 0U;
+    drive.watch.supervision.step = 0U;
     now.along_rotor = (dq_t){0, 0};
     now.sample.phase_a = a;
     now.sample.phase_b = b;
@@ -1310,12 +1313,12 @@ static dq_t held_error_with(dq_t current)
 {
     enter(DRIVE_STATE_HOLD);
     drive.vector.step = 0;
-    supervision_reset(&drive.supervision);
-    drive.current_ref = (dq_t){5000, 0};
+    supervision_reset(&drive.watch.supervision);
+    drive.control.current_ref = (dq_t){5000, 0};
     now.along_vector = current;
-    drive.supervision.step = 2U; /* the check of the current */
+    drive.watch.supervision.step = 2U; /* the check of the current */
     slot(SLOT_CHECKS);
-    return drive.supervision.off_current;
+    return drive.watch.supervision.off_current;
 }
 
 TEST(test_at_rest_half_of_what_the_imposed_current_lacks_counts_and_nothing_of_what_a_swing_adds)
@@ -1343,7 +1346,7 @@ TEST(test_a_current_that_nothing_controls_heats_as_one_that_is_controlled)
     enter(DRIVE_STATE_RUN);
     drive.derating.heat_q24 = 1000000;
     state_guard_keep_heat(&drive);
-    drive.supervision.step = 0U;
+    drive.watch.supervision.step = 0U;
     now.along_rotor = (dq_t){0, 8000};
     slot(SLOT_CHECKS);
     const int32_t controlled = drive.derating.heat_q24;
@@ -1390,13 +1393,13 @@ static void turn_with_a_dead_phase(int32_t of_rotor, int32_t of_vector)
 {
     const int32_t samples = 10; /* a half turn; an arc is of 8 at least */
 
-    drive.position.turns_q32 = 0;
+    drive.rotor.position.turns_q32 = 0;
     drive.vector.position.turns_q32 = 0;
     for (int32_t k = 0; k < (samples * 4); k++) {
         now.sample.phase_a = 0;
         now.sample.phase_b = ((k % 2) == 0) ? STALE_CURRENT : -STALE_CURRENT;
         look_at_phases(1U);
-        drive.position.turns_q32 += of_rotor * (((int64_t)2 * QUARTER) / samples);
+        drive.rotor.position.turns_q32 += of_rotor * (((int64_t)2 * QUARTER) / samples);
         drive.vector.position.turns_q32 += of_vector * (((int64_t)2 * QUARTER) / samples);
     }
 }
@@ -1432,7 +1435,7 @@ TEST(test_phases_are_watched_over_the_turns_of_what_turns_in_this_state)
 TEST(test_a_run_is_not_judged_by_the_voltage_of_its_current_control)
 {
     enter(DRIVE_STATE_RUN);
-    pi_reset(&drive.current_loop.pi_q, 2 * cfg.supervision.voltage_max);
+    pi_reset(&drive.control.current_loop.pi_q, 2 * cfg.supervision.voltage_max);
     look_at_phases(2U * cfg.supervision.swing_periods);
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, drive.state);
     enter(DRIVE_STATE_IF_RAMP);
@@ -1444,9 +1447,9 @@ TEST(test_a_run_is_not_judged_by_the_voltage_of_its_current_control)
 static fault_id_t run_with_a_large_voltage(void)
 {
     enter(DRIVE_STATE_RUN);
-    pi_reset(&drive.current_loop.pi_q, 32000);
+    pi_reset(&drive.control.current_loop.pi_q, 32000);
     for (uint32_t k = 0U; k < (2U << cfg.supervision.mean_shift); k++) {
-        drive.supervision.step = 2U;
+        drive.watch.supervision.step = 2U;
         slot(SLOT_CHECKS);
     }
     return drive.fault.id;
@@ -1474,7 +1477,7 @@ TEST(test_a_large_voltage_of_a_swing_is_left_to_the_check_of_swings)
     for (uint32_t k = 0U; k < (sizeof swings / sizeof swings[0]); k++) {
         setUp();
         cfg.oscillation.act = (uint32_t)swings[k].act;
-        drive.oscillation.halves = swings[k].halves;
+        drive.watch.oscillation.halves = swings[k].halves;
         TEST_ASSERT_EQUAL(swings[k].id, run_with_a_large_voltage());
     }
 }
@@ -1489,10 +1492,10 @@ TEST(test_the_check_of_an_imposed_current_allows_the_whole_emf_in_either_directi
         setUp();
         enter(DRIVE_STATE_IF_RAMP);
         drive.vector.step = speeds[k];
-        pi_reset(&drive.current_loop.pi_q, cfg.supervision.voltage_max + emf);
+        pi_reset(&drive.control.current_loop.pi_q, cfg.supervision.voltage_max + emf);
         look_at_phases(2U * cfg.supervision.swing_periods);
         TEST_ASSERT_EQUAL(DRIVE_STATE_IF_RAMP, drive.state);
-        pi_reset(&drive.current_loop.pi_q, cfg.supervision.voltage_max + emf + 1);
+        pi_reset(&drive.control.current_loop.pi_q, cfg.supervision.voltage_max + emf + 1);
         look_at_phases(cfg.supervision.swing_periods);
         TEST_ASSERT_EQUAL(DRIVE_STATE_IF_RAMP, drive.state);
         look_at_phases(1U);
@@ -1507,16 +1510,16 @@ TEST(test_the_torques_limits_follow_the_rotor_where_it_runs_and_the_vector_where
 {
     cfg.startup.current_hold = 0;                /* no imposed current comes in */
     now.sample.bus = cfg.derating.bus_high.zero; /* no braking */
-    drive.observer.speed = 2 * cfg.derating.regeneration_speed;
+    drive.rotor.observer.speed = 2 * cfg.derating.regeneration_speed;
     drive.vector.step = -2 * cfg.derating.regeneration_speed;
     enter(DRIVE_STATE_RUN);
     slot(SLOT_LIMITS);
-    TEST_ASSERT_EQUAL_INT32(0, drive.torque_range.lower);
-    TEST_ASSERT_EQUAL_INT32(cfg.derating.current_max, drive.torque_range.upper);
+    TEST_ASSERT_EQUAL_INT32(0, drive.motion.torque_range.lower);
+    TEST_ASSERT_EQUAL_INT32(cfg.derating.current_max, drive.motion.torque_range.upper);
     enter(DRIVE_STATE_IF_RAMP);
     slot(SLOT_LIMITS);
-    TEST_ASSERT_EQUAL_INT32(-cfg.derating.current_max, drive.torque_range.lower);
-    TEST_ASSERT_EQUAL_INT32(0, drive.torque_range.upper);
+    TEST_ASSERT_EQUAL_INT32(-cfg.derating.current_max, drive.motion.torque_range.lower);
+    TEST_ASSERT_EQUAL_INT32(0, drive.motion.torque_range.upper);
 }
 
 /*
@@ -1531,10 +1534,10 @@ TEST(test_a_stall_is_told_from_either_limit_of_the_torque)
 
         setUp();
         enter(DRIVE_STATE_RUN);
-        drive.torque_range = (torque_range_t){-8192, 8192};
-        drive.current_ref.q = torques[k];
+        drive.motion.torque_range = (torque_range_t){-8192, 8192};
+        drive.control.current_ref.q = torques[k];
         for (uint32_t turn = 0U; turn <= cfg.supervision.stall_periods; turn++) {
-            drive.supervision.step = SUPERVISION_STEPS - 1U;
+            drive.watch.supervision.step = SUPERVISION_STEPS - 1U;
             slot(SLOT_CHECKS);
         }
         TEST_ASSERT_EQUAL(expected, drive.state);
@@ -1551,7 +1554,7 @@ static int32_t wave(uint32_t k)
 static void swing_for(uint32_t periods)
 {
     for (uint32_t k = 0U; k < periods; k++) {
-        drive.current_ref.q = 4000 * wave(k);
+        drive.control.current_ref.q = 4000 * wave(k);
         slot(SLOT_PHASES);
     }
 }
@@ -1567,7 +1570,7 @@ TEST(test_a_swing_in_run_is_a_fault_with_its_amplitude)
     TEST_ASSERT_EQUAL(FAULT_OSCILLATION, drive.fault.id);
     TEST_ASSERT_EQUAL_INT32(4000, drive.fault.value);
     TEST_ASSERT_EQUAL_INT32(cfg.oscillation.amplitude_max, drive.fault.limit);
-    TEST_ASSERT_EQUAL_UINT32(0U, drive.speed_loop.halvings);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.motion.speed_loop.halvings);
 }
 
 TEST(test_a_swing_lowers_the_bandwidth_once_where_that_is_configured)
@@ -1576,7 +1579,7 @@ TEST(test_a_swing_lowers_the_bandwidth_once_where_that_is_configured)
     enter(DRIVE_STATE_RUN);
     swing_for(SWING_FOUND);
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, drive.state);
-    TEST_ASSERT_EQUAL_UINT32(1U, drive.speed_loop.halvings);
+    TEST_ASSERT_EQUAL_UINT32(1U, drive.motion.speed_loop.halvings);
     swing_for(SWING_FOUND);
     TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, drive.state);
     TEST_ASSERT_EQUAL(FAULT_OSCILLATION, drive.fault.id);
@@ -1591,7 +1594,7 @@ TEST(test_no_swing_is_looked_for_where_that_is_configured_nor_below_run)
     cfg.oscillation.act = (uint32_t)OSCILLATION_ACT_FAULT;
     enter(DRIVE_STATE_HANDOVER);
     swing_for(2U * SWING_FOUND);
-    TEST_ASSERT_EQUAL(0U, drive.oscillation.now);
+    TEST_ASSERT_EQUAL(0U, drive.watch.oscillation.now);
 }
 
 /* Its speed loop is another one, so there is nothing to lower. */
@@ -1605,7 +1608,7 @@ TEST(test_a_swing_of_the_voltage_drive_is_a_fault_at_once)
         slot(SLOT_PHASES);
     }
     TEST_ASSERT_EQUAL(FAULT_OSCILLATION, drive.fault.id);
-    TEST_ASSERT_EQUAL_UINT32(0U, drive.speed_loop.halvings);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.motion.speed_loop.halvings);
 }
 
 /*
@@ -1617,11 +1620,11 @@ TEST(test_a_swing_in_position_control_is_found_while_the_profile_rests_and_only_
     for (int32_t profile = 0; profile <= 100; profile += 100) {
         setUp();
         enter(DRIVE_STATE_RUN);
-        drive.mode = (uint8_t)DRIVE_MODE_POSITION;
+        drive.motion.mode = (uint8_t)DRIVE_MODE_POSITION;
         for (uint32_t k = 0U; k < ((profile == 0) ? SWING_FOUND : (4U * SWING_FOUND)); k++) {
-            drive.current_ref.q = 4000 * wave(k);
-            drive.speed_loop.reference = (int32_t)(k % 50U) * 1000;
-            drive.position_loop.profile_speed += profile * wave(k);
+            drive.control.current_ref.q = 4000 * wave(k);
+            drive.motion.speed_loop.reference = (int32_t)(k % 50U) * 1000;
+            drive.motion.position_loop.profile_speed += profile * wave(k);
             slot(SLOT_PHASES);
         }
         TEST_ASSERT_EQUAL((profile == 0) ? FAULT_OSCILLATION : FAULT_NONE, drive.fault.id);

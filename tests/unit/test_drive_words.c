@@ -11,20 +11,19 @@
 
 /*
  * Bytes of drive_t on a 64-bit PC that belong to the machine: the pointer to the configuration, the
- * rest of the words of the mode, of the count of the slow period and of five flags, and where
- * 64-bit fields ask for alignment a word: before the position loop, before and in the vector, in
- * the angle sensor, at the end.
+ * rest of the words of the mode, of the count of the slow period and of five flags, and the words
+ * where 64-bit fields ask for alignment.
  */
 #define FLAGS_AND_BYTES (7U)
 #define BYTE_PADDING (FLAGS_AND_BYTES * 3U)
 #define WORD (4U)
-#define BEFORE_POSITION_LOOP \
-    (offsetof(drive_t, position_loop) - offsetof(drive_t, speed_loop) - sizeof(speed_loop_t))
-#define BEFORE_VECTOR (offsetof(drive_t, vector) - offsetof(drive_t, identified) - WORD)
-#define IN_VECTOR (sizeof(current_vector_t) - (5U * WORD))
-#define IN_ANGLE_SENSOR (sizeof(angle_sensor_t) - (3U * WORD))
-#define AT_THE_END (sizeof(drive_t) - offsetof(drive_t, scene) - sizeof(fault_scene_t))
-#define ALIGNMENT (BEFORE_POSITION_LOOP + BEFORE_VECTOR + IN_VECTOR + IN_ANGLE_SENSOR + AT_THE_END)
+#define END(member) (offsetof(drive_t, member) + sizeof(((drive_t *)NULL)->member))
+#define BETWEEN(member, next) (offsetof(drive_t, next) - END(member))
+#define ALIGNMENT \
+    (BETWEEN(sensors, rotor) + BETWEEN(rotor.residual, modulator) + \
+     BETWEEN(voltage_drive, motion) + BETWEEN(motion.torque_loop, motor) + \
+     BETWEEN(motor, vector) + BETWEEN(vector.current_mean, angle_sensor) + \
+     BETWEEN(angle_sensor.speed, start) + (sizeof(drive_t) - END(scene)))
 #define MACHINE_BYTES (sizeof(void *) + BYTE_PADDING + ALIGNMENT)
 
 /* A field that is added to the state and not to its words is found here. */

@@ -923,7 +923,7 @@ TEST(test_a_current_that_runs_away_while_a_phase_is_open_names_the_phase)
 TEST(test_a_current_that_runs_away_for_want_of_voltage_says_so)
 {
     be_in(IDENTIFY_SPIN, 1U, 0U);
-    app.drive.voltage = (dq_t){0, 12382};
+    app.drive.control.voltage = (dq_t){0, 12382};
     flow(cfg.protection.current_max, 0);
     TEST_ASSERT_EQUAL_STRING(LACKS_VOLTAGE, identify.why);
 }

@@ -586,8 +586,8 @@ static void carry(int32_t a, int32_t b)
 {
     app.in.adc_ia = 2048U;
     app.in.adc_ib = 2048U;
-    app.drive.offset_a = (2048 * 8) - a;
-    app.drive.offset_b = (2048 * 8) - b;
+    app.drive.sensors.offset_a = (2048 * 8) - a;
+    app.drive.sensors.offset_b = (2048 * 8) - b;
 }
 
 /* The axes have been measured, with this share of their voltages moving. */

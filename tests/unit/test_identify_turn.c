@@ -247,7 +247,7 @@ TEST(test_a_bus_whose_whole_voltage_is_used_is_too_low)
 
     for (uint32_t k = 0U; k < 3U; k++) {
         begin_spinning();
-        app.drive.voltage = used[k];
+        app.drive.control.voltage = used[k];
         TEST_ASSERT_EQUAL(k == 0U, spin_after(500, 2000, QUARTER));
         TEST_ASSERT_EQUAL_STRING((k == 0U) ? NULL : TOO_LOW, identify.why);
     }
@@ -264,7 +264,7 @@ static bool lacks_voltage_in(identify_phase_t phase, uint32_t step)
 /* Later on the speed is bounded by what it has taken. */
 TEST(test_the_whole_voltage_counts_at_a_quarter_of_the_speed_only)
 {
-    app.drive.voltage = (dq_t){0, 12382};
+    app.drive.control.voltage = (dq_t){0, 12382};
     TEST_ASSERT_TRUE(lacks_voltage_in(IDENTIFY_SPIN, 1U));
     TEST_ASSERT_FALSE(lacks_voltage_in(IDENTIFY_SPIN, 0U));
     TEST_ASSERT_FALSE(lacks_voltage_in(IDENTIFY_SPIN, 2U));

@@ -50,7 +50,7 @@ static void run(uint8_t mode)
 /* As the drive's own speed: nothing turns behind these inputs. */
 static void turn(step_t speed)
 {
-    app.drive.observer.speed = speed;
+    app.drive.rotor.observer.speed = speed;
     TEST_ASSERT_EQUAL_INT32(speed, drive_speed(&app.drive));
 }
 

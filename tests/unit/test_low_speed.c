@@ -142,7 +142,7 @@ TEST(test_a_rotor_is_pulled_in_backwards_for_a_speed_below_zero_only)
         in.command = (drive_command_t){
             .request = DRIVE_REQUEST_RUN, .mode = commands[k].mode, .target = commands[k].target};
         expect_start_to(DRIVE_STATE_ALIGN);
-        TEST_ASSERT_EQUAL(commands[k].backwards, drive.align.backwards);
+        TEST_ASSERT_EQUAL(commands[k].backwards, drive.start.align.backwards);
         TEST_ASSERT_EQUAL(commands[k].backwards, drive.vector.position.turns_q32 > 0);
     }
 }
@@ -213,9 +213,9 @@ TEST(test_alignment_brings_the_rotor_from_every_angle_to_the_angle_of_the_frame)
 TEST(test_alignment_measures_what_was_configured)
 {
     go_to(DRIVE_STATE_HOLD);
-    TEST_ASSERT_TRUE(drive.identified);
-    TEST_ASSERT_DOUBLE_WITHIN(R_TOLERANCE, 1.0, drive.model.resistance_q14 / 16384.0);
-    TEST_ASSERT_DOUBLE_WITHIN(L_TOLERANCE, 1.0, drive.model.inductance_q14 / 16384.0);
+    TEST_ASSERT_TRUE(drive.motor.identified);
+    TEST_ASSERT_DOUBLE_WITHIN(R_TOLERANCE, 1.0, drive.motor.model.resistance_q14 / 16384.0);
+    TEST_ASSERT_DOUBLE_WITHIN(L_TOLERANCE, 1.0, drive.motor.model.inductance_q14 / 16384.0);
 }
 
 TEST(test_a_turning_rotor_is_caught_without_alignment_and_goes_on)
@@ -239,8 +239,8 @@ TEST(test_a_rotor_that_turns_too_slowly_to_be_taken_over_is_held_by_a_vector_tha
         begin();
         search(sign * 150.0, sign * FAST_RPM); /* of 180, from where the observer takes over */
         expect_next(DRIVE_STATE_FLYING_START, DRIVE_STATE_IF_RAMP);
-        TEST_ASSERT_EQUAL_INT32(drive.flying_start.speed, drive.vector.step);
-        TEST_ASSERT_EQUAL_UINT32(rotor_position_angle(&drive.position),
+        TEST_ASSERT_EQUAL_INT32(drive.start.flying_start.speed, drive.vector.step);
+        TEST_ASSERT_EQUAL_UINT32(rotor_position_angle(&drive.rotor.position),
                                  rotor_position_angle(&drive.vector.position));
         expect_next(DRIVE_STATE_IF_RAMP, DRIVE_STATE_HANDOVER);
         expect_next(DRIVE_STATE_HANDOVER, DRIVE_STATE_RUN);
@@ -252,16 +252,16 @@ TEST(test_a_caught_rotor_is_measured_at_its_first_standstill)
     search(FAST_RPM, FAST_RPM);
     ticks(3000U);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
-    TEST_ASSERT_FALSE(drive.identified);
+    TEST_ASSERT_FALSE(drive.motor.identified);
     run_at(0.0);
-    for (uint32_t k = 0U; (k < (2U * PATIENCE_TICKS)) && !drive.identified; k++) {
+    for (uint32_t k = 0U; (k < (2U * PATIENCE_TICKS)) && !drive.motor.identified; k++) {
         tick();
         TEST_ASSERT_TRUE(is_driving(drive.state));
         TEST_ASSERT_TRUE(drive.state != DRIVE_STATE_FLYING_START);
     }
-    TEST_ASSERT_TRUE(drive.identified);
+    TEST_ASSERT_TRUE(drive.motor.identified);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_HOLD, drive.state);
-    TEST_ASSERT_DOUBLE_WITHIN(R_TOLERANCE, 1.0, drive.model.resistance_q14 / 16384.0);
+    TEST_ASSERT_DOUBLE_WITHIN(R_TOLERANCE, 1.0, drive.motor.model.resistance_q14 / 16384.0);
 }
 
 static void catch_it(void)
@@ -288,22 +288,22 @@ TEST(test_a_caught_rotor_has_the_inductance_of_its_pulses_until_it_is_measured)
     cfg.startup.flying_start.gap_factor = TELLING_GAP;
     begin();
     catch_it();
-    TEST_ASSERT_FALSE(drive.identified);
+    TEST_ASSERT_FALSE(drive.motor.identified);
     TEST_ASSERT_DOUBLE_WITHIN(PULSE_L_TOLERANCE / file, 1.0 / file,
-                              drive.model.inductance_q14 / 16384.0);
-    TEST_ASSERT_EQUAL_INT32(16384, drive.model.saliency_q14);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 1.0, drive.model.resistance_q14 / 16384.0);
-    TEST_ASSERT_EQUAL_UINT32(0U, drive.speed_loop.halvings);
+                              drive.motor.model.inductance_q14 / 16384.0);
+    TEST_ASSERT_EQUAL_INT32(16384, drive.motor.model.saliency_q14);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 1.0, drive.motor.model.resistance_q14 / 16384.0);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.motion.speed_loop.halvings);
 
     begin();
     go_to(DRIVE_STATE_HOLD);
-    measured = drive.model.inductance_q14;
+    measured = drive.motor.model.inductance_q14;
     in.command.request = 0U;
     tick();
     catch_it();
-    TEST_ASSERT_TRUE(drive.flying_start.inductance_q14 > (measured + 2000));
-    TEST_ASSERT_EQUAL_INT32(measured, drive.model.inductance_q14);
-    TEST_ASSERT_EQUAL_UINT32(0U, drive.speed_loop.halvings);
+    TEST_ASSERT_TRUE(drive.start.flying_start.inductance_q14 > (measured + 2000));
+    TEST_ASSERT_EQUAL_INT32(measured, drive.motor.model.inductance_q14);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.motion.speed_loop.halvings);
 }
 
 TEST(test_a_caught_rotor_whose_pulses_do_not_tell_has_a_soft_speed_loop)
@@ -311,8 +311,8 @@ TEST(test_a_caught_rotor_whose_pulses_do_not_tell_has_a_soft_speed_loop)
     cfg.startup.flying_start.gap_factor = 1U;
     begin();
     catch_it();
-    TEST_ASSERT_EQUAL_INT32(16384, drive.model.inductance_q14);
-    TEST_ASSERT_EQUAL_UINT32(1U, drive.speed_loop.halvings);
+    TEST_ASSERT_EQUAL_INT32(16384, drive.motor.model.inductance_q14);
+    TEST_ASSERT_EQUAL_UINT32(1U, drive.motion.speed_loop.halvings);
 }
 
 /* ---- the command withdrawn ---- */
@@ -342,9 +342,9 @@ TEST(test_a_stop_opens_the_gates_in_its_tick_in_every_state_and_the_next_start_s
         in.command.request = DRIVE_REQUEST_RUN;
         tick();
         TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FLYING_START, drive.state);
-        TEST_ASSERT_EQUAL_UINT32(0U, drive.attempts);
-        TEST_ASSERT_EQUAL_INT32(0, drive.current_ref.d);
-        TEST_ASSERT_EQUAL_INT32(0, drive.current_ref.q);
+        TEST_ASSERT_EQUAL_UINT32(0U, drive.start.attempts);
+        TEST_ASSERT_EQUAL_INT32(0, drive.control.current_ref.d);
+        TEST_ASSERT_EQUAL_INT32(0, drive.control.current_ref.q);
     }
 }
 
@@ -402,7 +402,7 @@ TEST(test_a_fault_found_during_the_search_opens_the_gates_in_its_tick)
         expect_next(DRIVE_STATE_FLYING_START, DRIVE_STATE_FAULT);
         TEST_ASSERT_EQUAL_INT(FAULT_OVERTEMPERATURE, drive.fault.id);
         TEST_ASSERT_FALSE(out.gate_enable);
-        in_a_pulse += drive.flying_start.gates ? 1U : 0U;
+        in_a_pulse += drive.start.flying_start.gates ? 1U : 0U;
     }
     TEST_ASSERT_GREATER_THAN_UINT32(0U, in_a_pulse);
 }
@@ -459,7 +459,7 @@ TEST(test_a_failed_start_stays_latched_and_is_tried_afresh_after_clearing)
     run_at(FAST_RPM);
     tick();
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FLYING_START, drive.state);
-    TEST_ASSERT_EQUAL_UINT32(0U, drive.attempts);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.start.attempts);
 }
 
 /*
@@ -494,7 +494,7 @@ TEST(test_a_rotor_that_is_torn_from_the_vector_makes_the_start_begin_again)
         tick();
     }
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FLYING_START, drive.state);
-    TEST_ASSERT_EQUAL_UINT32(1U, drive.attempts);
+    TEST_ASSERT_EQUAL_UINT32(1U, drive.start.attempts);
     assert_gates_open();
 }
 
@@ -556,12 +556,12 @@ TEST(test_a_rotor_that_feeds_the_bus_through_open_gates_is_too_fast_for_it)
 static void charge(void)
 {
     run_at(0.0);
-    for (uint32_t k = 0U; (k < PATIENCE_TICKS) && (drive.flying_start.phase != FLYING_START_CHARGE);
-         k++) {
+    for (uint32_t k = 0U;
+         (k < PATIENCE_TICKS) && (drive.start.flying_start.phase != FLYING_START_CHARGE); k++) {
         tick();
     }
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FLYING_START, drive.state);
-    TEST_ASSERT_EQUAL_INT(FLYING_START_CHARGE, drive.flying_start.phase);
+    TEST_ASSERT_EQUAL_INT(FLYING_START_CHARGE, drive.start.flying_start.phase);
 }
 
 static void begin_charging(void)
@@ -600,7 +600,8 @@ TEST(test_a_charge_that_was_stopped_begins_anew_behind_a_new_look)
     assert_gates_open();
     run_at(0.0);
     ticks(2U);
-    TEST_ASSERT_EQUAL_UINT32(1U, drive.flying_start.phase); /* nothing flows: the first pulse */
+    TEST_ASSERT_EQUAL_UINT32(1U,
+                             drive.start.flying_start.phase); /* nothing flows: the first pulse */
     charge();
     assert_charges_then_aligns();
 }
@@ -648,12 +649,12 @@ static void assert_everything_in_range(void)
     }
     TEST_ASSERT_TRUE(is_driving(drive.state) || !out.gate_enable);
     TEST_ASSERT_TRUE((drive.state >= DRIVE_STATE_INIT) && (drive.state <= DRIVE_STATE_FAULT));
-    TEST_ASSERT_TRUE(abs(drive.current_ref.d) <= 23171);
-    TEST_ASSERT_TRUE(abs(drive.current_ref.q) <= 23171);
-    TEST_ASSERT_TRUE(abs(drive.observer.speed) <= cfg.observer.speed_limit);
-    TEST_ASSERT_TRUE(abs(drive.observer.rho_q13) <= cfg.observer.rho_max_q13);
-    TEST_ASSERT_TRUE((drive.residual >= 0) && (drive.residual <= 16384));
-    TEST_ASSERT_TRUE(drive.attempts <= cfg.startup.attempts);
+    TEST_ASSERT_TRUE(abs(drive.control.current_ref.d) <= 23171);
+    TEST_ASSERT_TRUE(abs(drive.control.current_ref.q) <= 23171);
+    TEST_ASSERT_TRUE(abs(drive.rotor.observer.speed) <= cfg.observer.speed_limit);
+    TEST_ASSERT_TRUE(abs(drive.rotor.observer.rho_q13) <= cfg.observer.rho_max_q13);
+    TEST_ASSERT_TRUE((drive.rotor.residual >= 0) && (drive.rotor.residual <= 16384));
+    TEST_ASSERT_TRUE(drive.start.attempts <= cfg.startup.attempts);
 }
 
 /* |a|, |b| and |a + b| within ±12000 most of the time: ±700 counts each. */
@@ -783,7 +784,7 @@ TEST(test_a_hot_power_stage_takes_from_an_imposed_current_too)
         ticks(20U * SUPERVISION_TICKS);
         TEST_ASSERT_EQUAL_INT(imposing[k], drive.state);
         TEST_ASSERT_LESS_THAN_INT32(cfg.startup.current_hold, drive.derating.thermal);
-        TEST_ASSERT_EQUAL_INT32(drive.derating.thermal, drive.current_ref.d);
+        TEST_ASSERT_EQUAL_INT32(drive.derating.thermal, drive.control.current_ref.d);
     }
 }
 
@@ -799,7 +800,7 @@ TEST(test_heat_takes_from_an_imposed_current_too)
     state_guard_keep_config(&drive);
     ticks(20U * SUPERVISION_TICKS);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_HOLD, drive.state);
-    TEST_ASSERT_EQUAL_INT32(cfg.startup.current_hold / 2, drive.current_ref.d);
+    TEST_ASSERT_EQUAL_INT32(cfg.startup.current_hold / 2, drive.control.current_ref.d);
 }
 
 TEST(test_a_winding_at_rest_cools_whatever_the_last_current_was)

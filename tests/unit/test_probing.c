@@ -132,25 +132,25 @@ TEST(test_it_begins_with_no_word_no_current_and_nothing_that_a_run_has_left)
         const char *name;
         void *word; /* of 32 bits */
     } words[] = {
-        {"attempts", &drive.attempts},
-        {"late", &drive.supervision.late},
-        {"unexplained", &drive.supervision.unexplained},
-        {"halves", &drive.oscillation.halves},
+        {"attempts", &drive.start.attempts},
+        {"late", &drive.watch.supervision.late},
+        {"unexplained", &drive.watch.supervision.unexplained},
+        {"halves", &drive.watch.oscillation.halves},
         {"step", &drive.vector.step},
         {"current_mean.d", &drive.vector.current_mean.d},
         {"current_mean.q", &drive.vector.current_mean.q},
-        {"current_ref.d", &drive.current_ref.d},
-        {"current_ref.q", &drive.current_ref.q},
-        {"voltage.d", &drive.voltage.d},
-        {"voltage.q", &drive.voltage.q},
-        {"ratio_next.alpha", &drive.ratio_next.alpha},
-        {"ratio_next.beta", &drive.ratio_next.beta},
-        {"constant.d", &drive.current_loop.constant.d},
-        {"constant.q", &drive.current_loop.constant.q},
-        {"reactance.d", &drive.current_loop.reactance_q14.d},
-        {"reactance.q", &drive.current_loop.reactance_q14.q},
-        {"pi_d", &drive.current_loop.pi_d.integral_q26},
-        {"pi_q", &drive.current_loop.pi_q.integral_q26},
+        {"current_ref.d", &drive.control.current_ref.d},
+        {"current_ref.q", &drive.control.current_ref.q},
+        {"voltage.d", &drive.control.voltage.d},
+        {"voltage.q", &drive.control.voltage.q},
+        {"ratio_next.alpha", &drive.control.ratio_next.alpha},
+        {"ratio_next.beta", &drive.control.ratio_next.beta},
+        {"constant.d", &drive.control.current_loop.constant.d},
+        {"constant.q", &drive.control.current_loop.constant.q},
+        {"reactance.d", &drive.control.current_loop.reactance_q14.d},
+        {"reactance.q", &drive.control.current_loop.reactance_q14.q},
+        {"pi_d", &drive.control.current_loop.pi_d.integral_q26},
+        {"pi_q", &drive.control.current_loop.pi_q.integral_q26},
     };
     static const int32_t stale = STALE;
     static const int32_t zero = 0;
@@ -258,8 +258,8 @@ TEST(test_each_tick_gives_the_probe_its_word_and_nothing_else_is_one)
     begin();
     word(PROBE_CURRENT, 1234);
     TEST_ASSERT_EQUAL_INT32(1234, drive.probe.current);
-    TEST_ASSERT_EQUAL_INT32(1234, drive.current_ref.d);
-    TEST_ASSERT_EQUAL_INT32(0, drive.current_ref.q);
+    TEST_ASSERT_EQUAL_INT32(1234, drive.control.current_ref.d);
+    TEST_ASSERT_EQUAL_INT32(0, drive.control.current_ref.q);
     word(PROBE_RATE, 55);
     TEST_ASSERT_EQUAL_INT32(1234, drive.probe.current);
     TEST_ASSERT_EQUAL_INT32(55, drive.probe.rate);
@@ -293,7 +293,7 @@ TEST(test_the_samples_of_a_window_are_what_the_drive_has_measured)
     turn(1000, (int32_t)(100.0 * STEPS_PER_RPM));
     ticks(50U);
     for (uint32_t k = 0U; k < 5U; k++) {
-        const dq_t demanded = drive.voltage;
+        const dq_t demanded = drive.control.voltage;
         const int32_t turns = (int32_t)(drive.vector.position.turns_q32 >> 16U);
         const sample_t before = instant_sample(&drive, &in);
         const angle_t angle = rotor_position_angle(&drive.vector.position);
@@ -318,10 +318,10 @@ TEST(test_pulses_ride_on_what_the_control_demands_without_an_error)
 {
     begin();
     word(PROBE_PULSE_D, 3000);
-    pi_reset(&drive.current_loop.pi_d, 1000);
-    pi_reset(&drive.current_loop.pi_q, -300);
+    pi_reset(&drive.control.current_loop.pi_d, 1000);
+    pi_reset(&drive.control.current_loop.pi_q, -300);
     word(PROBE_WINDOW, 8);
-    assert_dq((dq_t){1000 + 3000, -300}, drive.voltage);
+    assert_dq((dq_t){1000 + 3000, -300}, drive.control.voltage);
 }
 
 /*
@@ -341,8 +341,8 @@ TEST(test_the_emf_is_the_demand_less_what_the_model_needs)
     in.adc_ib = MID_COUNTS - 20U;
     in.command.mode = (uint8_t)PROBE_WINDOW;
     in.command.target = 1;
-    drive.voltage = (dq_t){2000, -3000};
-    drive.current_loop.constant = (dq_t){300, 400};
+    drive.control.voltage = (dq_t){2000, -3000};
+    drive.control.current_loop.constant = (dq_t){300, 400};
     drive_step(&drive, &in, &out);
     i = probing_current(&drive);
     TEST_ASSERT_TRUE((i.d != 0) && (i.q != 0));
@@ -357,7 +357,7 @@ TEST(test_the_vector_turns_with_its_speed_and_is_the_position)
     turn(SPEED_MAX, 3000000);
     for (int64_t k = 1; k < 1000; k++) {
         TEST_ASSERT_EQUAL_INT64(3000000 * k, drive.vector.position.turns_q32);
-        TEST_ASSERT_EQUAL_INT64(3000000 * k, drive.position.turns_q32);
+        TEST_ASSERT_EQUAL_INT64(3000000 * k, drive.rotor.position.turns_q32);
         TEST_ASSERT_EQUAL_INT32(3000000, drive.vector.step);
         tick();
     }
@@ -380,7 +380,7 @@ TEST(test_dead_time_is_not_compensated_and_the_voltage_is_turned_for_its_period)
     begin_with(CURRENT);
     turn(SPEED_MAX, 3000001);
     for (uint32_t k = 0U; k < 100U; k++) {
-        const ab_t before = drive.ratio_next;
+        const ab_t before = drive.control.ratio_next;
         const uint32_t middle =
             rotor_position_angle(&drive.vector.position) + 3000001U + (3000001U / 2U);
         dq_t ratio;
@@ -388,11 +388,11 @@ TEST(test_dead_time_is_not_compensated_and_the_voltage_is_turned_for_its_period)
         compare_t plain;
 
         tick();
-        ratio = modulator_ratio(&drive.modulator, drive.voltage);
+        ratio = modulator_ratio(&drive.modulator, drive.control.voltage);
         expected = transforms_park_inverse(ratio, trig_sincos(middle));
         modulator_compare(&cfg.modulator, expected, &plain);
-        TEST_ASSERT_EQUAL_MEMORY(&expected, &drive.ratio_next, sizeof expected);
-        TEST_ASSERT_EQUAL_MEMORY(&before, &drive.ratio_acting, sizeof before);
+        TEST_ASSERT_EQUAL_MEMORY(&expected, &drive.control.ratio_next, sizeof expected);
+        TEST_ASSERT_EQUAL_MEMORY(&before, &drive.control.ratio_acting, sizeof before);
         TEST_ASSERT_EQUAL_MEMORY(&plain, &out.compare, sizeof plain);
     }
 }
@@ -407,7 +407,7 @@ TEST(test_the_current_becomes_what_its_word_says_and_the_rotor_rests_on_it)
     TEST_ASSERT_INT32_WITHIN(16, CURRENT, probing_current(&drive).d);
     TEST_ASSERT_INT32_WITHIN(16, 0, probing_current(&drive).q);
     /* R·i, to the step of the voltage over R: 1547/8192 */
-    TEST_ASSERT_INT32_WITHIN(8, (CURRENT * 1547) / 8192, drive.voltage.d);
+    TEST_ASSERT_INT32_WITHIN(8, (CURRENT * 1547) / 8192, drive.control.voltage.d);
 }
 
 /* L·di/dt = v: Q15 of U_b a tick make so much of I_b, T/L·U_b/I_b. */
@@ -422,22 +422,22 @@ TEST(test_along_pulses_the_control_holds_its_voltage)
     ticks(2000U);
     word(PROBE_PULSE_D, 3000);
     word(PROBE_PULSE_TICKS, 4);
-    held = drive.voltage;
-    integral = drive.current_loop.pi_d.integral_q26;
+    held = drive.control.voltage;
+    integral = drive.control.current_loop.pi_d.integral_q26;
     word(PROBE_WINDOW, 64);
     for (uint32_t k = 0U; k < 64U; k++) {
         const uint32_t quarter = (k / 4U) % 4U;
         const int32_t sign = ((quarter == 1U) || (quarter == 2U)) ? -1 : 1;
 
-        TEST_ASSERT_INT32_WITHIN(32, held.d + (sign * 3000), drive.voltage.d);
-        TEST_ASSERT_INT32_WITHIN(32, held.q, drive.voltage.q);
-        TEST_ASSERT_EQUAL_INT32(integral, drive.current_loop.pi_d.integral_q26);
+        TEST_ASSERT_INT32_WITHIN(32, held.d + (sign * 3000), drive.control.voltage.d);
+        TEST_ASSERT_INT32_WITHIN(32, held.q, drive.control.voltage.q);
+        TEST_ASSERT_EQUAL_INT32(integral, drive.control.current_loop.pi_d.integral_q26);
         tick();
     }
-    TEST_ASSERT_INT32_WITHIN(32, held.d, drive.voltage.d);
+    TEST_ASSERT_INT32_WITHIN(32, held.d, drive.control.voltage.d);
     ticks(1U);
     TEST_ASSERT_TRUE(probe_is_done(&drive.probe, 64));
-    TEST_ASSERT_TRUE(integral != drive.current_loop.pi_d.integral_q26);
+    TEST_ASSERT_TRUE(integral != drive.control.current_loop.pi_d.integral_q26);
     /*
      * R·t/L of a quarter is 0.073: to second order it takes 0.073²/2 a quarter; and a count of 8
      * LSB at both ends

@@ -303,11 +303,11 @@ TEST(test_an_open_offer_stays_as_it_is_until_a_tick_decides)
     recorder_service(&run.recorder, &run.drive);
     TEST_ASSERT_TRUE(run.recorder.offered);
     offered = run.recorder.states[run.recorder.next];
-    run.drive.speed_reference++;
+    run.drive.motion.speed_reference++;
     recorder_service(&run.recorder, &run.drive);
     TEST_ASSERT_TRUE(run.recorder.offered);
-    TEST_ASSERT_EQUAL_INT32(offered.speed_reference,
-                            run.recorder.states[run.recorder.next].speed_reference);
+    TEST_ASSERT_EQUAL_INT32(offered.motion.speed_reference,
+                            run.recorder.states[run.recorder.next].motion.speed_reference);
 }
 
 TEST(test_offer_that_came_too_late_does_not_end_a_segment)

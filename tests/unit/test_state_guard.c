@@ -149,7 +149,7 @@ static end_t go_on(void)
 static bool differs(const means_t *means, const means_t *sound)
 {
     const double rpm = fmax(LEAST_SPEED, 0.1 * fabs(sound->rpm));
-    const bool elsewhere = (drive.mode == (uint8_t)DRIVE_MODE_POSITION) &&
+    const bool elsewhere = (drive.motion.mode == (uint8_t)DRIVE_MODE_POSITION) &&
                            (fabs(means->turns - sound->turns) > TURN_SHARE);
 
     return elsewhere || (fabs(means->rpm - sound->rpm) > rpm) ||

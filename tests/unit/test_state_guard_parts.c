@@ -40,11 +40,11 @@ static void begin_in(drive_state_t state, drive_mode_t mode)
     cfg.crc = config_guard_crc(&cfg);
     TEST_ASSERT_NULL(drive_init(&drive, &cfg));
     drive.state = state;
-    drive.mode = (uint8_t)mode;
+    drive.motion.mode = (uint8_t)mode;
     drive.limits = protection_limits(&cfg.protection, drive_is_driving(state));
     drive.vector.step = (state == DRIVE_STATE_IF_RAMP) ? STEP : 0;
-    drive.speed_loop.reference = drive.vector.step;
-    drive.speed_reference = drive.vector.step;
+    drive.motion.speed_loop.reference = drive.vector.step;
+    drive.motion.speed_reference = drive.vector.step;
     TEST_ASSERT_EQUAL_INT(FAULT_NONE, look_at_all());
     TEST_ASSERT_EQUAL_INT(FAULT_NONE, look_at_all());
 }
@@ -71,19 +71,19 @@ TEST(test_each_limit_in_force_is_that_of_the_configuration)
 TEST(test_a_phase_or_a_count_that_cannot_be_is_found)
 {
     begin_in(DRIVE_STATE_READY, DRIVE_MODE_SPEED);
-    drive.align.phase = (align_phase_t)(ALIGN_DONE + 1);
+    drive.start.align.phase = (align_phase_t)(ALIGN_DONE + 1);
     assert_finds(STATE_GUARD_CHOICES);
     begin_in(DRIVE_STATE_READY, DRIVE_MODE_SPEED);
-    drive.flying_start.phase = (flying_start_phase_t)(FLYING_START_CHARGE + 1);
+    drive.start.flying_start.phase = (flying_start_phase_t)(FLYING_START_CHARGE + 1);
     assert_finds(STATE_GUARD_CHOICES);
     begin_in(DRIVE_STATE_READY, DRIVE_MODE_SPEED);
     drive.safe_state.phase = (safe_state_phase_t)(SAFE_STATE_BROKEN + 1);
     assert_finds(STATE_GUARD_CHOICES);
     begin_in(DRIVE_STATE_READY, DRIVE_MODE_SPEED);
-    drive.speed_loop.halvings = 2U;
+    drive.motion.speed_loop.halvings = 2U;
     assert_finds(STATE_GUARD_CHOICES);
     begin_in(DRIVE_STATE_READY, DRIVE_MODE_SPEED);
-    drive.attempts = cfg.startup.attempts + 1U;
+    drive.start.attempts = cfg.startup.attempts + 1U;
     assert_finds(STATE_GUARD_START);
 }
 
@@ -91,10 +91,10 @@ TEST(test_a_phase_or_a_count_that_cannot_be_is_found)
 TEST(test_an_inertia_that_was_never_learned_is_found)
 {
     begin_in(DRIVE_STATE_READY, DRIVE_MODE_SPEED);
-    drive.speed_loop.inertia_q17 = (cfg.speed_loop.inertia_least_q13 << 4U) - 1;
+    drive.motion.speed_loop.inertia_q17 = (cfg.speed_loop.inertia_least_q13 << 4U) - 1;
     assert_finds(STATE_GUARD_CHOICES);
     begin_in(DRIVE_STATE_READY, DRIVE_MODE_SPEED);
-    drive.speed_loop.inertia_q17 = (cfg.speed_loop.inertia_most_q13 + 1) << 4U;
+    drive.motion.speed_loop.inertia_q17 = (cfg.speed_loop.inertia_most_q13 + 1) << 4U;
     assert_finds(STATE_GUARD_CHOICES);
 }
 
@@ -112,7 +112,7 @@ TEST(test_a_voltage_drive_is_found_where_the_configuration_has_none)
 /* Until the slot that looks at it has come, at the end of a supervision period at the latest. */
 static void run_until_heat_is_looked_at(void)
 {
-    drive.supervision.step = 0U;
+    drive.watch.supervision.step = 0U;
     ticks(cfg.slow_ticks + 1U);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
     TEST_ASSERT_EQUAL_INT(FAULT_MEMORY, drive.fault.id);
@@ -144,29 +144,29 @@ TEST(test_a_winding_whose_heat_has_flipped_counts_as_the_hotter_one)
 TEST(test_in_run_a_jump_of_what_moves_slowly_is_found)
 {
     begin_in(DRIVE_STATE_RUN, DRIVE_MODE_SPEED);
-    drive.speed_loop.reference += 0x1000000;
+    drive.motion.speed_loop.reference += 0x1000000;
     assert_finds(STATE_GUARD_REFERENCE);
     begin_in(DRIVE_STATE_RUN, DRIVE_MODE_TORQUE); /* has no ramp */
-    drive.speed_loop.reference += 0x1000000;
+    drive.motion.speed_loop.reference += 0x1000000;
     TEST_ASSERT_EQUAL_INT(FAULT_NONE, look_at_all());
     begin_in(DRIVE_STATE_RUN, DRIVE_MODE_SPEED);
-    drive.model.flux_q30 += 0x8000000;
+    drive.motor.model.flux_q30 += 0x8000000;
     assert_finds(STATE_GUARD_FLUX);
     begin_in(DRIVE_STATE_RUN, DRIVE_MODE_SPEED);
-    drive.weakening.check ^= 1U;
+    drive.motion.weakening.check ^= 1U;
     assert_finds(STATE_GUARD_WEAKENING);
 }
 
 TEST(test_in_position_control_another_profile_or_a_way_that_no_rotor_goes_is_found)
 {
     begin_in(DRIVE_STATE_RUN, DRIVE_MODE_POSITION);
-    drive.position_loop.check ^= 1U;
+    drive.motion.position_loop.check ^= 1U;
     assert_finds(STATE_GUARD_PROFILE);
     begin_in(DRIVE_STATE_RUN, DRIVE_MODE_POSITION);
-    drive.position.turns_q32 += (int64_t)1 << 40;
+    drive.rotor.position.turns_q32 += (int64_t)1 << 40;
     assert_finds(STATE_GUARD_TURNS);
     begin_in(DRIVE_STATE_RUN, DRIVE_MODE_POSITION);
-    drive.position.turns_q32 -= (int64_t)1 << 40;
+    drive.rotor.position.turns_q32 -= (int64_t)1 << 40;
     assert_finds(STATE_GUARD_TURNS);
 }
 
@@ -176,11 +176,11 @@ TEST(test_a_way_at_the_speed_that_the_rotor_had_is_none_that_no_rotor_goes)
     const int64_t ticks_of_a_look = (int64_t)SUPERVISION_STEPS * (int64_t)cfg.slow_ticks;
 
     begin_in(DRIVE_STATE_RUN, DRIVE_MODE_POSITION);
-    drive.observer.speed = 0x10000000; /* 1/16 turn a tick */
+    drive.rotor.observer.speed = 0x10000000; /* 1/16 turn a tick */
     TEST_ASSERT_EQUAL_INT(FAULT_NONE, state_guard_step(&drive, &fault));
-    drive.position.turns_q32 += ticks_of_a_look * drive.observer.speed;
+    drive.rotor.position.turns_q32 += ticks_of_a_look * drive.rotor.observer.speed;
     TEST_ASSERT_EQUAL_INT(FAULT_NONE, state_guard_step(&drive, &fault));
-    drive.position.turns_q32 += ticks_of_a_look * 2 * drive.observer.speed;
+    drive.rotor.position.turns_q32 += ticks_of_a_look * 2 * drive.rotor.observer.speed;
     TEST_ASSERT_EQUAL_INT(FAULT_MEMORY, state_guard_step(&drive, &fault));
     TEST_ASSERT_EQUAL_INT32(STATE_GUARD_TURNS, fault.value);
 }
@@ -191,10 +191,10 @@ TEST(test_a_vector_at_rest_keeps_its_angle_and_its_integrals)
     drive.vector.position.turns_q32 += 1;
     assert_finds(STATE_GUARD_ANGLE);
     begin_in(DRIVE_STATE_HOLD, DRIVE_MODE_SPEED);
-    drive.current_loop.pi_d.integral_q26 += 0x2000000;
+    drive.control.current_loop.pi_d.integral_q26 += 0x2000000;
     assert_finds(STATE_GUARD_INTEGRALS);
     begin_in(DRIVE_STATE_HOLD, DRIVE_MODE_SPEED);
-    drive.current_loop.pi_q.integral_q26 -= 0x2000000;
+    drive.control.current_loop.pi_q.integral_q26 -= 0x2000000;
     assert_finds(STATE_GUARD_INTEGRALS);
 }
 
@@ -227,7 +227,7 @@ TEST(test_a_drive_with_a_vector_of_another_step_stops)
 TEST(test_a_vector_does_not_move_with_another_zero_of_a_sensor)
 {
     begin_in(DRIVE_STATE_IF_RAMP, DRIVE_MODE_SPEED);
-    drive.offset_a ^= 1;
+    drive.sensors.offset_a ^= 1;
     assert_moves(FAULT_MEMORY);
 }
 
@@ -235,22 +235,22 @@ TEST(test_a_vector_does_not_move_with_another_zero_of_a_sensor)
 TEST(test_a_speed_asked_of_a_vector_is_no_further_than_a_ramp_leads)
 {
     begin_in(DRIVE_STATE_IF_RAMP, DRIVE_MODE_SPEED);
-    drive.speed_reference = STEP + cfg.startup.ramp;
+    drive.motion.speed_reference = STEP + cfg.startup.ramp;
     assert_moves(FAULT_NONE);
-    drive.speed_reference = STEP - cfg.startup.ramp;
+    drive.motion.speed_reference = STEP - cfg.startup.ramp;
     assert_moves(FAULT_NONE);
-    drive.speed_reference = STEP + cfg.startup.ramp + 1;
+    drive.motion.speed_reference = STEP + cfg.startup.ramp + 1;
     assert_moves(FAULT_MEMORY);
-    drive.mode = (uint8_t)DRIVE_MODE_POSITION;
+    drive.motion.mode = (uint8_t)DRIVE_MODE_POSITION;
     assert_moves(FAULT_NONE);
 }
 
 TEST(test_a_rotor_is_lost_for_no_longer_than_it_may_be)
 {
     begin_in(DRIVE_STATE_IF_RAMP, DRIVE_MODE_SPEED);
-    drive.lost_periods = cfg.startup.lost_periods;
+    drive.start.lost_periods = cfg.startup.lost_periods;
     assert_moves(FAULT_NONE);
-    drive.lost_periods++;
+    drive.start.lost_periods++;
     assert_moves(FAULT_MEMORY);
 }
 

@@ -87,7 +87,7 @@ TEST(test_a_motor_that_is_shorted_is_said)
 TEST(test_the_speed_is_that_of_the_drive)
 {
     app.drive.state = DRIVE_STATE_RUN;
-    app.drive.observer.speed = -EXAMPLE_SPEED_STEP;
+    app.drive.rotor.observer.speed = -EXAMPLE_SPEED_STEP;
     TEST_ASSERT_EQUAL_STRING_LEN("RUN, speed -2000 of 0 rpm", status(), 25U);
 }
 
@@ -98,7 +98,7 @@ TEST(test_with_open_gates_the_speed_is_unknown_and_with_a_sensor_it_is_known)
     drive_cfg_t sensed = *app.drive.cfg;
 
     sensed.sampling.sensor_pole_pairs = 1U;
-    app.drive.observer.speed = EXAMPLE_SPEED_STEP; /* what driving ended with */
+    app.drive.rotor.observer.speed = EXAMPLE_SPEED_STEP; /* what driving ended with */
     for (uint32_t k = 0U; k < (sizeof open / sizeof open[0]); k++) {
         app.drive.state = open[k];
         TEST_ASSERT_NOT_NULL_MESSAGE(strstr(status(), ", speed unknown, asked 0 rpm, "),
@@ -125,9 +125,10 @@ TEST(test_a_rotor_is_told_in_turns_from_the_zero)
 
     command_mailbox_post(&app.mailbox, &position);
     app.drive.state = DRIVE_STATE_RUN;
-    app.drive.mode = (uint8_t)DRIVE_MODE_POSITION;
-    app.drive.position_loop.zero_q32 = (int64_t)2000000 << 32;
-    app.drive.position.turns_q32 = app.drive.position_loop.zero_q32 - ((int64_t)11 << 31);
+    app.drive.motion.mode = (uint8_t)DRIVE_MODE_POSITION;
+    app.drive.motion.position_loop.zero_q32 = (int64_t)2000000 << 32;
+    app.drive.rotor.position.turns_q32 =
+        app.drive.motion.position_loop.zero_q32 - ((int64_t)11 << 31);
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(status(), " rpm, turn -2.75, to turn 3.00, phases "),
                                  text.characters);
 }
@@ -139,7 +140,7 @@ TEST(test_a_rotor_in_another_mode_is_told_in_no_turns)
 
     command_mailbox_post(&app.mailbox, &position);
     app.drive.state = DRIVE_STATE_RUN;
-    app.drive.mode = (uint8_t)DRIVE_MODE_SPEED;
+    app.drive.motion.mode = (uint8_t)DRIVE_MODE_SPEED;
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(status(), " rpm, to turn 3.00, phases "), text.characters);
 }
 
@@ -203,9 +204,9 @@ TEST(test_a_fault_has_its_advice_in_brackets)
 TEST(test_a_swing_has_its_frequency_and_says_what_it_has_lowered)
 {
     app.drive.state = DRIVE_STATE_RUN;
-    app.drive.oscillation.span = 400U; /* slow periods of 1 ms */
+    app.drive.watch.oscillation.span = 400U; /* slow periods of 1 ms */
     TEST_ASSERT_EQUAL_STRING_LEN("RUN, swing 25.0 Hz, speed ", status(), 26U);
-    speed_loop_lower(&app.drive.speed_loop);
+    speed_loop_lower(&app.drive.motion.speed_loop);
     TEST_ASSERT_EQUAL_STRING_LEN("RUN, swing 25.0 Hz, half the speed bandwidth, speed ", status(),
                                  52U);
 }
@@ -213,7 +214,7 @@ TEST(test_a_swing_has_its_frequency_and_says_what_it_has_lowered)
 TEST(test_a_swing_that_is_a_fault_has_its_frequency_beside_its_amplitude)
 {
     fail();
-    app.drive.oscillation.span = 400U;
+    app.drive.watch.oscillation.span = 400U;
     assert_fault(" by OSCILLATION 20.000 A at 25.0 Hz, limit 2.500 A (", FAULT_OSCILLATION, 16384,
                  2048);
     TEST_ASSERT_NULL(strstr(status(), ", swing "));

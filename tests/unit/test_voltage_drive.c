@@ -72,7 +72,7 @@ static double true_rpm(void)
 /* θ̂ − θ in degrees, gates open: both are of the last tick. */
 static double angle_error(void)
 {
-    const double estimate = (double)rotor_position_angle(&drive.position) / 4294967296.0;
+    const double estimate = (double)rotor_position_angle(&drive.rotor.position) / 4294967296.0;
 
     return 360.0 * remainder(estimate - (in.angle * POLE_PAIRS / 65536.0), 1.0);
 }
@@ -159,7 +159,7 @@ TEST(test_a_run_in_position_mode_goes_on_with_the_count_of_the_one_before)
     stop();
     hold_at(5.0);
     TEST_ASSERT_DOUBLE_WITHIN(SHAFT_TOLERANCE, 5.0, shaft_turns_from_zero());
-    TEST_ASSERT_EQUAL_INT64(0, drive.position_loop.zero_q32);
+    TEST_ASSERT_EQUAL_INT64(0, drive.motion.position_loop.zero_q32);
 }
 
 TEST(test_a_run_in_another_mode_ends_the_count)
@@ -169,11 +169,11 @@ TEST(test_a_run_in_another_mode_ends_the_count)
     run_at(0.0);
     ticks(100U);
     hold_at(0.0);
-    TEST_ASSERT_EQUAL_INT64(5 * SHAFT_TURN_Q32, drive.position_loop.zero_q32);
+    TEST_ASSERT_EQUAL_INT64(5 * SHAFT_TURN_Q32, drive.motion.position_loop.zero_q32);
     stop();
     hold_at(-1.0);
     TEST_ASSERT_DOUBLE_WITHIN(SHAFT_TOLERANCE, -1.0, shaft_turns_from_zero());
-    TEST_ASSERT_EQUAL_INT64(5 * SHAFT_TURN_Q32, drive.position_loop.zero_q32);
+    TEST_ASSERT_EQUAL_INT64(5 * SHAFT_TURN_Q32, drive.motion.position_loop.zero_q32);
 }
 
 TEST(test_a_zero_at_rest_is_where_the_sensor_sees_the_rotor)
@@ -230,15 +230,15 @@ TEST(test_a_second_run_starts_afresh_where_the_rotor_is)
 static int32_t jump_at_change(bool driven)
 {
     int32_t largest = 0;
-    dq_t before = drive.voltage;
+    dq_t before = drive.control.voltage;
 
     for (uint32_t k = 0U; (k < PATIENCE_TICKS) && (drive.voltage_drive.active != driven); k++) {
-        before = drive.voltage;
+        before = drive.control.voltage;
         tick();
     }
     TEST_ASSERT_TRUE(drive.voltage_drive.active == driven);
     for (uint32_t k = 0U; k < 3U; k++) {
-        const dq_t now = drive.voltage;
+        const dq_t now = drive.control.voltage;
 
         largest = fx_max(largest, fx_max(abs(now.d - before.d), abs(now.q - before.q)));
         before = now;
@@ -262,7 +262,7 @@ TEST(test_without_sensor_the_start_is_as_ever_and_then_the_voltage_goes_on)
         tick();
     }
     TEST_ASSERT_TRUE(jump_at_change(true) < JUMP_LSB);
-    TEST_ASSERT_INT32_WITHIN(255, 0, drive.current_ref.d);
+    TEST_ASSERT_INT32_WITHIN(255, 0, drive.control.current_ref.d);
     ticks(25000U);
     TEST_ASSERT_DOUBLE_WITHIN(6.0, 600.0, true_rpm());
     TEST_ASSERT_TRUE(drive.voltage_drive.active);
@@ -351,7 +351,7 @@ TEST(test_a_current_that_falls_below_its_floor_is_given_back_and_then_kept)
     TEST_ASSERT_TRUE(drive.voltage_drive.active);
     ticks(PATIENCE_TICKS);
     TEST_ASSERT_FALSE(drive.voltage_drive.active);
-    TEST_ASSERT_INT32_WITHIN(100, 1000, drive.current_ref.d);
+    TEST_ASSERT_INT32_WITHIN(100, 1000, drive.control.current_ref.d);
     TEST_ASSERT_DOUBLE_WITHIN(6.0, 600.0, true_rpm());
 }
 
@@ -382,8 +382,8 @@ TEST(test_more_than_the_torque_range_gives_back_at_once)
         ticks(SETTLED_TICKS);
         TEST_ASSERT_TRUE(drive.voltage_drive.active);
         virtual_resistance_start(&drive.voltage_drive.damping,
-                                 (dq_t){0, (sign > 0) ? (drive.torque_range.upper + 2000)
-                                                      : (drive.torque_range.lower - 2000)});
+                                 (dq_t){0, (sign > 0) ? (drive.motion.torque_range.upper + 2000)
+                                                      : (drive.motion.torque_range.lower - 2000)});
         ticks(cfg.slow_ticks);
         TEST_ASSERT_FALSE(drive.voltage_drive.active);
     }
@@ -419,7 +419,7 @@ static dq_t bumped_current(void)
     const sample_t sample = instant_sample(&drive, &bumped);
 
     return transforms_park(transforms_clarke(sample.phase_a, sample.phase_b),
-                           trig_sincos(rotor_position_angle(&drive.position)));
+                           trig_sincos(rotor_position_angle(&drive.rotor.position)));
 }
 
 /* What the drive makes of that frame with this configuration. */
@@ -443,10 +443,10 @@ static bumped_t after_a_bump_with_and_without(void)
 {
     drive_cfg_t bare = cfg;
     drive_t after = after_a_bump(drive, &cfg, &out);
-    bumped_t bumped = {.current = bumped_current(), .with = after.voltage};
+    bumped_t bumped = {.current = bumped_current(), .with = after.control.voltage};
 
     bare.voltage_drive.damping.resistance_q15 = 0;
-    bumped.without = after_a_bump(drive, &bare, &out).voltage;
+    bumped.without = after_a_bump(drive, &bare, &out).control.voltage;
     return bumped;
 }
 
@@ -492,14 +492,14 @@ TEST(test_the_observer_is_told_of_the_virtual_resistances_part)
 
     run_loaded_until_settled();
     with = after_a_bump(drive, &cfg, &out);
-    ratio = hypot(with.ratio_next.alpha, with.ratio_next.beta);
-    demand = length(with.voltage);
+    ratio = hypot(with.control.ratio_next.alpha, with.control.ratio_next.beta);
+    demand = length(with.control.voltage);
     /* The reciprocal of the bus is good to 2^-11, the products to an LSB in each axis. */
     TEST_ASSERT_DOUBLE_WITHIN((demand / bus / 2048.0) + 3.0, demand / bus, ratio);
     drive = with;
     drive_step(&drive, &in, &out);
-    TEST_ASSERT_EQUAL_INT32(with.ratio_next.alpha, drive.ratio_acting.alpha);
-    TEST_ASSERT_EQUAL_INT32(with.ratio_next.beta, drive.ratio_acting.beta);
+    TEST_ASSERT_EQUAL_INT32(with.control.ratio_next.alpha, drive.control.ratio_acting.alpha);
+    TEST_ASSERT_EQUAL_INT32(with.control.ratio_next.beta, drive.control.ratio_acting.beta);
 }
 
 /* At the end of the voltage it is U that gives way: a vector that is cut off would not damp. */
@@ -573,7 +573,7 @@ TEST(test_the_voltage_stays_within_the_circle_whatever_the_frame)
         run_at(600.0);
         tick();
         for (uint32_t k = 0U; k < 200U; k++) {
-            const dq_t *const v = &drive.voltage;
+            const dq_t *const v = &drive.control.voltage;
 
             in.adc_ia = (uint16_t)seeded_in(&seeded, 300, 3800);
             in.adc_ib = (uint16_t)seeded_in(&seeded, 300, 3800);

@@ -42,7 +42,7 @@ async function native(lines) {
     return stdout.split(/^\(s1_robust \d+\) .*\n/m).at(-1).trimEnd();
 }
 
-for (const line of ["stages", "diff", "print speed_rpm drive.observer.speed", "signals observer", "hash", "step 100", "nonsense"]) {
+for (const line of ["stages", "diff", "print speed_rpm drive.rotor.observer.speed", "signals observer", "hash", "step 100", "nonsense"]) {
     test(`the answer to '${line}' is the program's`, async () => withPage(async (page) => {
         await stepper(page);
         await command(page, `goto ${TICK}`);

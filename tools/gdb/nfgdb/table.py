@@ -10,7 +10,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[3]
 MOTORSIM = ROOT / "build/host/motorsim"
 TURN = 2**32
-SPEED = "drive.observer.speed"  # one of those that are steps a tick
+SPEED = "drive.rotor.observer.speed"  # one of those that are steps a tick
 NAME_WIDTH, VALUE_WIDTH, RAW_WIDTH = 35, 19, 11  # as motorsim's own lines
 
 

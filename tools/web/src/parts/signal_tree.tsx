@@ -11,7 +11,7 @@ interface Props {
 
 const RUN_GROUP = "run";
 
-// Words of the firmware have dots: "drive.voltage.d" is of drive.voltage. The others are of the run.
+// Words of the firmware have dots: "drive.control.voltage.d" is of drive.control.voltage. The others are of the run.
 function groupOf(name: string): string {
     const parts = name.split(".");
     return parts.length === 1 ? RUN_GROUP : parts.slice(0, Math.min(2, parts.length - 1)).join(".");
