@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* A motor of the plant on its own: motors, what starts and drives one, and what is true of any. */
+/* A motor of the plant on its own: what starts and drives one, and what is true of any. */
 #ifndef PLANT_MOTOR_RIG_H
 #define PLANT_MOTOR_RIG_H
 
-#include "motor.h"
+#include "plant_motors.h"
 #include "testing.h"
 
 #include <math.h>
@@ -16,38 +16,14 @@
 /* Sums of some 10^5 roundings of 2^-53. */
 #define ROUNDING 1.0e-10
 
-/* Holds the speed in a test of the currents: one second of 100 N m changes it by 1e-7 rad/s. */
-#define INERTIA_OF_A_WALL 1.0e9
-
-static const plant_motor_cfg_t SALIENT = {
-    .pole_pairs = 2,
-    .resistance_ohm = 0.405,
-    .inductance_d_h = 0.0135,
-    .inductance_q_h = 0.0235,
-    .flux_linkage_wb = 0.375,
-    .inertia_kg_m2 = 0.011,
-};
-
-/* 7 pole pairs, time constant 0.4 ms, 12 000 rpm. */
-static const plant_motor_cfg_t DRONE = {
-    .pole_pairs = 7,
-    .resistance_ohm = 0.05,
-    .inductance_d_h = 20.0e-6,
-    .inductance_q_h = 26.0e-6,
-    .flux_linkage_wb = 0.9e-3,
-    .inertia_kg_m2 = 2.0e-6,
-    .viscous_friction_nm_s = 1.0e-6,
-    .initial_speed_mech_rad_s = 1256.0,
-};
-
 static plant_motor_t motor;
-static plant_motor_cfg_t wrong;
+static plant_motor_cfg_t cfg; /* of the motor that start() makes */
 
-static inline void start(const plant_motor_cfg_t *cfg)
+static inline void start(void)
 {
     const char *bad = NULL;
 
-    TEST_ASSERT_TRUE_MESSAGE(plant_motor_init(&motor, cfg, &bad), bad);
+    TEST_ASSERT_TRUE_MESSAGE(plant_motor_init(&motor, &cfg, &bad), bad);
 }
 
 static inline void run(double duration_s, double v_alpha, double v_beta)
@@ -77,6 +53,15 @@ static inline double kinetic_j(void)
     return 0.5 * (motor.pole_pairs / motor.acceleration) * omega_mech() * omega_mech();
 }
 
+/* Of the field, with constant inductances. */
+static inline double linear_j(void)
+{
+    const double i_d = plant_motor_i_d(&motor);
+    const double i_q = plant_motor_i_q(&motor);
+
+    return 0.75 * (motor.inductance_d_h * i_d * i_d + motor.inductance_q_h * i_q * i_q);
+}
+
 static inline void check_current(double tolerance_a, double i_d, double i_q)
 {
     TEST_ASSERT_DOUBLE_WITHIN(tolerance_a, i_d, plant_motor_i_d(&motor));
@@ -87,7 +72,7 @@ static inline void check_current(double tolerance_a, double i_d, double i_q)
  * Electrical energy in = stored + copper + friction + shaft + load, all but the first integrated by
  * the trapezoidal rule over h.
  */
-static inline void check_energy(plant_motor_cfg_t cfg, double (*stored_j)(void))
+static inline void check_energy(double (*stored_j)(void))
 {
     const double h = 1.0e-6;
     double in_j = 0.0;
@@ -98,7 +83,7 @@ static inline void check_energy(plant_motor_cfg_t cfg, double (*stored_j)(void))
     cfg.viscous_friction_nm_s = 0.01;
     cfg.coulomb_friction_nm = 0.05;
     cfg.initial_angle_el_rad = -1.2;
-    start(&cfg);
+    start();
     motor.load_torque_nm = 0.4;
     const double at_first_j = stored_j();
     for (long k = 0; k < 300000; k++) {
@@ -128,12 +113,11 @@ static inline void check_energy(plant_motor_cfg_t cfg, double (*stored_j)(void))
 }
 
 /* One run with modulated voltage, each interval in so many parts. */
-static inline plant_motor_t modulated_run(const plant_motor_cfg_t *cfg, double period_s, double v,
-                                          int parts)
+static inline plant_motor_t modulated_run(double period_s, double v, int parts)
 {
-    start(cfg);
+    start();
     for (int k = 0; k < 400; k++) {
-        const double angle = cfg->initial_angle_el_rad + 2.0 + 0.05 * (double)k;
+        const double angle = cfg.initial_angle_el_rad + 2.0 + 0.05 * (double)k;
         for (int p = 0; p < parts; p++) {
             run(0.6 * period_s / parts, v * cos(angle), v * sin(angle));
         }
@@ -156,29 +140,29 @@ static inline void check_same(const plant_motor_t *a, const plant_motor_t *b, do
     TEST_ASSERT_DOUBLE_WITHIN(accuracy * speed, a->now.load_speed_rad_s, b->now.load_speed_rad_s);
 }
 
-static inline void check_independence_of_step(const plant_motor_cfg_t *cfg, double period_s,
-                                              double v, double accuracy)
+static inline void check_independence_of_step(double period_s, double v, double accuracy)
 {
-    const plant_motor_t coarse = modulated_run(cfg, period_s, v, 1);
-    const plant_motor_t fine = modulated_run(cfg, period_s, v, 16);
+    const plant_motor_t coarse = modulated_run(period_s, v, 1);
+    const plant_motor_t fine = modulated_run(period_s, v, 16);
 
     check_same(&fine, &coarse, accuracy);
 }
 
-/* A copy. The test then makes one of its fields wrong. */
-static inline plant_motor_cfg_t *copy_of(plant_motor_cfg_t good)
-{
-    wrong = good;
-    return &wrong;
-}
-
-/* The init function refuses that copy and names the field. */
-static inline void check_rejected(const char *field)
+/* The init function refuses the configuration and names the field. */
+static inline void check_refused(const plant_motor_cfg_t *wrong, const char *field)
 {
     const char *bad = NULL;
 
-    TEST_ASSERT_FALSE(plant_motor_init(&motor, &wrong, &bad));
+    TEST_ASSERT_FALSE(plant_motor_init(&motor, wrong, &bad));
     TEST_ASSERT_EQUAL_STRING(field, bad);
 }
+
+/* It does so for cfg with that value in the field. */
+#define CHECK_REFUSED(field, value) \
+    do { \
+        plant_motor_cfg_t wrong = cfg; \
+        wrong.field = (value); \
+        check_refused(&wrong, "motor." #field); \
+    } while (false)
 
 #endif

@@ -4,6 +4,7 @@
 #define PLANT_RIG_H
 
 #include "plant.h"
+#include "plant_motors.h"
 #include "testing.h"
 
 #include <math.h>
@@ -15,18 +16,34 @@
 
 static plant_t plant;
 static plant_view_t view;
-static plant_cfg_t wrong;
+static plant_cfg_t cfg; /* of the plant that start() makes */
+
+/* That motor on a bus of BUS_V: ideal switches, sensors of 102.4 counts per ampere. */
+static inline void bench(plant_motor_cfg_t motor)
+{
+    cfg = (plant_cfg_t){
+        .motor = motor,
+        .inverter = {.pwm_frequency_hz = 1.0 / PERIOD_S, .timer_counts = COUNTS},
+        .supply = {.voltage_v = BUS_V},
+        .sensor = {.adc_bits = 12,
+                   .current_full_scale_a = 20.0,
+                   .bus_full_scale_v = 400.0,
+                   .temperature = {{-50.0, 0.0}, {154.8, 1.0}},
+                   .temperature_points = 2,
+                   .seed = 1},
+    };
+}
 
 static inline void look(void)
 {
     plant_view(&plant, &view);
 }
 
-static inline void start(const plant_cfg_t *cfg)
+static inline void start(void)
 {
     const char *bad = NULL;
 
-    TEST_ASSERT_TRUE_MESSAGE(plant_init(&plant, cfg, &bad), bad);
+    TEST_ASSERT_TRUE_MESSAGE(plant_init(&plant, &cfg, &bad), bad);
     plant_set_gates(&plant, true);
     look();
 }
@@ -46,20 +63,21 @@ static inline void run(int periods)
     look();
 }
 
-/* A copy. The test then makes one of its fields wrong. */
-static inline plant_cfg_t *copy_of(const plant_cfg_t *good)
-{
-    wrong = *good;
-    return &wrong;
-}
-
-/* The init function refuses that copy and names the field. */
-static inline void check_rejected(const char *field)
+/* The init function refuses the configuration and names the field. */
+static inline void check_refused(const plant_cfg_t *wrong, const char *field)
 {
     const char *bad = NULL;
 
-    TEST_ASSERT_FALSE(plant_init(&plant, &wrong, &bad));
+    TEST_ASSERT_FALSE(plant_init(&plant, wrong, &bad));
     TEST_ASSERT_EQUAL_STRING(field, bad);
 }
+
+/* It does so for cfg with that value in the field. */
+#define CHECK_REFUSED(field, value) \
+    do { \
+        plant_cfg_t wrong = cfg; \
+        wrong.field = (value); \
+        check_refused(&wrong, #field); \
+    } while (false)
 
 #endif

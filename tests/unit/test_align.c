@@ -8,7 +8,6 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* Motor A and the bases of example_cfg.h. */
 #define PERIOD_S (1e-4)
@@ -57,13 +56,6 @@ static uint32_t ticks_of(align_phase_t phase)
     return count;
 }
 
-static void go_to(align_phase_t phase)
-{
-    while (align.phase != phase) {
-        step(0, 0);
-    }
-}
-
 /* ---- phases ---- */
 
 /* Pulse and step act and are seen later. */
@@ -100,55 +92,22 @@ TEST(test_phases_follow_each_other_and_take_their_ticks)
     assert_phases();
 }
 
-TEST(test_reset_forgets_what_was_there_before)
-{
-    memset(&align, 0x5A, sizeof align);
-    align_reset(&align, true);
-    TEST_ASSERT_EQUAL_INT(ALIGN_PULL, align.phase);
-    TEST_ASSERT_EQUAL_UINT32(0U, align.tick);
-    TEST_ASSERT_TRUE(align.backwards);
-    TEST_ASSERT_EQUAL_INT32(0, align.current_ref);
-    TEST_ASSERT_EQUAL_INT32(0, align.frame_speed);
-    TEST_ASSERT_EQUAL_INT32(0, align.high.current | align.high.voltage | align.low.current |
-                                   align.low.voltage | align.inductance.pulse.change.q |
-                                   align.inductance.step.change.d | align.inductance.start_d);
-}
-
 TEST(test_current_rises_by_its_slope_to_its_level_and_falls_to_the_lower_one_in_the_step)
 {
-    int32_t before = 0;
-
-    while (align.phase == ALIGN_PULL) {
-        const int32_t expected = before + cfg.slope;
-
+    for (int32_t expected = cfg.slope; align.phase == ALIGN_PULL; expected += cfg.slope) {
         step(0, 0);
         TEST_ASSERT_EQUAL_INT32((expected < cfg.current_high) ? expected : cfg.current_high,
                                 align.current_ref);
-        before = align.current_ref;
     }
     TEST_ASSERT_EQUAL_INT32(cfg.current_high, align.current_ref);
     while (align.phase != ALIGN_DONE) {
-        const bool control = !align_holds_voltage(&align, &cfg);
-
         step(0, 0);
-        if (control && (align.phase > ALIGN_INDUCTANCE)) {
-            TEST_ASSERT_EQUAL_INT32(cfg.current_low, align.current_ref);
-        } else if (align.phase == ALIGN_MEASURE_HIGH) {
-            TEST_ASSERT_EQUAL_INT32(cfg.current_high, align.current_ref);
-        } else {
-            /* in the step */
+        if (!align_holds_voltage(&align, &cfg)) { /* control acts */
+            TEST_ASSERT_EQUAL_INT32((align.phase == ALIGN_MEASURE_HIGH) ? cfg.current_high
+                                                                        : cfg.current_low,
+                                    align.current_ref);
         }
     }
-}
-
-TEST(test_control_takes_the_lower_level_as_soon_as_it_acts_again)
-{
-    go_to(ALIGN_INDUCTANCE);
-    while (align_holds_voltage(&align, &cfg)) {
-        step(0, 0);
-    }
-    TEST_ASSERT_EQUAL_INT(ALIGN_INDUCTANCE, align.phase);
-    TEST_ASSERT_EQUAL_INT32(cfg.current_low, align.current_ref);
 }
 
 TEST(test_control_rests_from_the_end_of_the_first_mean_for_the_ticks_of_pulse_and_step)

@@ -31,35 +31,33 @@ void setUp(void)
     cfg = (current_reference_cfg_t){.floor = 4000, .floor_shift = 1U, .slope = 64, .slope_down = 2};
     motor = (current_loop_cfg_t){.emf_q13 = 8192, .reactance_d_q13 = 4096, .reactance_q_q13 = 4096};
     in = (current_reference_in_t){.speed = 1000000, .ticks = 10};
-    weakening_reset(&weakening);
 }
 
 /* ---- torque ---- */
 
-/* ψ = φ + (L_d − L_q)·i_d: the reluctance torque of an i_d < 0 drives a machine with L_q > L_d. */
-TEST(test_the_flux_is_that_of_the_magnet_and_of_the_saliency)
+static int32_t flux_of(int32_t emf, int32_t reactance_d, int32_t reactance_q, int32_t d)
 {
-    current_loop_cfg_t model = {.emf_q13 = 8000, .reactance_d_q13 = 1000, .reactance_q_q13 = 3000};
+    const current_loop_cfg_t model = {
+        .emf_q13 = emf, .reactance_d_q13 = reactance_d, .reactance_q_q13 = reactance_q};
 
-    TEST_ASSERT_EQUAL_INT32(8000, current_reference_flux(&model, 0));
-    TEST_ASSERT_EQUAL_INT32(8000 - 500, current_reference_flux(&model, 8192));
-    TEST_ASSERT_EQUAL_INT32(8000 + 500, current_reference_flux(&model, -8192));
-    model.reactance_q_q13 = 1000;
-    TEST_ASSERT_EQUAL_INT32(8000, current_reference_flux(&model, 16384));
+    return current_reference_flux(&model, d);
 }
 
-/* Rounded down, and within its format whatever the model. */
-TEST(test_the_flux_stays_within_its_format)
+/*
+ * ψ = φ + (L_d − L_q)·i_d: the reluctance torque of an i_d < 0 drives a machine with L_q > L_d.
+ * Rounded down, and within its format whatever the model.
+ */
+TEST(test_the_flux_is_that_of_the_magnet_and_of_the_saliency_within_its_format)
 {
-    const current_loop_cfg_t weak = {.emf_q13 = 0, .reactance_d_q13 = 0, .reactance_q_q13 = 32767};
-    const current_loop_cfg_t strong = {
-        .emf_q13 = 32767, .reactance_d_q13 = 32767, .reactance_q_q13 = 0};
-
-    TEST_ASSERT_EQUAL_INT32(1, current_reference_flux(&weak, 0));
-    TEST_ASSERT_EQUAL_INT32(1, current_reference_flux(&weak, 16384));
-    TEST_ASSERT_EQUAL_INT32(16383, current_reference_flux(&weak, -16384));
-    TEST_ASSERT_EQUAL_INT32(32767, current_reference_flux(&strong, 16384));
-    TEST_ASSERT_EQUAL_INT32(32767 - 16384, current_reference_flux(&strong, -16384));
+    TEST_ASSERT_EQUAL_INT32(8000, flux_of(8000, 1000, 3000, 0));
+    TEST_ASSERT_EQUAL_INT32(8000 - 500, flux_of(8000, 1000, 3000, 8192));
+    TEST_ASSERT_EQUAL_INT32(8000 + 500, flux_of(8000, 1000, 3000, -8192));
+    TEST_ASSERT_EQUAL_INT32(8000, flux_of(8000, 1000, 1000, 16384));
+    TEST_ASSERT_EQUAL_INT32(1, flux_of(0, 0, 32767, 0));
+    TEST_ASSERT_EQUAL_INT32(1, flux_of(0, 0, 32767, 16384));
+    TEST_ASSERT_EQUAL_INT32(16383, flux_of(0, 0, 32767, -16384));
+    TEST_ASSERT_EQUAL_INT32(32767, flux_of(32767, 32767, 0, 16384));
+    TEST_ASSERT_EQUAL_INT32(32767 - 16384, flux_of(32767, 32767, 0, -16384));
 }
 
 /* A torque goes back to the very current that makes it, so what follows a torque does not creep. */
@@ -205,16 +203,6 @@ TEST(test_the_largest_torque_is_that_of_the_best_angle)
                             current_reference_torque_max(&cfg, &motor, CURRENT_MAX));
 }
 
-TEST(test_without_a_magnet_both_axes_have_the_same_current)
-{
-    cfg.most_torque = 1U;
-    cfg.floor = 0;
-    motor = (current_loop_cfg_t){.emf_q13 = 0, .reactance_d_q13 = 0, .reactance_q_q13 = 1};
-    TEST_ASSERT_EQUAL_INT32(-5000, settled_d(5000));
-    TEST_ASSERT_EQUAL_INT32(-5000, settled_d(-5000));
-    TEST_ASSERT_EQUAL_INT32(0, settled_d(0));
-}
-
 TEST(test_mtpa_is_only_for_what_asks_for_it_and_has_a_larger_l_q)
 {
     motor.reactance_q_q13 = 3 * motor.reactance_d_q13;
@@ -247,30 +235,21 @@ static int32_t mtpa_d(int32_t emf_q13, int32_t saliency_q13, int32_t q)
     return settled_d(q);
 }
 
-/*
- * c = 8·16384 = 131072 is the first beyond the end; c = ⌊32767·16384/4096⌋ = 131068 the last before
- * it: 2^28 / (4·(32767 + 33022)).
- */
-TEST(test_mtpa_ends_where_the_magnet_is_eight_times_the_saliency)
+TEST(test_mtpa_is_exact_at_its_ends_and_without_a_magnet)
 {
+    /* c = 8·16384 = 131072 is the first beyond the end, */
     TEST_ASSERT_EQUAL_INT32(0, mtpa_d(8192, 1024, 16384));
+    /* c = ⌊32767·16384/4096⌋ = 131068 the last before it: 2^28 / (4·(32767 + 33022)). */
     TEST_ASSERT_EQUAL_INT32(-1020, mtpa_d(32767, 4096, 16384));
-}
-
-/*
- * c = 32767 is whole: 2^28 / (32767 + 36634) = 3867.9. c = 32768 is counted in quarters: 16353² /
- * (4·(8192 + 9155)) = 3853.9…
- */
-TEST(test_mtpa_is_rounded_down_in_depth_on_both_sides_of_the_largest_square)
-{
+    /* Rounded down in depth: c = 32767 is whole, 2^28 / (32767 + 36634) = 3867.9; */
     TEST_ASSERT_EQUAL_INT32(-3867, mtpa_d(32767, 16384, 16384));
+    /* c = 32768 is counted in quarters, 16353² / (4·(8192 + 9155)) = 3853.9. */
     TEST_ASSERT_EQUAL_INT32(-3853, mtpa_d(32766, 16383, 16353));
-}
-
-/* Without a magnet i_d = −|i_q|, from one LSB to the largest current, which no end of i_d* cuts. */
-TEST(test_without_a_magnet_the_smallest_and_the_largest_current_are_exact)
-{
+    /* Without a magnet i_d = −|i_q|, up to the largest current, which no end of i_d* cuts. */
+    TEST_ASSERT_EQUAL_INT32(0, mtpa_d(0, 1, 0));
     TEST_ASSERT_EQUAL_INT32(-1, mtpa_d(0, 1, 1));
+    TEST_ASSERT_EQUAL_INT32(-5000, mtpa_d(0, 1, 5000));
+    TEST_ASSERT_EQUAL_INT32(-5000, mtpa_d(0, 1, -5000));
     TEST_ASSERT_EQUAL_INT32(-16383, mtpa_d(0, 1, 16383));
     TEST_ASSERT_EQUAL_INT32(-16384, mtpa_d(0, 1, 16384));
     TEST_ASSERT_EQUAL_INT32(-16384, mtpa_d(0, 1, -16384));
@@ -312,10 +291,13 @@ TEST(test_a_weakened_i_d_falls_by_a_quarter_and_rises_by_an_eighth)
     TEST_ASSERT_INT32_WITHIN(4, -8000 + ((8000 - 3734) / 8), weakened(-8000, 0, 9000).d);
 }
 
-/* What all else wants is below it already. */
-TEST(test_weakening_raises_nothing)
+/* What all else wants is below it already, and the voltage leaves all of i_q*. */
+TEST(test_weakening_raises_nothing_and_takes_nothing_where_it_does_not_decide)
 {
-    TEST_ASSERT_EQUAL_INT32(-5000, weakened(-5000, -5000, 9000).d);
+    const current_reference_t there = weakened(-5000, -5000, 9000);
+
+    TEST_ASSERT_EQUAL_INT32(-5000, there.d);
+    TEST_ASSERT_EQUAL_INT32(CURRENT_REFERENCE_ALL, there.reach);
 }
 
 TEST(test_weakening_ends_where_the_magnets_bear_no_more)
@@ -324,12 +306,6 @@ TEST(test_weakening_ends_where_the_magnets_bear_no_more)
 
     TEST_ASSERT_EQUAL_INT32(-3000, there.d);
     TEST_ASSERT_LESS_THAN_INT32(CURRENT_MAX, there.reach);
-}
-
-/* `upper` is above what is wanted: the voltage leaves all of i_q*. */
-TEST(test_where_weakening_does_not_decide_all_of_i_q_is_left)
-{
-    TEST_ASSERT_EQUAL_INT32(CURRENT_REFERENCE_ALL, weakened(-5000, -5000, 9000).reach);
 }
 
 /* ---- the range of i_q* ---- */
@@ -341,37 +317,37 @@ static torque_range_t range_beside(torque_range_t range, int32_t d, int32_t reac
     return current_reference_range(&cfg, range, &reference, most);
 }
 
+/* A range beside i_d*: what circle and voltage leave of it. */
+static void check_range(torque_range_t range, int32_t d, int32_t reach, int32_t most,
+                        torque_range_t expected)
+{
+    const torque_range_t left = range_beside(range, d, reach, most);
+
+    TEST_ASSERT_EQUAL_INT32(expected.lower, left.lower);
+    TEST_ASSERT_EQUAL_INT32(expected.upper, left.upper);
+}
+
+/* √(10000² − 6000²) = 8000 */
 TEST(test_the_least_current_takes_nothing_of_the_range_and_all_else_does)
 {
     const torque_range_t whole = {-8000, 9000};
-    torque_range_t left = range_beside(whole, 4000, CURRENT_MAX, 10000);
 
-    TEST_ASSERT_EQUAL_INT32(-8000, left.lower);
-    TEST_ASSERT_EQUAL_INT32(9000, left.upper);
-    left = range_beside(whole, 6000, CURRENT_MAX, 10000);
-    TEST_ASSERT_EQUAL_INT32(-8000, left.lower);
-    TEST_ASSERT_EQUAL_INT32(8000, left.upper);
-    left = range_beside(whole, -8000, CURRENT_MAX, 10000);
-    TEST_ASSERT_EQUAL_INT32(-6000, left.lower);
-    TEST_ASSERT_EQUAL_INT32(6000, left.upper);
-    left = range_beside(whole, 10001, CURRENT_MAX, 10000);
-    TEST_ASSERT_EQUAL_INT32(0, left.lower);
-    TEST_ASSERT_EQUAL_INT32(0, left.upper);
+    check_range(whole, 4000, CURRENT_MAX, 10000, whole);
+    check_range(whole, 6000, CURRENT_MAX, 10000, (torque_range_t){-8000, 8000});
+    check_range(whole, -8000, CURRENT_MAX, 10000, (torque_range_t){-6000, 6000});
+    check_range(whole, 10001, CURRENT_MAX, 10000, (torque_range_t){0, 0});
 }
 
-TEST(test_i_q_ends_where_the_voltage_does)
+TEST(test_i_q_ends_where_the_voltage_does_or_the_circle)
 {
-    const torque_range_t most = {-CURRENT_REFERENCE_ALL, CURRENT_REFERENCE_ALL};
-    torque_range_t left = range_beside((torque_range_t){-8000, 900}, 0, 1000, 10000);
+    const int32_t all = CURRENT_REFERENCE_ALL;
+    const torque_range_t whole = {-9000, 9000};
 
-    TEST_ASSERT_EQUAL_INT32(-1000, left.lower);
-    TEST_ASSERT_EQUAL_INT32(900, left.upper);
-    left = range_beside((torque_range_t){-900, 8000}, 0, 1000, 10000);
-    TEST_ASSERT_EQUAL_INT32(-900, left.lower);
-    TEST_ASSERT_EQUAL_INT32(1000, left.upper);
-    left = range_beside(most, 0, CURRENT_REFERENCE_ALL - 1, 10000);
-    TEST_ASSERT_EQUAL_INT32(1 - CURRENT_REFERENCE_ALL, left.lower);
-    TEST_ASSERT_EQUAL_INT32(CURRENT_REFERENCE_ALL - 1, left.upper);
+    check_range((torque_range_t){-8000, 900}, 0, 1000, 10000, (torque_range_t){-1000, 900});
+    check_range((torque_range_t){-900, 8000}, 0, 1000, 10000, (torque_range_t){-900, 1000});
+    check_range((torque_range_t){-all, all}, 0, all - 1, 10000, (torque_range_t){1 - all, all - 1});
+    check_range(whole, -6000, 7999, 10000, (torque_range_t){-7999, 7999});
+    check_range(whole, -6000, 8001, 10000, (torque_range_t){-8000, 8000});
 }
 
 /*
@@ -381,20 +357,11 @@ TEST(test_from_zero_to_the_least_current_the_circle_takes_nothing)
 {
     const torque_range_t whole = {-10000, 10000};
 
-    TEST_ASSERT_EQUAL_INT32(10000, range_beside(whole, 0, CURRENT_MAX, 9000).upper);
-    TEST_ASSERT_EQUAL_INT32(-10000, range_beside(whole, 4000, CURRENT_MAX, 9000).lower);
+    check_range(whole, 0, CURRENT_MAX, 9000, whole);
+    check_range(whole, 4000, CURRENT_MAX, 9000, whole);
     /* √(9000² − 4001²) = 8061.5, √(9000² − 1) = 8999.9 */
-    TEST_ASSERT_EQUAL_INT32(8061, range_beside(whole, 4001, CURRENT_MAX, 9000).upper);
-    TEST_ASSERT_EQUAL_INT32(-8999, range_beside(whole, -1, CURRENT_MAX, 9000).lower);
-}
-
-/* √(10000² − 6000²) = 8000 */
-TEST(test_the_smaller_one_of_circle_and_voltage_ends_i_q)
-{
-    const torque_range_t whole = {-9000, 9000};
-
-    TEST_ASSERT_EQUAL_INT32(7999, range_beside(whole, -6000, 7999, 10000).upper);
-    TEST_ASSERT_EQUAL_INT32(8000, range_beside(whole, -6000, 8001, 10000).upper);
+    check_range(whole, 4001, CURRENT_MAX, 9000, (torque_range_t){-8061, 8061});
+    check_range(whole, -1, CURRENT_MAX, 9000, (torque_range_t){-8999, 8999});
 }
 
 TEST(test_the_vector_never_leaves_its_circle)

@@ -18,6 +18,7 @@
 #define WARN (1639U)     /* 80 °C, first whole count above */
 #define HOT (2048U)      /* 100 °C */
 #define FORWARD (10000000)
+#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 
 static derating_cfg_t cfg;
 static derating_t derating;
@@ -48,11 +49,16 @@ static void assert_range(int32_t lower, int32_t upper, torque_range_t range)
     TEST_ASSERT_EQUAL_INT32(upper, range.upper);
 }
 
-TEST(test_nothing_is_derated_when_cold_on_a_calm_bus)
+static void assert_fault(fault_id_t id, int32_t value, int32_t limit)
 {
-    TEST_ASSERT_EQUAL_INT(FAULT_NONE, step_with(0, COLD));
-    assert_range(-MAX, MAX, range_at(BUS_CALM, FORWARD));
-    TEST_ASSERT_EQUAL_HEX32(0U, derating.flags);
+    TEST_ASSERT_EQUAL_INT(id, fault.id);
+    TEST_ASSERT_EQUAL_INT32(value, fault.value);
+    TEST_ASSERT_EQUAL_INT32(limit, fault.limit);
+}
+
+static void assert_heat(double tolerance, double expected)
+{
+    TEST_ASSERT_DOUBLE_WITHIN(tolerance, expected, derating.heat_q24 / 16777216.0);
 }
 
 TEST(test_share_is_whole_at_one_end_nothing_at_the_other_and_linear_between)
@@ -96,9 +102,7 @@ TEST(test_heat_follows_the_squared_current_with_the_time_constant)
 
     for (int32_t k = 1; k <= 2000; k++) { /* 8 s: heat 0.73 */
         TEST_ASSERT_EQUAL_INT(FAULT_NONE, step_with(MAX, COLD));
-        TEST_ASSERT_DOUBLE_WITHIN(end * tolerance,
-                                  end * (1.0 - exp(-k * PERIOD_S / TIME_CONSTANT_S)),
-                                  derating.heat_q24 / 16777216.0);
+        assert_heat(end * tolerance, end * (1.0 - exp(-k * PERIOD_S / TIME_CONSTANT_S)));
     }
     TEST_ASSERT_EQUAL_INT32(MAX, derating.thermal);
 }
@@ -129,7 +133,7 @@ TEST(test_heat_takes_the_limit_from_the_largest_to_the_continuous_current)
                   {1.0, CONTINUOUS},
                   {1.19, CONTINUOUS}};
 
-    for (uint32_t k = 0U; k < (sizeof(points) / sizeof(points[0])); k++) {
+    for (uint32_t k = 0U; k < COUNT(points); k++) {
         set_heat(points[k].heat);
         TEST_ASSERT_EQUAL_INT(FAULT_NONE, step_with(0, COLD));
         /* One unit of heat in Q14 is 1.6 of the current. */
@@ -150,31 +154,29 @@ TEST(test_a_drive_at_its_limit_ends_at_the_continuous_current_without_a_fault)
     TEST_ASSERT_EQUAL_HEX32(DERATING_HEAT, derating.flags);
 }
 
-TEST(test_overload_is_a_fault_above_its_heat_and_not_at_it)
+static void assert_overload(bool overloads, int32_t heat_q14, int32_t current)
 {
-    derating.heat_q24 = 19661 << 10;
+    derating.heat_q24 = heat_q14 << 10;
     cfg.heat_rate = 0;
-    TEST_ASSERT_EQUAL_INT(FAULT_NONE, step_with(2 * CONTINUOUS, COLD));
-    derating.heat_q24 = 19662 << 10;
-    TEST_ASSERT_EQUAL_INT(FAULT_OVERLOAD, step_with(2 * CONTINUOUS, COLD));
-    TEST_ASSERT_EQUAL_INT(FAULT_OVERLOAD, fault.id);
-    TEST_ASSERT_EQUAL_INT32(19662, fault.value);
-    TEST_ASSERT_EQUAL_INT32(19661, fault.limit);
+    TEST_ASSERT_EQUAL_INT(overloads ? FAULT_OVERLOAD : FAULT_NONE, step_with(current, COLD));
+    TEST_ASSERT_EQUAL_INT32(CONTINUOUS, derating.thermal);
+    if (overloads) {
+        assert_fault(FAULT_OVERLOAD, heat_q14, 19661);
+    }
 }
 
 /*
- * As behind another configuration, or a fault that was cleared. The square of 1.09 is below 1.2,
- * that of 1.1 above.
+ * A heat above its limit is there behind another configuration, or a fault that was cleared. The
+ * square of 1.09 is below 1.2, that of 1.1 above.
  */
-TEST(test_a_heat_above_its_limit_is_no_overload_where_what_flows_lets_it_cool)
+TEST(test_overload_is_a_fault_above_its_heat_where_what_flows_does_not_let_it_cool)
 {
-    derating.heat_q24 = 30000 << 10;
-    cfg.heat_rate = 0;
-    TEST_ASSERT_EQUAL_INT(FAULT_NONE, step_with(0, COLD));
-    TEST_ASSERT_EQUAL_INT(FAULT_NONE, step_with((CONTINUOUS * 109) / 100, COLD));
-    TEST_ASSERT_EQUAL_INT32(CONTINUOUS, derating.thermal);
-    TEST_ASSERT_EQUAL_INT(FAULT_OVERLOAD, step_with((CONTINUOUS * 110) / 100, COLD));
-    TEST_ASSERT_EQUAL_INT(FAULT_OVERLOAD, step_with(FX_Q15_MAX, COLD)); /* beyond the scale */
+    assert_overload(false, 19661, 2 * CONTINUOUS);
+    assert_overload(true, 19662, 2 * CONTINUOUS);
+    assert_overload(false, 30000, 0);
+    assert_overload(false, 30000, (CONTINUOUS * 109) / 100);
+    assert_overload(true, 30000, (CONTINUOUS * 110) / 100);
+    assert_overload(true, 30000, FX_Q15_MAX); /* beyond the scale */
 }
 
 /* Twice the continuous current makes four times its heat: 1.2 after τ·ln(4/2.8). */
@@ -206,9 +208,7 @@ TEST(test_heat_follows_the_square_of_a_current_that_is_far_above_the_continuous_
         for (int32_t k = 0; k < 500; k++) {
             (void)step_with(current, COLD);
         }
-        TEST_ASSERT_DOUBLE_WITHIN(end * tolerance,
-                                  end * (1.0 - exp(-500 * PERIOD_S / TIME_CONSTANT_S)),
-                                  derating.heat_q24 / 16777216.0);
+        assert_heat(end * tolerance, end * (1.0 - exp(-500 * PERIOD_S / TIME_CONSTANT_S)));
     }
 }
 
@@ -227,7 +227,7 @@ TEST(test_heat_falls_to_that_of_a_current_that_is_far_above_the_continuous_one)
     cfg.heat_shift += 4U; /* the same heat at a quarter of the current */
     cfg.heat_rate = 209;
     cfg.heat_rate_shift = 4U;
-    for (uint32_t n = 0U; n < (sizeof falls / sizeof falls[0]); n++) {
+    for (uint32_t n = 0U; n < COUNT(falls); n++) {
         const double ratio = 4.0 * falls[n].tenths / 10.0;
         const double end = ratio * ratio;
         /*
@@ -239,9 +239,7 @@ TEST(test_heat_falls_to_that_of_a_current_that_is_far_above_the_continuous_one)
         derating.heat_q24 = (int32_t)(falls[n].begin * 16777216.0);
         for (int32_t k = 1; k <= 5000; k++) {
             (void)step_with((CONTINUOUS * falls[n].tenths) / 10, COLD);
-            TEST_ASSERT_DOUBLE_WITHIN(tolerance,
-                                      end + ((falls[n].begin - end) * pow(1.0 - rate, k)),
-                                      derating.heat_q24 / 16777216.0);
+            assert_heat(tolerance, end + ((falls[n].begin - end) * pow(1.0 - rate, k)));
         }
     }
 }
@@ -286,9 +284,7 @@ static void assert_broken(uint16_t count, int32_t limit)
         TEST_ASSERT_EQUAL_INT32(0, derating.thermal);
         TEST_ASSERT_EQUAL_HEX32(DERATING_TEMPERATURE, derating.flags_slow);
     }
-    TEST_ASSERT_EQUAL_INT(FAULT_TEMPERATURE_SENSOR, fault.id);
-    TEST_ASSERT_EQUAL_INT32(count, fault.value);
-    TEST_ASSERT_EQUAL_INT32(limit, fault.limit);
+    assert_fault(FAULT_TEMPERATURE_SENSOR, count, limit);
 }
 
 TEST(test_a_count_that_the_sensor_cannot_have_leaves_no_current_and_is_a_fault_of_the_sensor)
@@ -304,8 +300,7 @@ TEST(test_a_count_that_the_sensor_cannot_have_leaves_no_current_and_is_a_fault_o
     for (uint32_t k = 0U; k <= cfg.temperature_periods; k++) {
         (void)step_with(0, 3970U);
     }
-    TEST_ASSERT_EQUAL_INT(FAULT_OVERTEMPERATURE, fault.id);
-    TEST_ASSERT_EQUAL_INT32(2048, fault.limit);
+    assert_fault(FAULT_OVERTEMPERATURE, 3970, 2048);
 }
 
 TEST(test_overtemperature_takes_more_than_its_periods_in_a_row)
@@ -318,8 +313,7 @@ TEST(test_overtemperature_takes_more_than_its_periods_in_a_row)
         TEST_ASSERT_EQUAL_INT(FAULT_NONE, step_with(0, HOT));
     }
     TEST_ASSERT_EQUAL_INT(FAULT_OVERTEMPERATURE, step_with(0, HOT + 5U));
-    TEST_ASSERT_EQUAL_INT32((int32_t)HOT + 5, fault.value);
-    TEST_ASSERT_EQUAL_INT32((int32_t)HOT, fault.limit);
+    assert_fault(FAULT_OVERTEMPERATURE, (int32_t)HOT + 5, (int32_t)HOT);
 }
 
 TEST(test_a_sensor_that_falls_with_the_temperature_works_the_same)
@@ -333,43 +327,31 @@ TEST(test_a_sensor_that_falls_with_the_temperature_works_the_same)
 
 /* ---- bus ---- */
 
+/* In both directions, exactly where it takes nothing. */
+static void check_fade(int32_t bus, int32_t motoring, int32_t braking, uint32_t flags)
+{
+    const torque_range_t forward = range_at(bus, FORWARD);
+
+    TEST_ASSERT_INT32_WITHIN((motoring == MAX) ? 0 : 3, motoring, forward.upper);
+    TEST_ASSERT_INT32_WITHIN((braking == MAX) ? 0 : 3, -braking, forward.lower);
+    assert_range(-forward.upper, -forward.lower, range_at(bus, -FORWARD));
+    TEST_ASSERT_EQUAL_HEX32(flags, derating.flags);
+}
+
 TEST(test_braking_fades_to_nothing_at_the_highest_bus_and_motoring_does_not)
 {
-    static const struct {
-        int32_t bus;
-        int32_t limit;
-        uint32_t flags;
-    } points[] = {{25850, MAX, 0U}, /* 355 V */
-                  {27488, MAX / 2, DERATING_BUS_HIGH},
-                  {29127, 0, DERATING_BUS_HIGH}, /* 400 V */
-                  {32767, 0, DERATING_BUS_HIGH}};
-
-    for (uint32_t k = 0U; k < (sizeof(points) / sizeof(points[0])); k++) {
-        const torque_range_t forward = range_at(points[k].bus, FORWARD);
-        const torque_range_t backward = range_at(points[k].bus, -FORWARD);
-
-        TEST_ASSERT_EQUAL_INT32(MAX, forward.upper);
-        TEST_ASSERT_INT32_WITHIN(3, -points[k].limit, forward.lower);
-        TEST_ASSERT_EQUAL_INT32(-MAX, backward.lower);
-        TEST_ASSERT_EQUAL_INT32(-forward.lower, backward.upper);
-        TEST_ASSERT_EQUAL_HEX32(points[k].flags, derating.flags);
-    }
+    check_fade(25850, MAX, MAX, 0U); /* 355 V */
+    check_fade(27488, MAX, MAX / 2, DERATING_BUS_HIGH);
+    check_fade(29127, MAX, 0, DERATING_BUS_HIGH); /* 400 V */
+    check_fade(32767, MAX, 0, DERATING_BUS_HIGH);
 }
 
 TEST(test_motoring_fades_to_nothing_at_the_lowest_bus_and_braking_does_not)
 {
-    static const struct {
-        int32_t bus;
-        int32_t limit;
-    } points[] = {{16567, MAX}, {15565, MAX / 2}, {14564, 0}, {0, 0}};
-
-    for (uint32_t k = 0U; k < (sizeof(points) / sizeof(points[0])); k++) {
-        const torque_range_t range = range_at(points[k].bus, FORWARD);
-
-        TEST_ASSERT_INT32_WITHIN(3, points[k].limit, range.upper);
-        TEST_ASSERT_EQUAL_INT32(-MAX, range.lower);
-        TEST_ASSERT_EQUAL_HEX32((points[k].limit == MAX) ? 0U : DERATING_BUS_LOW, derating.flags);
-    }
+    check_fade(16567, MAX, MAX, 0U); /* 227.5 V */
+    check_fade(15565, MAX / 2, MAX, DERATING_BUS_LOW);
+    check_fade(14564, 0, MAX, DERATING_BUS_LOW); /* 200 V */
+    check_fade(0, 0, MAX, DERATING_BUS_LOW);
 }
 
 TEST(test_below_the_regeneration_speed_both_directions_count_as_motoring)
@@ -421,7 +403,7 @@ TEST(test_bus_current_limits_what_is_taken_and_what_is_fed_back_by_the_power)
                   {{0, 32767}, 16384},   {{-1000, -18918}, 2000}};
 
     limit_bus_current(GIVEN, TAKEN);
-    for (uint32_t k = 0U; k < (sizeof(points) / sizeof(points[0])); k++) {
+    for (uint32_t k = 0U; k < COUNT(points); k++) {
         const dq_t v = points[k].voltage;
         const torque_range_t range = range_with(v, points[k].current_d);
         const int32_t with = (v.q > 0) ? range.upper : -range.lower;
@@ -442,52 +424,45 @@ TEST(test_bus_current_limits_what_is_taken_and_what_is_fed_back_by_the_power)
     }
 }
 
+static void assert_limited(int32_t lower, int32_t upper, dq_t voltage, int32_t current_d)
+{
+    const bool whole = (lower == -MAX) && (upper == MAX);
+
+    derating_reset(&derating, &cfg);
+    assert_range(lower, upper, range_with(voltage, current_d));
+    TEST_ASSERT_EQUAL_HEX32(whole ? 0U : DERATING_BUS_CURRENT, derating.flags);
+}
+
 TEST(test_each_bus_current_limit_acts_in_its_direction_only)
 {
     limit_bus_current(GIVEN, 0);
-    assert_range(-MAX, (GIVEN * BUS_CALM) / 9997, range_with((dq_t){0, 10000}, 0));
-    TEST_ASSERT_EQUAL_HEX32(DERATING_BUS_CURRENT, derating.flags);
-    derating_reset(&derating, &cfg);
+    assert_limited(-MAX, (GIVEN * BUS_CALM) / 9997, (dq_t){0, 10000}, 0);
     limit_bus_current(0, TAKEN);
-    assert_range(-(TAKEN * BUS_CALM) / 9997, MAX, range_with((dq_t){0, 10000}, 0));
-    TEST_ASSERT_EQUAL_HEX32(DERATING_BUS_CURRENT, derating.flags);
+    assert_limited(-(TAKEN * BUS_CALM) / 9997, MAX, (dq_t){0, 10000}, 0);
 }
 
 TEST(test_without_a_bus_current_limit_no_voltage_changes_the_range)
 {
     for (int32_t v = -32767; v <= 32767; v += 4681) {
-        assert_range(-MAX, MAX, range_with((dq_t){v, 32767}, 16384));
-        assert_range(-MAX, MAX, range_with((dq_t){v, -32767}, -16384));
-        TEST_ASSERT_EQUAL_HEX32(0U, derating.flags);
+        assert_limited(-MAX, MAX, (dq_t){v, 32767}, 16384);
+        assert_limited(-MAX, MAX, (dq_t){v, -32767}, -16384);
     }
 }
 
-/* At standstill i_q takes no power, even if i_d takes more than there is. */
-TEST(test_without_a_voltage_along_q_the_bus_current_limits_nothing)
+/*
+ * At standstill i_q takes no power, even if i_d takes more than there is. Where i_d takes more than
+ * the bus may give, or feeds back more than it may take, nothing is left, and no more than that.
+ */
+TEST(test_what_the_current_along_d_takes_is_missing_for_torque_that_takes_power)
 {
     limit_bus_current(1, 1);
-    assert_range(-MAX, MAX, range_with((dq_t){0, 0}, 0));
-    assert_range(-MAX, MAX, range_with((dq_t){20000, 0}, 16384));
-    TEST_ASSERT_EQUAL_HEX32(0U, derating.flags);
-}
-
-/*
- * i_d takes more than the bus may give, or feeds back more than it may take: nothing is left, and
- * no more than that.
- */
-TEST(test_what_the_current_along_d_takes_is_missing_for_torque)
-{
+    assert_limited(-MAX, MAX, (dq_t){0, 0}, 0);
+    assert_limited(-MAX, MAX, (dq_t){20000, 0}, 16384);
     limit_bus_current(GIVEN, TAKEN);
-    assert_range(-MAX, 0, range_with((dq_t){20000, 100}, 16384));
-    derating_reset(&derating, &cfg);
-    assert_range(0, MAX, range_with((dq_t){20000, 100}, -16384));
-}
-
-TEST(test_a_bus_current_limit_beyond_all_that_flows_limits_nothing)
-{
-    limit_bus_current(32767, 32767);
-    assert_range(-MAX, MAX, range_with((dq_t){18918, 18918}, 16384));
-    TEST_ASSERT_EQUAL_HEX32(0U, derating.flags);
+    assert_limited(-MAX, 0, (dq_t){20000, 100}, 16384);
+    assert_limited(0, MAX, (dq_t){20000, 100}, -16384);
+    limit_bus_current(32767, 32767); /* beyond all that flows */
+    assert_limited(-MAX, MAX, (dq_t){18918, 18918}, 16384);
 }
 
 /*
@@ -524,6 +499,15 @@ TEST(test_the_smallest_of_all_limits_holds)
     assert_range(0, 0, range_at(BUS_CALM, FORWARD));
 }
 
+/* ---- another configuration ---- */
+
+static int32_t changed(int32_t heat_q24, const derating_cfg_t *from, const derating_cfg_t *to)
+{
+    derating.heat_q24 = heat_q24;
+    derating_change(&derating, from, to);
+    return derating.heat_q24;
+}
+
 /*
  * Half of the square in 2^1 of the scale. The gain is rounded, half of one in 15 bits, and so is
  * the ratio of two gains, down to one in 15 bits: 2^-14 for each change.
@@ -532,18 +516,15 @@ TEST(test_the_heat_of_a_current_is_that_of_the_same_current_in_another_scale)
 {
     const int32_t heat = 8000000;
     derating_cfg_t other = cfg;
+    int32_t there;
 
-    derating.heat_q24 = heat;
     other.heat_gain = (int32_t)lround(cfg.heat_gain * 0.5 / 0.64);
     other.heat_shift = cfg.heat_shift + 1U;
-    derating_change(&derating, &cfg, &other);
-    TEST_ASSERT_INT32_WITHIN(heat / 16384, (int32_t)lround(heat / 0.64), derating.heat_q24);
-    derating_change(&derating, &other, &cfg);
-    TEST_ASSERT_INT32_WITHIN(2 * (heat / 16384), heat, derating.heat_q24);
+    there = changed(heat, &cfg, &other);
+    TEST_ASSERT_INT32_WITHIN(heat / 16384, (int32_t)lround(heat / 0.64), there);
+    TEST_ASSERT_INT32_WITHIN(2 * (heat / 16384), heat, changed(there, &other, &cfg));
     for (int32_t any = 0; any < 100000; any += 997) { /* the same scale changes no bit */
-        derating.heat_q24 = any * 10737;
-        derating_change(&derating, &cfg, &cfg);
-        TEST_ASSERT_EQUAL_INT32(any * 10737, derating.heat_q24);
+        TEST_ASSERT_EQUAL_INT32(any * 10737, changed(any * 10737, &cfg, &cfg));
     }
 }
 
@@ -555,22 +536,18 @@ TEST(test_a_configuration_that_bears_less_and_back_leave_the_heat)
 
     other.heat_gain = (cfg.heat_gain * 25) / 16;
     other.heat_shift = cfg.heat_shift + 4U;
-    derating.heat_q24 = heat;
-    derating_change(&derating, &cfg, &other);
-    derating_change(&derating, &other, &cfg);
-    TEST_ASSERT_INT32_WITHIN(2 * (heat / 16384), heat, derating.heat_q24);
+    TEST_ASSERT_INT32_WITHIN(2 * (heat / 16384), heat,
+                             changed(changed(heat, &cfg, &other), &other, &cfg));
 }
 
 TEST(test_the_least_heat_is_exact_in_a_scale_that_is_much_finer)
 {
     derating_cfg_t other = cfg;
 
+    cfg.heat_shift = 0U;
     for (uint32_t finer = 0U; finer < 20U; finer++) {
-        cfg.heat_shift = 0U;
         other.heat_shift = finer;
-        derating.heat_q24 = 1;
-        derating_change(&derating, &cfg, &other);
-        TEST_ASSERT_EQUAL_INT32(1L << finer, derating.heat_q24);
+        TEST_ASSERT_EQUAL_INT32(1L << finer, changed(1, &cfg, &other));
     }
 }
 
@@ -578,15 +555,11 @@ TEST(test_a_heat_beyond_its_range_in_another_scale_is_the_most)
 {
     derating_cfg_t other = cfg;
 
-    derating.heat_q24 = 0x40000000;
     other.heat_gain = 32767;
     other.heat_shift = 27U;
-    derating_change(&derating, &cfg, &other);
-    TEST_ASSERT_EQUAL_INT32(0x40000000, derating.heat_q24);
+    TEST_ASSERT_EQUAL_INT32(0x40000000, changed(0x40000000, &cfg, &other));
     cfg.heat_gain = 1;
     cfg.heat_shift = 0U;
-    derating_change(&derating, &cfg, &other);
-    TEST_ASSERT_EQUAL_INT32(0x40000000, derating.heat_q24);
-    derating_change(&derating, &other, &cfg);
-    TEST_ASSERT_EQUAL_INT32(0, derating.heat_q24);
+    TEST_ASSERT_EQUAL_INT32(0x40000000, changed(0x40000000, &cfg, &other));
+    TEST_ASSERT_EQUAL_INT32(0, changed(0x40000000, &other, &cfg));
 }

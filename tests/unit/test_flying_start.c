@@ -9,7 +9,6 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
-#include <string.h>
 
 #define TWO_PI (6.283185307179586)
 #define TURN (4294967296.0)
@@ -45,6 +44,15 @@ static flying_start_result_t step(int32_t alpha, int32_t beta)
     return flying_start_step(&start, &cfg, (ab_t){alpha, beta});
 }
 
+/* noise: the largest, Q15 of I_b. */
+static flying_start_result_t step_noisy(double alpha, double beta, int32_t noise)
+{
+    const int32_t noise_alpha = seeded_in(&seed, -noise, noise);
+    const int32_t noise_beta = seeded_in(&seed, -noise, noise);
+
+    return step((int32_t)lround(alpha) + noise_alpha, (int32_t)lround(beta) + noise_beta);
+}
+
 /* ---- a motor at constant speed ---- */
 
 typedef struct {
@@ -70,7 +78,7 @@ static void motor_tick(motor_t *m, bool shorted)
     }
 }
 
-/* Until the result, at which the motor is left. noise: the largest, Q15 of I_b. */
+/* Until the result, at which the motor is left. */
 static flying_start_result_t look(motor_t *m, int32_t noise)
 {
     flying_start_result_t result = FLYING_START_BUSY;
@@ -78,11 +86,7 @@ static flying_start_result_t look(motor_t *m, int32_t noise)
 
     flying_start_reset(&start);
     while (result == FLYING_START_BUSY) {
-        const int32_t noise_alpha = seeded_in(&seed, -noise, noise);
-        const int32_t noise_beta = seeded_in(&seed, -noise, noise);
-
-        result = step((int32_t)lround(m->alpha_a / CURRENT_LSB_A) + noise_alpha,
-                      (int32_t)lround(m->beta_a / CURRENT_LSB_A) + noise_beta);
+        result = step_noisy(m->alpha_a / CURRENT_LSB_A, m->beta_a / CURRENT_LSB_A, noise);
         ticks++;
         TEST_ASSERT_TRUE(ticks <= LONGEST_TICKS);
         if (result == FLYING_START_BUSY) {
@@ -199,18 +203,15 @@ TEST(test_the_current_of_the_pulses_tells_the_inductance)
     double worst = 0.0;
 
     cfg.gap_factor = TELLING_GAP;
-
     for (uint32_t i = 0U; i < 16U; i++) {
         const double speed = speeds[i % 4U];
         const double ratio = ratios[i / 4U];
 
         inductance = ratio * INDUCTANCE;
         for (int32_t k = 0; k < 24; k++) {
-            double error;
-
             TEST_ASSERT_EQUAL_INT(FLYING_START_TURNING, look_from(speed, TWO_PI * k / 24.0, 0));
-            error = (start.inductance_q14 / 16384.0 / ratio) - 1.0;
-            worst = fmax(worst, fabs(error) / inductance_tolerance(speed, ratio));
+            worst = fmax(worst, fabs((start.inductance_q14 / 16384.0 / ratio) - 1.0) /
+                                    inductance_tolerance(speed, ratio));
         }
     }
     figure_check("inductance, as a share of its bound", worst, 1.0, 0.2);
@@ -219,7 +220,6 @@ TEST(test_the_current_of_the_pulses_tells_the_inductance)
 /* 9 ticks of 41.9 mrad from one pulse of one tick to the other, and 16 of 9 mrad: 22° and 8°. */
 TEST(test_a_rotor_that_turns_little_between_the_pulses_does_not_tell_the_inductance)
 {
-
     cfg.pause_max = 8U;
     inductance = 1.25 * INDUCTANCE;
     for (int32_t k = 0; k < 24; k++) {
@@ -232,7 +232,6 @@ TEST(test_a_rotor_that_turns_little_between_the_pulses_does_not_tell_the_inducta
 
 TEST(test_a_standing_rotor_is_standing_with_and_without_noise)
 {
-
     /* Up to a quarter of the threshold, 102.5, in both axes: √2·72 = 101.8. */
     for (int32_t k = 0; k < 2000; k++) {
         TEST_ASSERT_EQUAL_INT(FLYING_START_STANDING, look_from(0.0, k, (k % 4) * 24));
@@ -242,7 +241,6 @@ TEST(test_a_standing_rotor_is_standing_with_and_without_noise)
 /* 8 ticks at 3 rad/s give 64 LSB: below a quarter of the threshold. */
 TEST(test_a_rotor_too_slow_to_tell_is_standing)
 {
-
     for (int32_t k = 0; k < 24; k++) {
         TEST_ASSERT_EQUAL_INT(FLYING_START_STANDING, look_from(((k % 2) == 0) ? 3.0 : -3.0, k, 0));
     }
@@ -328,22 +326,12 @@ TEST(test_at_a_standing_rotor_the_gates_stay_on_for_exactly_the_charge)
 
 TEST(test_a_turning_rotor_is_not_braked_by_a_charge)
 {
-
     cfg.charge_ticks = 200U;
     for (int32_t k = 0; k < 24; k++) {
         const double speed = ((k % 2) == 0) ? 10.0 : -90.0;
 
         TEST_ASSERT_EQUAL_INT(FLYING_START_TURNING, look_from(speed, k, 0)); /* in LONGEST_TICKS */
     }
-}
-
-TEST(test_reset_forgets_what_was_there_before)
-{
-    memset(&start, 0x5A, sizeof start);
-    flying_start_reset(&start);
-    TEST_ASSERT_EQUAL_UINT32(0U, start.tick | (uint32_t)start.phase | start.length | start.angle);
-    TEST_ASSERT_FALSE(start.gates);
-    TEST_ASSERT_EQUAL_INT32(0, start.speed | start.first.alpha | start.first.beta);
 }
 
 TEST(test_gates_stay_open_until_the_current_from_before_has_ended)
@@ -384,11 +372,8 @@ static step_t speed_of_live_current(double turn, int32_t noise)
     flying_start_reset(&start);
     for (uint32_t tick = 0U; (tick <= cfg.wait_ticks) && (result == FLYING_START_BUSY); tick++) {
         const double angle = TWO_PI * turn * tick;
-        const int32_t noise_alpha = seeded_in(&seed, -noise, noise);
-        const int32_t noise_beta = seeded_in(&seed, -noise, noise);
 
-        result = step((int32_t)lround(2000.0 * cos(angle)) + noise_alpha,
-                      (int32_t)lround(2000.0 * sin(angle)) + noise_beta);
+        result = step_noisy(2000.0 * cos(angle), 2000.0 * sin(angle), noise);
     }
     TEST_ASSERT_EQUAL_INT(FLYING_START_LIVE, result);
     TEST_ASSERT_FALSE(start.gates);
@@ -401,7 +386,6 @@ static step_t speed_of_live_current(double turn, int32_t noise)
  */
 TEST(test_a_current_that_does_not_end_tells_its_speed)
 {
-
     cfg.wait_ticks = 1000U;
     for (double turn = -0.24; turn <= 0.24; turn += 0.013) {
         const double speed = turn * TURN;
@@ -415,7 +399,6 @@ TEST(test_a_current_that_does_not_end_tells_its_speed)
 
 TEST(test_the_longest_wait_tells_the_speed_of_a_current_too)
 {
-
     cfg.wait_ticks = 0x100000U;
     /* each mean is rounded by two at most, and divided by the ticks after it */
     TEST_ASSERT_TRUE(fabs(speed_of_live_current(0.125, 0) - (0.125 * TURN)) <= 4.0);
@@ -423,7 +406,6 @@ TEST(test_the_longest_wait_tells_the_speed_of_a_current_too)
 
 TEST(test_a_current_that_stands_still_has_no_speed)
 {
-
     cfg.wait_ticks = 1000U;
     TEST_ASSERT_TRUE(abs(speed_of_live_current(0.0, 16)) <= 20000);
     TEST_ASSERT_EQUAL_INT32(0, speed_of_live_current(0.0, 0));
@@ -443,7 +425,7 @@ static flying_start_result_t judge(double current, double turned_rad)
     while (result == FLYING_START_BUSY) {
         const double angle = (start.phase < FLYING_START_PAUSE) ? 0.0 : turned_rad;
 
-        result = step((int32_t)lround(current * cos(angle)), (int32_t)lround(current * sin(angle)));
+        result = step_noisy(current * cos(angle), current * sin(angle), 0);
     }
     return result;
 }

@@ -27,14 +27,17 @@
 
 static inductance_cfg_t cfg;
 static inductance_t test;
-static int32_t
-    resistance_q13; /* of the words worked out by hand: 1.0 unless a test says otherwise */
+static int32_t resistance_q13; /* of the words worked out by hand: 1.0 unless a test changes it */
+static double worst_d;         /* as shares of their bounds */
+static double worst_q;
 
 void setUp(void)
 {
     cfg = example_align_cfg().inductance;
     test = (inductance_t){.start_d = 0};
     resistance_q13 = 8192;
+    worst_d = 0.0;
+    worst_q = 0.0;
 }
 
 static uint32_t last_tick(void)
@@ -152,9 +155,6 @@ static inductance_result_t measure(const winding_t *w)
     return inductance_result(&test, &cfg, (int32_t)lround(w->resistance * RESISTANCE_Q13));
 }
 
-static double worst_d; /* as shares of their bounds */
-static double worst_q;
-
 /*
  * Half a count of the converter, 4 LSB, in each sample: ΔL_d/L_d from two samples of the fall. In
  * the pulse four samples count once, twice, twice and once. Euler's steps, and the trapezoid of
@@ -183,8 +183,6 @@ TEST(test_both_inductances_are_measured_whatever_the_resistance_and_the_saliency
     static const double ratios[] = {0.6, 0.8, 1.0, 1.25, 1.4};
     static const double saliencies[] = {0.7, 1.0, 1.3, 2.0, 2.8};
 
-    worst_d = 0.0;
-    worst_q = 0.0;
     for (uint32_t k = 0U; k < 125U; k++) {
         const winding_t w = {.resistance = ratios[k % 5U],
                              .inductance = ratios[(k / 5U) % 5U],
@@ -200,8 +198,6 @@ TEST(test_a_loaded_rotor_off_the_vector_is_measured_in_its_own_axes)
 {
     static const double saliencies[] = {0.7, 1.0, 1.3, 2.0};
 
-    worst_d = 0.0;
-    worst_q = 0.0;
     for (int32_t k = 0; k < 52; k++) {
         const int32_t step = (k / 4) - 6;
         const winding_t w = {.resistance = 1.3,
@@ -221,8 +217,6 @@ TEST(test_a_loaded_rotor_off_the_vector_is_measured_in_its_own_axes)
  */
 TEST(test_a_winding_that_decays_within_the_pulse_is_measured)
 {
-    worst_d = 0.0;
-    worst_q = 0.0;
     for (int32_t k = 0; k < 5; k++) {
         const winding_t w = {.resistance = 7.0, .inductance = 0.8 + (0.1 * k), .saliency = 1.1};
 
@@ -285,29 +279,28 @@ TEST(test_current_along_counts_from_the_sample_where_the_voltage_of_the_step_beg
 
 /* ---- responses that say nothing ---- */
 
+static void assert_result(int32_t fall, dq_t across, int32_t ratio_q14, int32_t saliency_q13)
+{
+    inductance_result_t found;
+
+    test.step.change.d = fall;
+    test.pulse.change = across;
+    found = inductance_result(&test, &cfg, resistance_q13);
+    TEST_ASSERT_EQUAL_INT32(ratio_q14, found.ratio_q14);
+    TEST_ASSERT_EQUAL_INT32(saliency_q13, found.saliency_q13);
+}
+
 TEST(test_without_a_fall_along_the_current_nothing_is_known)
 {
-    test.pulse.change.q = cfg.pulse_response;
     for (int32_t fall = -100000; fall <= 0; fall += 50000) {
-        inductance_result_t found;
-
-        test.step.change.d = fall;
-        found = inductance_result(&test, &cfg, 1547);
-        TEST_ASSERT_EQUAL_INT32(INDUCTANCE_UNKNOWN, found.ratio_q14);
-        TEST_ASSERT_EQUAL_INT32(INDUCTANCE_UNKNOWN, found.saliency_q13);
+        assert_result(fall, (dq_t){0, cfg.pulse_response}, INDUCTANCE_UNKNOWN, INDUCTANCE_UNKNOWN);
     }
 }
 
 TEST(test_without_a_response_across_the_inductance_along_the_current_is_known)
 {
-    test.step.change.d = cfg.step_response;
     for (int32_t change = -100000; change <= 0; change += 50000) {
-        inductance_result_t found;
-
-        test.pulse.change.q = change;
-        found = inductance_result(&test, &cfg, 1547);
-        TEST_ASSERT_EQUAL_INT32(16384, found.ratio_q14);
-        TEST_ASSERT_EQUAL_INT32(INDUCTANCE_UNKNOWN, found.saliency_q13);
+        assert_result(cfg.step_response, (dq_t){0, change}, 16384, INDUCTANCE_UNKNOWN);
     }
 }
 
@@ -334,12 +327,9 @@ TEST(test_when_the_resistance_takes_the_whole_voltage_nothing_is_known)
 
 TEST(test_results_end_at_15_bits)
 {
-    test.step.change.d = 1;
-    test.pulse.change.q = cfg.pulse_response;
-    TEST_ASSERT_EQUAL_INT32(32767, inductance_result(&test, &cfg, 0).ratio_q14);
-    test.step.change.d = cfg.step_response;
-    test.pulse.change.q = 1;
-    TEST_ASSERT_EQUAL_INT32(32767, inductance_result(&test, &cfg, 0).saliency_q13);
+    resistance_q13 = 0;
+    assert_result(1, (dq_t){0, cfg.pulse_response}, 32767, 8192 / cfg.step_response);
+    assert_result(cfg.step_response, (dq_t){0, 1}, 16384, 32767);
 }
 
 /* ---- words, worked out by hand ---- */
@@ -361,19 +351,14 @@ static const response_t unit = {.response = 8192, .voltage = 1, .mean = 0};
 static void check_words(response_t step, response_t pulse, int32_t ratio_q14, int32_t saliency_q13)
 {
     const int32_t pulse_ticks = 4 * (int32_t)cfg.pulse_ticks;
-    inductance_result_t found;
 
     cfg.step_response = step.response;
     cfg.step_voltage = step.voltage;
     test.step.carried = 2 * (int32_t)cfg.step_ticks * step.mean;
-    test.step.change = step.change;
     cfg.pulse_response = pulse.response;
     cfg.pulse_voltage = pulse.voltage;
     test.pulse.carried = 2 * pulse_ticks * pulse.mean;
-    test.pulse.change = pulse.change;
-    found = inductance_result(&test, &cfg, resistance_q13);
-    TEST_ASSERT_EQUAL_INT32(ratio_q14, found.ratio_q14);
-    TEST_ASSERT_EQUAL_INT32(saliency_q13, found.saliency_q13);
+    assert_result(step.change.d, pulse.change, ratio_q14, saliency_q13);
 }
 
 static void check_elements(int32_t dd, int32_t cross, int32_t qq, int32_t ratio_q14,
@@ -449,6 +434,11 @@ TEST(test_changes_end_at_18_bits)
     check_words(step, pulse, INDUCTANCE_UNKNOWN, INDUCTANCE_UNKNOWN);
 }
 
+static bool is_in_range(int32_t word)
+{
+    return (word == INDUCTANCE_UNKNOWN) || ((word >= 1) && (word <= 32767));
+}
+
 TEST(test_any_response_gives_a_result_within_its_range)
 {
     seeded_t seed = {0x1D1CU};
@@ -469,9 +459,6 @@ TEST(test_any_response_gives_a_result_within_its_range)
             TEST_ASSERT_EQUAL(tick == last_tick(), inductance_step(&test, &cfg, tick, current));
         }
         found = inductance_result(&test, &cfg, seeded_in(&seed, 0, 32767));
-        TEST_ASSERT_TRUE((found.ratio_q14 == INDUCTANCE_UNKNOWN) ||
-                         ((found.ratio_q14 >= 1) && (found.ratio_q14 <= 32767)));
-        TEST_ASSERT_TRUE((found.saliency_q13 == INDUCTANCE_UNKNOWN) ||
-                         ((found.saliency_q13 >= 1) && (found.saliency_q13 <= 32767)));
+        TEST_ASSERT_TRUE(is_in_range(found.ratio_q14) && is_in_range(found.saliency_q13));
     }
 }

@@ -261,53 +261,68 @@ TEST(test_limit_is_the_largest_ratio_of_the_bus_rounded_down)
     TEST_ASSERT_EQUAL_INT32(0, modulator_limit(&cfg, 1));
 }
 
-TEST(test_ratio_is_the_voltage_over_the_bus_rounded_down)
+TEST(test_ratio_is_the_voltage_over_the_bus_rounded_down_and_saturates_to_16_bits)
 {
-    mod.inverse_bus_q12 = 6144; /* bus = 2/3 */
-    assert_dq(15000, -15000, modulator_ratio(&mod, (dq_t){10000, -10000}));
-    assert_dq(1, -2, modulator_ratio(&mod, (dq_t){1, -1}));
-}
+    static const struct {
+        int32_t inverse_q12;
+        dq_t voltage;
+        dq_t ratio;
+    } rows[] = {
+        {6144, {10000, -10000}, {15000, -15000}}, /* bus = 2/3 */
+        {6144, {1, -1}, {1, -2}},
+        /* A bus of ½ doubles: the last voltages inside, the first ones beyond. */
+        {8192, {16383, -16383}, {32766, -32766}},
+        {8192, {-16383, 16383}, {-32766, 32766}},
+        {8192, {16384, -16384}, {32767, -32768}},
+        {8192, {-16384, 16384}, {-32768, 32767}},
+        {8192, {32767, -16385}, {32767, -32768}},
+        {8192, {-32767, 32767}, {-32768, 32767}},
+        {32767, {32767, -32767}, {32767, -32768}},
+        {4096, {32767, -32767}, {32767, -32767}},
+    };
 
-TEST(test_ratio_saturates_to_16_bits_on_both_sides)
-{
-    /* A bus of ½ doubles: the last voltages inside, the first ones beyond. */
-    static const int32_t voltages[] = {16383, 16384, 32767, -16383, -16384, -16385, -32767};
-    static const int32_t ratios[] = {32766, 32767, 32767, -32766, -32768, -32768, -32768};
-
-    mod.inverse_bus_q12 = 8192;
-    for (uint32_t i = 0U; i < (sizeof ratios / sizeof ratios[0]); i++) {
-        assert_dq(ratios[i], ratios[i], modulator_ratio(&mod, (dq_t){voltages[i], voltages[i]}));
+    for (uint32_t i = 0U; i < (sizeof rows / sizeof rows[0]); i++) {
+        mod.inverse_bus_q12 = rows[i].inverse_q12;
+        assert_dq(rows[i].ratio.d, rows[i].ratio.q, modulator_ratio(&mod, rows[i].voltage));
     }
-    mod.inverse_bus_q12 = 32767;
-    assert_dq(32767, -32768, modulator_ratio(&mod, (dq_t){32767, -32767}));
-    mod.inverse_bus_q12 = 4096;
-    assert_dq(32767, -32767, modulator_ratio(&mod, (dq_t){32767, -32767}));
 }
 
 /*
  * Along α: a = 0.3, b = c = −0.15; common −(0.3 − 0.15)/2: duties 0.725 and 0.275.
  * Along β: b = −c = 0.2598.
+ * Counts are rounded to nearest, ties up. Duty saturates at 32767/32768: up to 16384 counts that is
+ * less than half a count below the end.
  */
 TEST(test_a_vector_raises_its_phases_against_the_others_up_to_duty_one)
 {
     static const struct {
         const char *name;
+        int32_t timer;
         ab_t ratio;
         uint16_t counts[3];
         uint16_t tolerance;
     } cases[] = {
-        {"null", {0, 0}, {4250U, 4250U, 4250U}, 0U},
-        {"along alpha", {9830, 0}, {6162U, 2338U, 2338U}, 1U},
-        {"along beta", {0, 9830}, {4250U, 6458U, 2042U}, 1U},
-        {"too long along alpha", {32767, 0}, {8500U, 0U, 0U}, 0U},
-        {"too long against alpha", {-32767, 0}, {0U, 8500U, 8500U}, 0U},
-        {"too long along beta", {0, 32767}, {4250U, 8500U, 0U}, 0U},
-        {"too long against beta", {0, -32767}, {4250U, 0U, 8500U}, 0U},
+        {"null", 8500, {0, 0}, {4250U, 4250U, 4250U}, 0U},
+        {"along alpha", 8500, {9830, 0}, {6162U, 2338U, 2338U}, 1U},
+        {"along beta", 8500, {0, 9830}, {4250U, 6458U, 2042U}, 1U},
+        {"too long along alpha", 8500, {32767, 0}, {8500U, 0U, 0U}, 0U},
+        {"too long against alpha", 8500, {-32767, 0}, {0U, 8500U, 8500U}, 0U},
+        {"too long along beta", 8500, {0, 32767}, {4250U, 8500U, 0U}, 0U},
+        {"too long against beta", 8500, {0, -32767}, {4250U, 0U, 8500U}, 0U},
+        {"too long, least timer", 1, {32767, 0}, {1U, 0U, 0U}, 0U},
+        {"too long, short timer", 100, {32767, 0}, {100U, 0U, 0U}, 0U},
+        {"too long, last full timer", 16384, {32767, 0}, {16384U, 0U, 0U}, 0U},
+        {"too long, first timer that is not full", 16385, {32767, 0}, {16384U, 0U, 0U}, 0U},
+        {"too long, largest timer", 32767, {32767, 0}, {32766U, 0U, 0U}, 0U},
+        {"half a count is rounded up", 1, {0, 0}, {1U, 1U, 1U}, 0U},
+        {"less than half a count down", 1, {0, 2}, {1U, 1U, 0U}, 0U},
     };
 
     for (uint32_t i = 0U; i < (sizeof cases / sizeof cases[0]); i++) {
-        const compare_t c = compare_without_current(cases[i].ratio);
+        compare_t c;
 
+        cfg.timer_counts = cases[i].timer;
+        c = compare_without_current(cases[i].ratio);
         for (uint32_t p = 0U; p < 3U; p++) {
             TEST_ASSERT_UINT16_WITHIN_MESSAGE(cases[i].tolerance, cases[i].counts[p], c.phase[p],
                                               cases[i].name);
@@ -316,16 +331,12 @@ TEST(test_a_vector_raises_its_phases_against_the_others_up_to_duty_one)
     }
 }
 
-TEST(test_counts_round_to_nearest_with_ties_up)
+/* Towards zero: the vector stays within the circle that the limit allows. */
+static ab_t on_circle(int32_t radius, double share_of_turn)
 {
-    compare_t compare;
+    const double angle = TWO_PI * share_of_turn;
 
-    cfg.timer_counts = 1;
-    compare = compare_without_current((ab_t){0, 0});
-    TEST_ASSERT_EQUAL_UINT16(1U, compare.phase[0]);
-    compare = compare_without_current((ab_t){0, 2});
-    TEST_ASSERT_EQUAL_UINT16(1U, compare.phase[1]);
-    TEST_ASSERT_EQUAL_UINT16(0U, compare.phase[2]);
+    return (ab_t){(int32_t)trunc(radius * cos(angle)), (int32_t)trunc(radius * sin(angle))};
 }
 
 /* Largest deviation of a phase-to-phase voltage from the demand, in counts. */
@@ -353,12 +364,7 @@ TEST(test_phase_to_phase_voltages_equal_the_demand_in_all_directions)
 
         cfg.timer_counts = timers[t];
         for (int32_t k = 0; k < 32768; k++) {
-            const double angle = TWO_PI * k / 32768.0;
-            const int32_t radius = radii[k % 4];
-
-            /* Towards zero: the vector stays within the circle that the limit allows. */
-            worst = fmax(worst, line_error((ab_t){(int32_t)trunc(radius * cos(angle)),
-                                                  (int32_t)trunc(radius * sin(angle))}));
+            worst = fmax(worst, line_error(on_circle(radii[k % 4], k / 32768.0)));
         }
         figure_check("phase-to-phase error, counts", worst, LINE_COUNTS(timers[t]), 0.4);
     }
@@ -367,30 +373,12 @@ TEST(test_phase_to_phase_voltages_equal_the_demand_in_all_directions)
 TEST(test_duties_are_symmetric_about_one_half)
 {
     for (int32_t k = 0; k < 4096; k++) {
-        const double angle = TWO_PI * k / 4096.0;
-        const compare_t c = compare_without_current(
-            (ab_t){(int32_t)trunc(18918.0 * cos(angle)), (int32_t)trunc(18918.0 * sin(angle))});
+        const compare_t c = compare_without_current(on_circle(18918, k / 4096.0));
         const int32_t highest = fx_max(fx_max(c.phase[0], c.phase[1]), c.phase[2]);
         const int32_t lowest = fx_min(fx_min(c.phase[0], c.phase[1]), c.phase[2]);
 
         /* Half the sum rounded down: up to 1 LSB of Q15 = 0.26 counts; two roundings to counts. */
         TEST_ASSERT_INT32_WITHIN(1, cfg.timer_counts, highest + lowest);
-    }
-}
-
-/* Duty saturates at 32767/32768: below half a count of the timer it is lost in the rounding. */
-TEST(test_largest_duty_is_full_up_to_16384_counts_and_one_count_short_above)
-{
-    static const int32_t timers[] = {1, 100, 8500, 16384, 16385, 32767};
-    static const uint16_t highest[] = {1, 100, 8500, 16384, 16384, 32766};
-
-    for (uint32_t i = 0U; i < (sizeof timers / sizeof timers[0]); i++) {
-        const compare_t expected = {{highest[i], 0U, 0U}};
-        compare_t c;
-
-        cfg.timer_counts = timers[i];
-        c = compare_without_current((ab_t){32767, 0});
-        TEST_ASSERT_EQUAL_UINT16_ARRAY(expected.phase, c.phase, 3U);
     }
 }
 
@@ -421,13 +409,10 @@ static void use_dead_time(void)
 
 TEST(test_either_dead_time_or_drop_asks_for_the_current)
 {
-    static const int32_t dead_time[] = {0, 1, 0, 1};
-    static const int32_t drop[] = {0, 0, 1, 1};
-
-    for (uint32_t i = 0U; i < 4U; i++) {
-        set_dead_time(dead_time[i]);
-        cfg.drop_q15 = drop[i];
-        TEST_ASSERT_EQUAL(i != 0U, modulator_compensates(&cfg));
+    for (int32_t i = 0; i < 4; i++) {
+        set_dead_time(i % 2);
+        cfg.drop_q15 = i / 2;
+        TEST_ASSERT_EQUAL(i != 0, modulator_compensates(&cfg));
     }
 }
 
@@ -436,6 +421,12 @@ static int32_t given_back(ab_t ratio, ab_t current, uint32_t phase)
 {
     return (int32_t)compare_with(ratio, current).phase[phase] -
            (int32_t)compare_without_current(ratio).phase[phase];
+}
+
+/* To leg a, with a current along it. */
+static int32_t given_back_to_a(ab_t ratio, int32_t current)
+{
+    return given_back(ratio, (ab_t){current, 0}, 0U);
 }
 
 /* A phase current of the vector, as a real number. */
@@ -452,9 +443,7 @@ TEST(test_full_loss_is_given_back_to_each_leg_in_the_direction_of_its_current)
 {
     use_dead_time();
     for (int32_t k = 0; k < 720; k++) {
-        const double angle = TWO_PI * k / 720.0;
-        const ab_t current = {(int32_t)lround(3000.0 * cos(angle)),
-                              (int32_t)lround(3000.0 * sin(angle))};
+        const ab_t current = on_circle(3000, k / 720.0);
 
         for (uint32_t p = 0U; p < 3U; p++) {
             const double i = phase_current(current, p);
@@ -470,18 +459,17 @@ TEST(test_full_loss_is_given_back_to_each_leg_in_the_direction_of_its_current)
 TEST(test_drop_weighs_more_on_a_lower_bus_and_dead_time_does_not)
 {
     static const int32_t inverses[] = {4096, 6144, 8192};
-    const ab_t current = {3000, 0};
+    const ab_t null = {0, 0};
 
     use_dead_time();
     for (uint32_t i = 0U; i < 3U; i++) {
         mod.inverse_bus_q12 = inverses[i];
         set_dead_time(0);
         cfg.drop_q15 = 1000;
-        TEST_ASSERT_INT32_WITHIN(SHARE_LSB, 1000 * inverses[i] / 4096,
-                                 given_back((ab_t){0, 0}, current, 0U));
+        TEST_ASSERT_INT32_WITHIN(SHARE_LSB, 1000 * inverses[i] / 4096, given_back_to_a(null, 3000));
         set_dead_time(1000);
         cfg.drop_q15 = 0;
-        TEST_ASSERT_INT32_WITHIN(SHARE_LSB, 1000, given_back((ab_t){0, 0}, current, 0U));
+        TEST_ASSERT_INT32_WITHIN(SHARE_LSB, 1000, given_back_to_a(null, 3000));
     }
 }
 
@@ -497,10 +485,10 @@ TEST(test_nothing_is_given_back_within_the_ripple_and_everything_a_few_counts_ab
     cfg.ripple_q15 = 2000;
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         for (int32_t i = 0; i <= 1267; i++) {
-            TEST_ASSERT_EQUAL_INT32(0, given_back(ratio, (ab_t){sign * i, 0}, 0U));
+            TEST_ASSERT_EQUAL_INT32(0, given_back_to_a(ratio, sign * i));
         }
         TEST_ASSERT_INT32_WITHIN(SHARE_LSB, sign * LOSS_Q15,
-                                 given_back(ratio, (ab_t){sign * (1269 + EDGE_LSB), 0}, 0U));
+                                 given_back_to_a(ratio, sign * (1269 + EDGE_LSB)));
     }
     /* The highest and the lowest leg: 9·u² is more than s. */
     TEST_ASSERT_INT32_WITHIN(SHARE_LSB, -LOSS_Q15, given_back(ratio, (ab_t){200, 0}, 1U));
@@ -525,7 +513,7 @@ TEST(test_ripple_follows_the_edges_of_the_leg_in_the_middle)
         const double expected = 16384.0 * (span - (9.0 * u * u));
         int32_t first = 0;
 
-        while ((first < 16384) && (given_back(ratio, (ab_t){first, 0}, 0U) == 0)) {
+        while ((first < 16384) && (given_back_to_a(ratio, first) == 0)) {
             first++;
         }
         TEST_ASSERT_DOUBLE_WITHIN(RIPPLE_LSB, expected, first);
@@ -547,7 +535,7 @@ TEST(test_a_small_current_is_given_back_as_much_as_a_leg_loses_that_commutates_s
     cfg.ripple_q15 = 0;
     for (int32_t k = 0; k < 7; k++) {
         TEST_ASSERT_INT32_WITHIN(SYMMETRY_LSB, LOSS_Q15 * sixteenths[k] / 16,
-                                 given_back((ab_t){0, 0}, (ab_t){16 * (k - 3), 0}, 0U));
+                                 given_back_to_a((ab_t){0, 0}, 16 * (k - 3)));
     }
 }
 
@@ -557,12 +545,12 @@ TEST(test_duty_goes_steadily_through_zero_current_without_a_jump)
 
     use_dead_time();
     for (uint32_t r = 0U; r < 4U; r++) {
-        int32_t before = given_back(ratios[r], (ab_t){-300, 0}, 0U);
+        int32_t before = given_back_to_a(ratios[r], -300);
 
         TEST_ASSERT_INT32_WITHIN(SHARE_LSB, -LOSS_Q15, before);
-        TEST_ASSERT_EQUAL_INT32(0, given_back(ratios[r], (ab_t){0, 0}, 0U));
+        TEST_ASSERT_EQUAL_INT32(0, given_back_to_a(ratios[r], 0));
         for (int32_t i = -299; i <= 300; i++) {
-            const int32_t now = given_back(ratios[r], (ab_t){i, 0}, 0U);
+            const int32_t now = given_back_to_a(ratios[r], i);
 
             TEST_ASSERT_TRUE((now >= before) && (now <= (before + 26)));
             before = now;

@@ -13,6 +13,7 @@
 
 #define TURN_Q32 ((int64_t)1 << 32)
 #define FAR_AWAY_Q32 ((int64_t)1 << 62)
+#define RATIO_ONE_Q17 (131072)
 
 static speed_loop_cfg_t speed_cfg;
 static torque_range_t torque;
@@ -40,6 +41,20 @@ static int64_t magnitude(int64_t x)
 static int32_t demand(step_t reference, step_t measured)
 {
     return speed_loop_step(&speed_loop, &speed_cfg, reference, measured, torque);
+}
+
+/* i_q for the change from standstill to that reference. */
+static int32_t accelerate(step_t reference)
+{
+    speed_loop_reset(&speed_loop, 0);
+    return speed_loop_accelerate(&speed_loop, &speed_cfg, reference, torque);
+}
+
+static void set_inertia(int32_t inertia, uint32_t shift, uint32_t lift)
+{
+    speed_cfg.inertia = inertia;
+    speed_cfg.inertia_shift = shift;
+    speed_cfg.inertia_lift = lift;
 }
 
 /* The speed reference of a slow period. */
@@ -120,14 +135,16 @@ TEST(test_below_its_limit_the_loop_has_the_soft_gains)
     }
 }
 
-TEST(test_acceleration_feed_forward_follows_the_change_of_the_reference)
+/* 100000 · 32471 / 2^21 = 1548.3 */
+TEST(test_acceleration_feed_forward_is_the_change_of_the_reference_times_the_inertia_in_force)
 {
-    /* Change 100000 · 32471 / 2^21 = 1548.3; of the error only 24 LSB at K_p·24 = 15.94·24. */
     speed_cfg.pi.kp = 0;
     speed_cfg.pi.ki = 0;
     TEST_ASSERT_EQUAL_INT32(1548, demand(100000, 0));
     TEST_ASSERT_EQUAL_INT32(0, demand(100000, 0));
     TEST_ASSERT_EQUAL_INT32(-1549, demand(0, 0));
+    speed_loop.inertia_q17 = RATIO_ONE_Q17 / 4 * 7;
+    TEST_ASSERT_EQUAL_INT32(1548 * 7 / 4, demand(100000, 0));
 }
 
 /*
@@ -185,20 +202,15 @@ TEST(test_a_change_is_lifted_where_a_step_takes_more_than_half_an_lsb)
     static const step_t changes[] = {1, -1, 0, 3, -3, 65537, -65537, 0x20000000, -0x20000000};
     static const int32_t torques[] = {6144, -6144, 0, 8192, -8192, 8192, -8192, 8192, -8192};
 
-    speed_cfg.inertia = 24576;
-    speed_cfg.inertia_shift = 0U;
-    speed_cfg.inertia_lift = 14U;
+    set_inertia(24576, 0U, 14U);
     speed_cfg.speed_max = 0x20000000;
     for (uint32_t i = 0U; i < (sizeof changes / sizeof changes[0]); i++) {
-        speed_loop_reset(&speed_loop, 0);
-        TEST_ASSERT_EQUAL_INT32(torques[i],
-                                speed_loop_accelerate(&speed_loop, &speed_cfg, changes[i], torque));
+        TEST_ASSERT_EQUAL_INT32(torques[i], accelerate(changes[i]));
     }
     /* 2^30, at which a change ends, over 2^16: one step less would be 16383. */
     torque = (torque_range_t){-16384, 16384};
-    speed_cfg.inertia = 1;
-    speed_loop_reset(&speed_loop, 0);
-    TEST_ASSERT_EQUAL_INT32(16384, speed_loop_accelerate(&speed_loop, &speed_cfg, 0x10000, torque));
+    set_inertia(1, 0U, 14U);
+    TEST_ASSERT_EQUAL_INT32(16384, accelerate(0x10000));
 }
 
 /* Errors beyond ±1 count as that: 2^15·2^14 / 2^20 = 512, and 1 LSB less is rounded down. */
@@ -224,9 +236,8 @@ TEST(test_current_demand_stays_within_its_limit_for_any_speeds_and_gains)
             speed_cfg.pi = (pi_cfg_t){32767, 32767, (uint32_t)seeded_in(&seed, 1, 30),
                                       (uint32_t)seeded_in(&seed, 1, 30)};
             speed_cfg.speed_max = ((k % 200) == 0) ? 0x20000000 : 28633115;
-            speed_cfg.inertia = 32767;
-            speed_cfg.inertia_shift = (uint32_t)seeded_in(&seed, 0, 30);
-            speed_cfg.inertia_lift = (uint32_t)seeded_in(&seed, 0, 14);
+            set_inertia(32767, (uint32_t)seeded_in(&seed, 0, 30),
+                        (uint32_t)seeded_in(&seed, 0, 14));
             speed_cfg.error_shift = (uint32_t)seeded_in(&seed, 1, 17);
             torque = (torque_range_t){seeded_in(&seed, -16384, 0), seeded_in(&seed, 0, 16384)};
             speed_loop_reset(&speed_loop, 0);
@@ -317,18 +328,24 @@ static void assert_profile(int64_t profile_q32, step_t speed)
     TEST_ASSERT_EQUAL_INT32(speed, loop.profile_speed);
 }
 
-/* Runs the profile to the target; fails when it is not there in time, leaves it, or overshoots. */
-static void run_to(int64_t target_q32)
+/* Runs the profile to the target; fails when it is not there in time, leaves it, or goes beyond. */
+static void run_to_within(int64_t target_q32, int64_t beyond_q32)
 {
     const int64_t distance = target_q32 - loop.profile_q32;
     const int32_t time = longest_time(distance);
 
     for (int32_t k = 0; k < time; k++) {
         step_profile(target_q32);
-        TEST_ASSERT_TRUE((distance >= 0) ? (loop.profile_q32 <= target_q32)
-                                         : (loop.profile_q32 >= target_q32));
+        TEST_ASSERT_TRUE((distance >= 0) ? (loop.profile_q32 <= (target_q32 + beyond_q32))
+                                         : (loop.profile_q32 >= (target_q32 - beyond_q32)));
     }
-    assert_profile(target_q32, 0);
+    TEST_ASSERT_EQUAL_INT64(target_q32, loop.profile_q32);
+}
+
+static void run_to(int64_t target_q32)
+{
+    run_to_within(target_q32, 0);
+    TEST_ASSERT_EQUAL_INT32(0, loop.profile_speed);
 }
 
 TEST(test_position_reset_starts_where_the_rotor_is_and_as_fast)
@@ -620,46 +637,42 @@ TEST(test_profile_without_softness_keeps_its_limits_and_passes_the_target_by_two
     cfg.softness_q15 = 0;
     for (int32_t run = 0; run < 200; run++) {
         const int64_t scale = (int64_t)1 << seeded_in(&seed, 8, 22);
-        const int64_t target = loop.profile_q32 + (seeded_in(&seed, -41000, 41000) * scale);
-        const bool upwards = target >= loop.profile_q32;
-        const int32_t time = longest_time(target - loop.profile_q32);
 
-        for (int32_t k = 0; k < time; k++) {
-            step_profile(target);
-            TEST_ASSERT_TRUE(upwards ? (loop.profile_q32 <= (target + allowed))
-                                     : (loop.profile_q32 >= (target - allowed)));
-        }
-        TEST_ASSERT_EQUAL_INT64(target, loop.profile_q32);
+        run_to_within(loop.profile_q32 + (seeded_in(&seed, -41000, 41000) * scale), allowed);
     }
 }
 
-/* Two steps from zero integral: K_p·e + K_i·e, then K_p·e + 2·K_i·e; each part rounded down. */
-TEST(test_half_the_bandwidth_has_half_of_kp_and_a_quarter_of_ki)
+/* i_q* of two periods from a zero integral: K_p·e + K_i·e, then K_p·e + 2·K_i·e. */
+static void demand_twice(int32_t demands[2])
+{
+    speed_loop_reset(&speed_loop, 0);
+    for (uint32_t k = 0U; k < 2U; k++) {
+        demands[k] = demand(0, -1500000);
+    }
+}
+
+/* Each part is rounded down. To lower it again changes nothing. */
+TEST(test_the_bandwidth_is_halved_once_by_half_of_kp_and_a_quarter_of_ki_and_given_back_whole)
 {
     int32_t whole[2];
+    int32_t half[2];
+    int32_t again[2];
 
     torque = (torque_range_t){-16384, 16384};
-    for (uint32_t k = 0U; k < 2U; k++) {
-        whole[k] = demand(0, -1500000);
-    }
-    speed_loop_reset(&speed_loop, 0);
+    demand_twice(whole);
     speed_loop_lower(&speed_loop);
+    speed_loop_lower(&speed_loop);
+    demand_twice(half);
+    speed_loop_restore(&speed_loop);
+    demand_twice(again);
     for (uint32_t k = 0U; k < 2U; k++) {
         const double ki = whole[1] - whole[0];
         const double kp = whole[0] - ki;
 
-        TEST_ASSERT_DOUBLE_WITHIN(3.0, (kp / 2.0) + ((k + 1U) * ki / 4.0), demand(0, -1500000));
+        TEST_ASSERT_DOUBLE_WITHIN(3.0, (kp / 2.0) + ((k + 1U) * ki / 4.0), half[k]);
+        TEST_ASSERT_EQUAL_INT32(whole[k], again[k]);
     }
     TEST_ASSERT_TRUE(whole[1] - whole[0] > 40); /* ten times the roundings */
-}
-
-TEST(test_the_bandwidth_is_halved_once_and_given_back_whole)
-{
-    speed_loop_lower(&speed_loop);
-    speed_loop_lower(&speed_loop);
-    TEST_ASSERT_EQUAL_UINT32(1U, speed_loop.halvings);
-    speed_loop_restore(&speed_loop);
-    TEST_ASSERT_EQUAL_UINT32(0U, speed_loop.halvings);
 }
 
 TEST(test_a_start_keeps_what_was_learned_and_half_the_bandwidth)
@@ -687,8 +700,6 @@ TEST(test_half_the_bandwidth_holds_for_the_finest_gains)
 
 /* ---- J ---- */
 
-#define RATIO_ONE_Q17 (131072)
-
 /*
  * The ramp's torque is 0.0154835·143166 = 2216.7 LSB: 2^17/(2216.7·2^11) = 0.0288719, times 2^20.
  */
@@ -700,69 +711,65 @@ static void allow_learning(void)
     speed_cfg.inertia_most_q13 = 24576;
 }
 
-/* What the integral has taken over: as if a step had added it. */
-static void learn(step_t change, int32_t added_lsb)
-{
-    const int32_t before_q26 = 100 * 2048;
+#define BEFORE_Q26 (100 * 2048)
+#define TENTH_Q26 (222 * 2048) /* a tenth of the ramp's torque */
 
-    speed_loop.pi.integral_q26 = before_q26 + (added_lsb * 2048);
-    speed_loop_learn(&speed_loop, &speed_cfg, change, before_q26);
+/* What the integral has taken over: as if a step had added it. */
+static void learn(step_t change, int32_t added_q26)
+{
+    speed_loop.pi.integral_q26 = BEFORE_Q26 + added_q26;
+    speed_loop_learn(&speed_loop, &speed_cfg, change, BEFORE_Q26);
 }
 
-static void assert_not_learned(step_t change, int32_t added_lsb)
+static void assert_not_learned(step_t change, int32_t added_q26)
 {
     const int32_t inertia = speed_loop.inertia_q17;
 
-    learn(change, added_lsb);
+    learn(change, added_q26);
     TEST_ASSERT_EQUAL_INT32(inertia, speed_loop.inertia_q17);
-    TEST_ASSERT_EQUAL_INT32((100 + added_lsb) * 2048, speed_loop.pi.integral_q26);
+    TEST_ASSERT_EQUAL_INT32(BEFORE_Q26 + added_q26, speed_loop.pi.integral_q26);
 }
 
-/*
- * The ramp's torque is 2216.7 LSB: a tenth of it is a tenth of J. Mantissa of 15 bits, one rounding
- * down.
- */
+/* A tenth of the torque is a tenth of J. Mantissa of 15 bits, one rounding down. */
 #define LEARNED_Q17 (2)
 
 TEST(test_what_the_integral_takes_over_on_a_ramp_goes_to_the_inertia)
 {
     allow_learning();
-    learn(speed_cfg.ramp, 222);
+    learn(speed_cfg.ramp, TENTH_Q26);
     TEST_ASSERT_INT32_WITHIN(LEARNED_Q17, RATIO_ONE_Q17 + (int32_t)(RATIO_ONE_Q17 * 222.0 / 2216.7),
                              speed_loop.inertia_q17);
-    TEST_ASSERT_EQUAL_INT32(100 * 2048, speed_loop.pi.integral_q26);
-    learn(-speed_cfg.ramp, 222); /* less braking: lighter */
+    TEST_ASSERT_EQUAL_INT32(BEFORE_Q26, speed_loop.pi.integral_q26);
+    learn(-speed_cfg.ramp, TENTH_Q26); /* less braking: lighter */
     TEST_ASSERT_INT32_WITHIN(2 * LEARNED_Q17, RATIO_ONE_Q17, speed_loop.inertia_q17);
 }
 
 TEST(test_below_half_of_the_ramp_the_integral_keeps_it)
 {
     allow_learning();
-    assert_not_learned((speed_cfg.ramp / 2) - 1, 222);
-    learn(speed_cfg.ramp / 2, 222);
+    assert_not_learned((speed_cfg.ramp / 2) - 1, TENTH_Q26);
+    learn(speed_cfg.ramp / 2, TENTH_Q26);
     TEST_ASSERT_TRUE(speed_loop.inertia_q17 > RATIO_ONE_Q17);
 }
 
 /* Each limit belongs to the range, and the next LSB does not. */
 TEST(test_beyond_the_limits_of_the_inertia_the_integral_keeps_it)
 {
-    const int32_t limits[] = {RATIO_ONE_Q17 / 2, 3 * RATIO_ONE_Q17};
-    const int32_t added[] = {-222, 222};
-
-    for (uint32_t k = 0U; k < 2U; k++) {
+    allow_learning();
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        const int32_t limit = (sign > 0) ? (3 * RATIO_ONE_Q17) : (RATIO_ONE_Q17 / 2);
         int32_t last;
 
-        allow_learning();
         speed_loop.inertia_q17 = RATIO_ONE_Q17;
-        learn(speed_cfg.ramp, added[k]);
-        last = limits[k] - (speed_loop.inertia_q17 - RATIO_ONE_Q17);
+        learn(speed_cfg.ramp, sign * TENTH_Q26);
+        last = limit - (speed_loop.inertia_q17 - RATIO_ONE_Q17);
         speed_loop.inertia_q17 = last;
-        learn(speed_cfg.ramp, added[k]);
-        TEST_ASSERT_EQUAL_INT32(limits[k], speed_loop.inertia_q17);
-        speed_loop.inertia_q17 = last + ((k == 0U) ? -1 : 1);
-        assert_not_learned(speed_cfg.ramp, added[k]);
-        speed_loop.inertia_q17 = limits[k];
-        assert_not_learned(speed_cfg.ramp, added[k]);
+        learn(speed_cfg.ramp, sign * TENTH_Q26);
+        TEST_ASSERT_EQUAL_INT32(limit, speed_loop.inertia_q17);
+        speed_loop.inertia_q17 = last + sign;
+        assert_not_learned(speed_cfg.ramp, sign * TENTH_Q26);
+        speed_loop.inertia_q17 = limit;
+        assert_not_learned(speed_cfg.ramp, sign * TENTH_Q26);
     }
 }
 
@@ -770,10 +777,7 @@ TEST(test_beyond_the_limits_of_the_inertia_the_integral_keeps_it)
 TEST(test_what_is_less_than_an_lsb_of_the_inertia_stays_with_the_integral)
 {
     allow_learning();
-    speed_loop.pi.integral_q26 = 10;
-    speed_loop_learn(&speed_loop, &speed_cfg, speed_cfg.ramp, 0);
-    TEST_ASSERT_EQUAL_INT32(RATIO_ONE_Q17, speed_loop.inertia_q17);
-    TEST_ASSERT_EQUAL_INT32(10, speed_loop.pi.integral_q26);
+    assert_not_learned(speed_cfg.ramp, 10);
 }
 
 /*
@@ -786,11 +790,9 @@ TEST(test_the_smallest_rate_and_the_smallest_ramp_learn_too)
     speed_cfg.inertia_rate = 1;
     speed_cfg.inertia_rate_shift = 0U;
     speed_cfg.ramp = 1;
-    speed_loop.pi.integral_q26 = 5 * 65536;
-    speed_loop_learn(&speed_loop, &speed_cfg, -1, 0);
+    learn(-1, 5 * 65536);
     TEST_ASSERT_EQUAL_INT32(RATIO_ONE_Q17 - 5, speed_loop.inertia_q17);
-    speed_loop.pi.integral_q26 = 5 * 65536;
-    speed_loop_learn(&speed_loop, &speed_cfg, 0, 0);
+    learn(0, 5 * 65536);
     TEST_ASSERT_EQUAL_INT32(RATIO_ONE_Q17, speed_loop.inertia_q17);
 }
 
@@ -798,23 +800,12 @@ TEST(test_without_limits_to_move_in_or_a_rate_nothing_is_learned)
 {
     allow_learning();
     speed_cfg.inertia_rate = 0;
-    assert_not_learned(speed_cfg.ramp, 222);
+    assert_not_learned(speed_cfg.ramp, TENTH_Q26);
     allow_learning();
     speed_cfg.inertia_least_q13 = 8192;
     speed_cfg.inertia_most_q13 = 8192;
-    assert_not_learned(speed_cfg.ramp, 222);
-    assert_not_learned(speed_cfg.ramp, -222);
-}
-
-/*
- * 1548 LSB for the file's J, test_acceleration_feed_forward_follows_the_change_of_the_reference().
- */
-TEST(test_the_feed_forward_is_that_of_the_inertia_in_force)
-{
-    speed_cfg.pi.kp = 0;
-    speed_cfg.pi.ki = 0;
-    speed_loop.inertia_q17 = RATIO_ONE_Q17 / 4 * 7;
-    TEST_ASSERT_EQUAL_INT32(1548 * 7 / 4, demand(100000, 0));
+    assert_not_learned(speed_cfg.ramp, TENTH_Q26);
+    assert_not_learned(speed_cfg.ramp, -TENTH_Q26);
 }
 
 TEST(test_from_one_and_a_half_of_the_inertia_on_half_of_the_integral_gain_acts)
@@ -899,16 +890,16 @@ TEST(test_a_learned_inertia_stays_within_the_limits_of_another_configuration)
 
 #define LSB (4096)     /* steps of speed that are one LSB of the error */
 #define LSB_Q26 (2048) /* one LSB of current in the integral */
-#define WIDE (1000)    /* both ends of the window, in LSB of the error */
 
 static speed_window_t window;
 static torque_range_t uneven;
 
 /*
- * K_p = 1 and K_i·T = 1: i = error + I, and I grows by the error. A change of the reference by 4
- * steps takes 1 LSB of current. The integral follows the load by a quarter.
+ * Both ends at `wide` LSB of the error. K_p = 1 and K_i·T = 1: i = error + I, and I grows by the
+ * error. A change of the reference by 4 steps takes 1 LSB of current. The integral follows the load
+ * by a quarter.
  */
-static void open_window(void)
+static void open_window(int32_t wide)
 {
     speed_cfg = (speed_loop_cfg_t){
         .pi = {.kp = 16384, .ki = 4096, .kp_shift = 14U, .ki_shift = 1U},
@@ -919,7 +910,7 @@ static void open_window(void)
         .inertia_most_q13 = 8192,
         .error_shift = 12U,
     };
-    window = (speed_window_t){.lower = -WIDE * LSB, .upper = WIDE * LSB, .load_shift = 2U};
+    window = (speed_window_t){.lower = -wide * LSB, .upper = wide * LSB, .load_shift = 2U};
     uneven = (torque_range_t){-3000, 2500};
 }
 
@@ -942,7 +933,7 @@ TEST(test_each_end_decides_beyond_its_sum_and_not_at_it)
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         const speed_end_t end = (sign > 0) ? SPEED_END_UPPER : SPEED_END_LOWER;
 
-        open_window();
+        open_window(1000);
         expect_within(sign * 100, sign * 400, sign * 700, sign * 700, SPEED_END_NONE);
         expect_within(sign * 100, sign * 400, sign * 701, sign * 701, end);
         expect_within(sign * 100, sign * 400, sign * 2000, sign * 1300, end);
@@ -956,8 +947,7 @@ TEST(test_each_end_decides_beyond_its_sum_and_not_at_it)
  */
 TEST(test_what_is_beyond_the_range_is_cut_before_an_end_decides)
 {
-    open_window();
-    window = (speed_window_t){.lower = -4000 * LSB, .upper = 4000 * LSB, .load_shift = 2U};
+    open_window(4000);
     expect_within(0, 0, 5000, 2500, SPEED_END_NONE);
     expect_within(0, 0, -5000, -3000, SPEED_END_NONE);
 }
@@ -965,9 +955,8 @@ TEST(test_what_is_beyond_the_range_is_cut_before_an_end_decides)
 /* Ends at ±3000 LSB, the largest speed at 1000: from there on K_p·1000 and as much of I. */
 TEST(test_the_ends_of_a_window_are_within_the_largest_speed)
 {
-    open_window();
+    open_window(3000);
     speed_cfg.speed_max = 1000 * LSB;
-    window = (speed_window_t){.lower = -3000 * LSB, .upper = 3000 * LSB};
     expect_within(0, 0, 2400, 2000, SPEED_END_UPPER);
     expect_within(0, 0, -2400, -2000, SPEED_END_LOWER);
 }
@@ -980,7 +969,7 @@ TEST(test_between_the_ends_the_integral_follows_the_current_less_the_inertia)
 {
     speed_end_t end = SPEED_END_UPPER;
 
-    open_window();
+    open_window(1000);
     for (int32_t k = 1; k <= 2; k++) {
         TEST_ASSERT_EQUAL_INT32(500, speed_loop_within(&speed_loop, &speed_cfg, &window, k * 400, 0,
                                                        500, uneven, &end));
@@ -1004,7 +993,7 @@ static void expect_integral(step_t wanted, step_t reference, int32_t integral_q2
 /* Four times the inertia of the largest change: 4·32767 or 4·32768, beyond ±1 of the integral. */
 TEST(test_a_load_beyond_the_integral_ends_at_it)
 {
-    open_window();
+    open_window(1000);
     window.load_shift = 0U;
     speed_loop.inertia_q17 = 524288;
     expect_integral(0x20000000, 0x20000000, -67108864);
@@ -1014,8 +1003,8 @@ TEST(test_a_load_beyond_the_integral_ends_at_it)
 /* And the inertia counts the limited change: 4000 of 4004, 8000 of 8004. */
 TEST(test_within_a_window_the_reference_is_limited_to_the_largest_speed)
 {
-    open_window();
-    window = (speed_window_t){.lower = -4000, .upper = 4000};
+    open_window(1000);
+    window.load_shift = 0U;
     speed_cfg.speed_max = 4000;
     expect_integral(4004, 4000, -1000 * LSB_Q26);
     expect_integral(-4004, -4000, 2000 * LSB_Q26);
@@ -1024,14 +1013,18 @@ TEST(test_within_a_window_the_reference_is_limited_to_the_largest_speed)
 /* Ends so far away that they allow all of ±16384. */
 TEST(test_between_the_ends_the_largest_current_has_15_bits)
 {
-    open_window();
-    window = (speed_window_t){.lower = -20000 * LSB, .upper = 20000 * LSB};
+    open_window(20000);
     uneven = (torque_range_t){-16384, 16384};
     expect_within(0, 0, 16384, 16383, SPEED_END_NONE);
     expect_within(0, 0, -16384, -16384, SPEED_END_NONE);
 }
 
 /* ---- what a torque makes of the speed ---- */
+
+static step_t response(int32_t current)
+{
+    return speed_loop_response(&speed_loop, &speed_cfg, current);
+}
 
 /*
  * The currents that accelerate() returns are rounded down: a change is found again within what an
@@ -1051,88 +1044,58 @@ TEST(test_the_response_to_a_torque_is_the_change_that_asks_for_it)
         const int32_t ratio_q17 = ratios_q17[k / 4U];
         const int32_t share = ratio_q17 / 32768; /* of J, in quarters */
 
-        speed_cfg.inertia = scales[k % 4U].inertia;
-        speed_cfg.inertia_shift = scales[k % 4U].shift;
-        speed_cfg.inertia_lift = scales[k % 4U].lift;
+        set_inertia(scales[k % 4U].inertia, scales[k % 4U].shift, scales[k % 4U].lift);
         speed_loop.inertia_q17 = ratio_q17;
         for (int32_t size = 40; size <= 4000; size *= 10) {
-            /* so that it takes about `size` of current */
-            const double lsb = 65536.0 * pow(2.0, speed_cfg.inertia_shift) /
-                               pow(2.0, speed_cfg.inertia_lift) / speed_cfg.inertia /
-                               (ratio_q17 / 131072.0);
-            const step_t change = (step_t)lround(size * lsb);
-            int32_t current = 0;
+            const double lsb =
+                ldexp(65536.0, (int)scales[k % 4U].shift - (int)scales[k % 4U].lift) /
+                speed_cfg.inertia / (ratio_q17 / 131072.0);
+            const double tolerance = ((2.0 + (size / 1000.0)) * lsb) + 2.0 + share;
+            const step_t change = (step_t)lround(size * lsb); /* takes about `size` of current */
+            const int32_t current = accelerate(change);
 
             speed_loop_start(&speed_loop, 0, 500);
-            current = speed_loop_accelerate(&speed_loop, &speed_cfg, change, torque);
-            TEST_ASSERT_DOUBLE_WITHIN((2.0 + (size / 1000.0)) * lsb + 2.0 + share, change,
-                                      speed_loop_response(&speed_loop, &speed_cfg, current + 500));
-            TEST_ASSERT_DOUBLE_WITHIN((2.0 + (size / 1000.0)) * lsb + 2.0 + share, -change,
-                                      speed_loop_response(&speed_loop, &speed_cfg, 500 - current));
+            TEST_ASSERT_DOUBLE_WITHIN(tolerance, change, response(500 + current));
+            TEST_ASSERT_DOUBLE_WITHIN(tolerance, -change, response(500 - current));
         }
     }
 }
 
-TEST(test_a_torque_that_holds_the_load_changes_no_speed)
+TEST(test_the_response_is_exact_and_ends_with_the_largest_current_and_the_largest_change)
 {
-    speed_loop_start(&speed_loop, 0, -700);
-    TEST_ASSERT_EQUAL_INT32(0, speed_loop_response(&speed_loop, &speed_cfg, -700));
-}
+    static const struct {
+        const char *name;
+        int32_t inertia;
+        uint32_t shift;
+        uint32_t lift;
+        int32_t load;
+        int32_t current;
+        step_t response;
+    } rows[] = {
+        {"what holds the load", 32471, 5U, 0U, -700, -700, 0},
+        {"no inertia", 0, 5U, 0U, 0, 16384, 0},
+        {"least inertia", 1, 0U, 0U, 0, 3, 3 * 65536},
+        {"least inertia backwards", 1, 0U, 0U, 0, -5, -5 * 65536},
+        /* 2^17 · 32767/32768, and 2^17 */
+        {"beyond 16 bits from the load", 16384, 0U, 0U, -32767, 32767, 131068},
+        {"beyond 16 bits backwards", 16384, 0U, 0U, 32767, -32768, -131072},
+        {"a step in a coarse scale", 32767, 29U, 14U, 0, 16384, 1 << 30},
+        {"a step in a coarse scale backwards", 32767, 29U, 14U, 0, -16384, -(1 << 30)},
+        {"a step in the coarsest scale", 32767, 30U, 14U, 0, 16384, 1 << 30},
+        {"a step in the coarsest scale backwards", 32767, 30U, 14U, 0, -16384, -(1 << 30)},
+    };
 
-TEST(test_without_an_inertia_a_torque_has_no_response)
-{
-    speed_cfg.inertia = 0;
-    TEST_ASSERT_EQUAL_INT32(0, speed_loop_response(&speed_loop, &speed_cfg, 16384));
-}
-
-/* The largest change has 2^30, whatever the scale. */
-TEST(test_a_response_saturates)
-{
-    for (uint32_t shift = 16U; shift <= 30U; shift++) {
-        speed_cfg.inertia = 16384;
-        speed_cfg.inertia_shift = shift;
-        speed_cfg.inertia_lift = 0U;
-        TEST_ASSERT_EQUAL_INT32(1 << 30, speed_loop_response(&speed_loop, &speed_cfg, 32767));
-        TEST_ASSERT_EQUAL_INT32(-(1 << 30), speed_loop_response(&speed_loop, &speed_cfg, -32768));
+    for (uint32_t k = 0U; k < (sizeof rows / sizeof rows[0]); k++) {
+        set_inertia(rows[k].inertia, rows[k].shift, rows[k].lift);
+        speed_loop_start(&speed_loop, 0, rows[k].load);
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(rows[k].response, response(rows[k].current), rows[k].name);
     }
-}
-
-static void set_inertia(int32_t inertia, uint32_t shift, uint32_t lift)
-{
-    speed_cfg.inertia = inertia;
-    speed_cfg.inertia_shift = shift;
-    speed_cfg.inertia_lift = lift;
-}
-
-static void expect_response(step_t expected, int32_t load, int32_t current)
-{
-    speed_loop_start(&speed_loop, 0, load);
-    TEST_ASSERT_EQUAL_INT32(expected, speed_loop_response(&speed_loop, &speed_cfg, current));
-}
-
-TEST(test_the_response_of_the_least_inertia_is_exact)
-{
-    set_inertia(1, 0U, 0U);
-    expect_response(3 * 65536, 0, 3);
-    expect_response(-5 * 65536, 0, -5);
-}
-
-/* A step of 2^30, in the two scales where it is the only one. */
-TEST(test_the_largest_response_is_that_of_one_step_in_the_coarsest_scales)
-{
-    for (uint32_t shift = 29U; shift <= 30U; shift++) {
-        set_inertia(32767, shift, 14U);
-        expect_response(1 << 30, 0, 16384);
-        expect_response(-(1 << 30), 0, -16384);
+    for (uint32_t shift = 16U; shift <= 30U; shift++) { /* 2^30, whatever the scale */
+        speed_loop_start(&speed_loop, 0, 0);
+        set_inertia(16384, shift, 0U);
+        TEST_ASSERT_EQUAL_INT32(1 << 30, response(32767));
+        TEST_ASSERT_EQUAL_INT32(-(1 << 30), response(-32768));
     }
-}
-
-/* 2^17 · 32767/32768, and 2^17: as if there was no load. */
-TEST(test_a_current_beyond_16_bits_from_its_load_counts_as_the_largest)
-{
-    set_inertia(16384, 0U, 0U);
-    expect_response(131068, -32767, 32767);
-    expect_response(-131072, 32767, -32768);
 }
 
 /* ---- where positions count from ---- */
@@ -1159,45 +1122,48 @@ TEST(test_a_recount_moves_the_zero_by_whole_turns_to_within_half_a_turn_of_the_p
     }
 }
 
-TEST(test_a_recount_ends_at_half_a_turn)
+TEST(test_a_recount_ends_at_half_a_turn_and_goes_on_where_the_position_wraps)
 {
     static const struct {
+        int64_t before_q32;
         int64_t position_q32; /* with 3 pole pairs half a turn is 1.5 electrical ones */
         int64_t zero_q32;
     } cases[] = {
-        {0, 0},
-        {(3 * TURN_Q32 / 2) - 1, 0},
-        {3 * TURN_Q32 / 2, 3 * TURN_Q32},
-        {-3 * TURN_Q32 / 2, 0},
-        {(-3 * TURN_Q32 / 2) - 1, -3 * TURN_Q32},
+        {0, 0, 0},
+        {0, (3 * TURN_Q32 / 2) - 1, 0},
+        {0, 3 * TURN_Q32 / 2, 3 * TURN_Q32},
+        {0, -3 * TURN_Q32 / 2, 0},
+        {0, (-3 * TURN_Q32 / 2) - 1, -3 * TURN_Q32},
+        /* the count of the rotor has wrapped in between */
+        {INT64_MAX - TURN_Q32, INT64_MIN + (3 * TURN_Q32), INT64_MIN + ((2 * TURN_Q32) - 1)},
     };
 
     cfg.pole_pairs = 3U;
     for (uint32_t k = 0U; k < (sizeof cases / sizeof cases[0]); k++) {
-        loop.zero_q32 = 0;
+        loop.zero_q32 = cases[k].before_q32;
         position_loop_recount(&loop, &cfg, cases[k].position_q32);
         TEST_ASSERT_EQUAL_INT64(cases[k].zero_q32, loop.zero_q32);
     }
 }
 
-/* The count of the rotor has wrapped in between. */
-TEST(test_a_target_and_a_recount_go_on_where_the_position_wraps)
+TEST(test_a_target_counts_from_the_zero_and_goes_on_where_the_position_wraps)
 {
-    cfg.pole_pairs = 3U;
-    loop.zero_q32 = INT64_MAX - TURN_Q32;
-    TEST_ASSERT_EQUAL_INT64(INT64_MIN + (TURN_Q32 - 1), position_loop_target(&loop, 2 * 65536));
-    TEST_ASSERT_EQUAL_INT64(INT64_MAX - (2 * TURN_Q32), position_loop_target(&loop, -65536));
-    position_loop_recount(&loop, &cfg, INT64_MIN + (3 * TURN_Q32));
-    TEST_ASSERT_EQUAL_INT64(INT64_MIN + ((2 * TURN_Q32) - 1), loop.zero_q32);
-}
+    static const struct {
+        int64_t zero_q32;
+        int32_t target_q16;
+        int64_t position_q32;
+    } rows[] = {
+        {7, INT32_MAX, ((int64_t)INT32_MAX * 65536) + 7},
+        {7, INT32_MIN, ((int64_t)INT32_MIN * 65536) + 7},
+        {INT64_MAX - TURN_Q32, 2 * 65536, INT64_MIN + (TURN_Q32 - 1)},
+        {INT64_MAX - TURN_Q32, -65536, INT64_MAX - (2 * TURN_Q32)},
+    };
 
-TEST(test_a_target_has_both_ends_of_its_word)
-{
-    loop.zero_q32 = 7;
-    TEST_ASSERT_EQUAL_INT64(((int64_t)INT32_MAX * 65536) + 7,
-                            position_loop_target(&loop, INT32_MAX));
-    TEST_ASSERT_EQUAL_INT64(((int64_t)INT32_MIN * 65536) + 7,
-                            position_loop_target(&loop, INT32_MIN));
+    for (uint32_t k = 0U; k < (sizeof rows / sizeof rows[0]); k++) {
+        loop.zero_q32 = rows[k].zero_q32;
+        TEST_ASSERT_EQUAL_INT64(rows[k].position_q32,
+                                position_loop_target(&loop, rows[k].target_q16));
+    }
 }
 
 /* All that writes them. */

@@ -30,32 +30,70 @@ static const pi_cfg_t ONLY_KI = {.kp = 0, .kp_shift = 15U, .ki = 16384, .ki_shif
 
 TEST(test_reset_starts_the_output_at_the_given_value)
 {
-    static const int32_t starts[] = {0, 1, -1, 12345, -12345, 32767, -32767};
+    static const int32_t starts[] = {0, 1, -1, 12345, -12345, 32767, -32768};
 
     for (size_t i = 0; i < COUNT(starts); i++) {
         pi_reset(&pi, starts[i]);
-        TEST_ASSERT_EQUAL_INT32(starts[i], pi_step(&pi, &PLAIN, 0, 0, 32767));
+        TEST_ASSERT_EQUAL_INT32(starts[i], pi_output(&pi));
+        TEST_ASSERT_EQUAL_INT32(fx_max(starts[i], -32767), pi_step(&pi, &PLAIN, 0, 0, 32767));
     }
 }
 
-TEST(test_proportional_part_is_error_times_gain_rounded_down)
-{
-    TEST_ASSERT_EQUAL_INT32(500, pi_step(&pi, &ONLY_KP, 1000, 0, 32767));
-    TEST_ASSERT_EQUAL_INT32(500, pi_step(&pi, &ONLY_KP, 1001, 0, 32767));
-    TEST_ASSERT_EQUAL_INT32(-501, pi_step(&pi, &ONLY_KP, -1001, 0, 32767));
-    TEST_ASSERT_EQUAL_INT32(-1, pi_step(&pi, &ONLY_KP, -1, 0, 32767));
-}
+typedef struct {
+    const char *name;
+    const pi_cfg_t *cfg;
+    int32_t start; /* output of the integral before */
+    int32_t error;
+    int32_t feed_forward;
+    int32_t limit;
+    int32_t output;
+    int32_t integral_q26; /* after it */
+} row_t;
 
-TEST(test_feed_forward_is_added_as_it_is)
-{
-    TEST_ASSERT_EQUAL_INT32(1500, pi_step(&pi, &ONLY_KP, 1000, 1000, 32767));
-    TEST_ASSERT_EQUAL_INT32(-500, pi_step(&pi, &ONLY_KP, 1000, -1000, 32767));
-}
+/* At ONLY_KI an error of 1024 is one LSB of the output, and one of 1 is 2 units of the integral. */
+static const row_t ROWS[] = {
+    {"nothing", &PLAIN, 0, 0, 0, 32767, 0, 0},
+    {"gain times error", &ONLY_KP, 0, 1000, 0, 32767, 500, 0},
+    {"rounded down", &ONLY_KP, 0, 1001, 0, 32767, 500, 0},
+    {"rounded down below zero", &ONLY_KP, 0, -1001, 0, 32767, -501, 0},
+    {"rounded down to -1", &ONLY_KP, 0, -1, 0, 32767, -1, 0},
+    {"feed-forward added as it is", &ONLY_KP, 0, 1000, 1000, 32767, 1500, 0},
+    {"feed-forward against the error", &ONLY_KP, 0, 1000, -1000, 32767, -500, 0},
+    {"feed-forward beside the integral", &PLAIN, 0, 0, 30000, 32767, 30000, 0},
+    {"just short of the limit", &ONLY_KP, 0, 1998, 0, 1000, 999, 0},
+    {"at the limit", &ONLY_KP, 0, 2000, 0, 1000, 1000, 0},
+    {"beyond the limit", &ONLY_KP, 0, 2002, 0, 1000, 1000, 0},
+    {"at the lower limit", &ONLY_KP, 0, -2000, 0, 1000, -1000, 0},
+    {"beyond the lower limit", &ONLY_KP, 0, -2002, 0, 1000, -1000, 0},
+    {"a limit of zero", &PLAIN, 0, 65535, 1000, 0, 0, 0},
+    {"a limit of zero, below it", &PLAIN, 0, -65535, -1000, 0, 0, 0},
+    {"no integral into the limit", &PLAIN, 0, 30000, 0, 1000, 1000, 0},
+    {"no integral into the lower limit", &PLAIN, 0, -30000, 0, 1000, -1000, 0},
+    {"integral up to the limit", &ONLY_KI, 999, 1024, 0, 1000, 1000, 1000 * ONE_LSB},
+    {"integral down to the limit", &ONLY_KI, -999, -1024, 0, 1000, -1000, -1000 * ONE_LSB},
+    {"integral out of a held limit", &ONLY_KI, 500, -10240, 2000, 1000, 1000, 490 * ONE_LSB},
+    {"integral out of a lower one", &ONLY_KI, -500, 10240, -2000, 1000, -1000, -490 * ONE_LSB},
+    {"integral short of 1", &ONLY_KI, 32767, 1023, -32000, 32767, 767, INTEGRAL_MAX - 1},
+    {"integral at its largest", &ONLY_KI, 32767, 1024, -32000, 32767, 767, INTEGRAL_MAX},
+    {"integral beyond 1", &ONLY_KI, 32767, 1025, -32000, 32767, 767, INTEGRAL_MAX},
+    {"integral far beyond 1", &ONLY_KI, 32767, 32767, -32000, 32767, 767, INTEGRAL_MAX},
+    {"integral short of -1", &ONLY_KI, -32767, -1023, 32000, 32767, -768, INTEGRAL_MIN + 2},
+    {"integral at -1", &ONLY_KI, -32767, -1024, 32000, 32767, -768, INTEGRAL_MIN},
+    {"integral beyond -1", &ONLY_KI, -32767, -1025, 32000, 32767, -768, INTEGRAL_MIN},
+    {"integral far beyond -1", &ONLY_KI, -32767, -32767, 32000, 32767, -768, INTEGRAL_MIN},
+};
 
-TEST(test_feed_forward_alone_does_not_reach_the_integral)
+TEST(test_a_step_is_exact_at_its_limits_and_at_those_of_its_integral)
 {
-    (void)pi_step(&pi, &PLAIN, 0, 30000, 32767);
-    TEST_ASSERT_EQUAL_INT32(0, pi_step(&pi, &PLAIN, 0, 0, 32767));
+    for (size_t i = 0; i < COUNT(ROWS); i++) {
+        const row_t *const row = &ROWS[i];
+
+        pi_reset(&pi, row->start);
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(
+            row->output, pi_step(&pi, row->cfg, row->error, row->feed_forward, row->limit),
+            row->name);
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(row->integral_q26, pi.integral_q26, row->name);
+    }
 }
 
 TEST(test_integral_acts_in_the_step_of_its_error)
@@ -94,41 +132,6 @@ TEST(test_gain_of_two_to_the_minus_eleven_still_integrates_one_lsb)
     TEST_ASSERT_EQUAL_INT32(1, pi_step(&pi, &slow, 1, 0, 32767));
 }
 
-TEST(test_output_is_limited_on_both_sides_exactly_at_the_limit)
-{
-    TEST_ASSERT_EQUAL_INT32(999, pi_step(&pi, &ONLY_KP, 1998, 0, 1000));
-    TEST_ASSERT_EQUAL_INT32(1000, pi_step(&pi, &ONLY_KP, 2000, 0, 1000));
-    TEST_ASSERT_EQUAL_INT32(1000, pi_step(&pi, &ONLY_KP, 2002, 0, 1000));
-    TEST_ASSERT_EQUAL_INT32(-1000, pi_step(&pi, &ONLY_KP, -2000, 0, 1000));
-    TEST_ASSERT_EQUAL_INT32(-1000, pi_step(&pi, &ONLY_KP, -2002, 0, 1000));
-}
-
-TEST(test_limit_of_zero_gives_zero)
-{
-    TEST_ASSERT_EQUAL_INT32(0, pi_step(&pi, &PLAIN, 65535, 1000, 0));
-    TEST_ASSERT_EQUAL_INT32(0, pi_step(&pi, &PLAIN, -65535, -1000, 0));
-}
-
-TEST(test_integral_does_not_move_further_into_a_reached_limit)
-{
-    for (int32_t sign = -1; sign <= 1; sign += 2) {
-        pi_reset(&pi, 0);
-        for (int32_t i = 0; i < 1000; i++) {
-            TEST_ASSERT_EQUAL_INT32(sign * 1000, pi_step(&pi, &PLAIN, sign * 30000, 0, 1000));
-        }
-        TEST_ASSERT_EQUAL_INT32(0, pi.integral_q26);
-    }
-}
-
-TEST(test_integral_moves_up_to_an_output_exactly_at_the_limit)
-{
-    for (int32_t sign = -1; sign <= 1; sign += 2) {
-        pi_reset(&pi, sign * 999);
-        TEST_ASSERT_EQUAL_INT32(sign * 1000, pi_step(&pi, &ONLY_KI, sign * 1024, 0, 1000));
-        TEST_ASSERT_EQUAL_INT32(sign * 1000 * ONE_LSB, pi.integral_q26);
-    }
-}
-
 TEST(test_output_leaves_the_limit_as_soon_as_the_error_turns)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
@@ -137,51 +140,6 @@ TEST(test_output_leaves_the_limit_as_soon_as_the_error_turns)
             (void)pi_step(&pi, &PLAIN, sign * 3000, 0, 1000);
         }
         TEST_ASSERT_TRUE(sign * pi_step(&pi, &PLAIN, -sign * 10, 0, 1000) < 1000);
-    }
-}
-
-TEST(test_integral_still_moves_out_of_a_limit_that_feed_forward_holds)
-{
-    pi_reset(&pi, 500);
-    TEST_ASSERT_EQUAL_INT32(1000, pi_step(&pi, &ONLY_KI, -10240, 2000, 1000));
-    TEST_ASSERT_EQUAL_INT32(490 * ONE_LSB, pi.integral_q26);
-    pi_reset(&pi, -500);
-    TEST_ASSERT_EQUAL_INT32(-1000, pi_step(&pi, &ONLY_KI, 10240, -2000, 1000));
-    TEST_ASSERT_EQUAL_INT32(-490 * ONE_LSB, pi.integral_q26);
-}
-
-TEST(test_integral_saturates_at_one_on_both_sides)
-{
-    /*
-     * 32767·2^-10 a step: full scale takes 1024 steps. The feed-forward keeps the output off its
-     * limit.
-     */
-    for (int32_t i = 0; i < 1100; i++) {
-        (void)pi_step(&pi, &ONLY_KI, 32767, -32000, 32767);
-    }
-    TEST_ASSERT_EQUAL_INT32(INTEGRAL_MAX, pi.integral_q26);
-    TEST_ASSERT_EQUAL_INT32(767, pi_step(&pi, &ONLY_KI, 32767, -32000, 32767));
-    pi_reset(&pi, 0);
-    for (int32_t i = 0; i < 1100; i++) {
-        (void)pi_step(&pi, &ONLY_KI, -32767, 32000, 32767);
-    }
-    TEST_ASSERT_EQUAL_INT32(INTEGRAL_MIN, pi.integral_q26);
-    TEST_ASSERT_EQUAL_INT32(-768, pi_step(&pi, &ONLY_KI, -32767, 32000, 32767));
-}
-
-TEST(test_integral_reaches_exactly_one_before_it_saturates)
-{
-    /* An error of one is 2 units of the integral; 32767 lies 2048 below 1. */
-    static const int32_t errors[] = {1023, 1024, 1025, -1023, -1024, -1025};
-    static const int32_t ends[] = {INTEGRAL_MAX - 1, INTEGRAL_MAX, INTEGRAL_MAX,
-                                   INTEGRAL_MIN + 2, INTEGRAL_MIN, INTEGRAL_MIN};
-
-    for (size_t i = 0; i < COUNT(errors); i++) {
-        const int32_t sign = (errors[i] > 0) ? 1 : -1;
-
-        pi_reset(&pi, sign * 32767);
-        (void)pi_step(&pi, &ONLY_KI, errors[i], -sign * 1000, 32767);
-        TEST_ASSERT_EQUAL_INT32(ends[i], pi.integral_q26);
     }
 }
 
@@ -213,21 +171,16 @@ TEST(test_unwind_gives_the_excess_back)
 
 TEST(test_unwind_saturates_at_one_on_both_sides)
 {
-    pi_unwind(&pi, 32767);
-    TEST_ASSERT_EQUAL_INT32(-32767 * ONE_LSB, pi.integral_q26);
-    pi_unwind(&pi, 1);
-    TEST_ASSERT_EQUAL_INT32(INTEGRAL_MIN, pi.integral_q26);
-    pi_unwind(&pi, 1);
-    TEST_ASSERT_EQUAL_INT32(INTEGRAL_MIN, pi.integral_q26);
-    pi_unwind(&pi, 32767);
-    TEST_ASSERT_EQUAL_INT32(INTEGRAL_MIN, pi.integral_q26);
-    pi_reset(&pi, 0);
-    pi_unwind(&pi, -32767);
-    TEST_ASSERT_EQUAL_INT32(32767 * ONE_LSB, pi.integral_q26);
-    pi_unwind(&pi, -1);
-    TEST_ASSERT_EQUAL_INT32(INTEGRAL_MAX, pi.integral_q26);
-    pi_unwind(&pi, -32767);
-    TEST_ASSERT_EQUAL_INT32(INTEGRAL_MAX, pi.integral_q26);
+    static const int32_t rows[][2] = {
+        {32767, -32767 * ONE_LSB}, {1, INTEGRAL_MIN},  {1, INTEGRAL_MIN},
+        {32767, INTEGRAL_MIN},     {-32767, -ONE_LSB}, {-32767, 32766 * ONE_LSB},
+        {-1, 32767 * ONE_LSB},     {-1, INTEGRAL_MAX}, {-32767, INTEGRAL_MAX},
+    };
+
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        pi_unwind(&pi, rows[i][0]);
+        TEST_ASSERT_EQUAL_INT32(rows[i][1], pi.integral_q26);
+    }
 }
 
 TEST(test_unwinding_again_and_again_beside_a_held_limit_ends_at_one)
@@ -327,16 +280,6 @@ TEST(test_output_without_error_is_what_the_next_step_gives_and_changes_nothing)
         TEST_ASSERT_EQUAL_INT32(pi_step(&pi, &PLAIN, 0, 0, 32767),
                                 fx_clamp(pi_output(&before), -32767, 32767));
         TEST_ASSERT_EQUAL_INT32(before.integral_q26, pi.integral_q26);
-    }
-}
-
-TEST(test_output_is_what_reset_was_given)
-{
-    static const int32_t starts[] = {0, 1, -1, 12345, -12345, 32767, -32768};
-
-    for (size_t i = 0; i < COUNT(starts); i++) {
-        pi_reset(&pi, starts[i]);
-        TEST_ASSERT_EQUAL_INT32(starts[i], pi_output(&pi));
     }
 }
 

@@ -34,28 +34,16 @@ static void period(uint32_t a, uint32_t b, uint32_t c)
     plant_inverter_pattern(&inverter, compare, &pattern);
 }
 
-/* Time during which a leg's bit is set in the high masks, the low masks or neither. */
-typedef struct {
-    double high_s;
-    double low_s;
-    double open_s;
-} shares_t;
-
-static shares_t leg_shares(unsigned leg)
+/* Time during which a leg's high side is closed. */
+static double high_s(unsigned leg)
 {
-    shares_t shares = {0.0, 0.0, 0.0};
+    double sum_s = 0.0;
 
     for (unsigned k = 0; k < pattern.count; k++) {
         const plant_segment_t *s = &pattern.segment[k];
-        if (((s->high >> leg) & 1U) != 0U) {
-            shares.high_s += s->duration_s;
-        } else if (((s->low >> leg) & 1U) != 0U) {
-            shares.low_s += s->duration_s;
-        } else {
-            shares.open_s += s->duration_s;
-        }
+        sum_s += (((s->high >> leg) & 1U) != 0U) ? s->duration_s : 0.0;
     }
-    return shares;
+    return sum_s;
 }
 
 static void check_segment(unsigned k, double duration_s, unsigned high, unsigned low)
@@ -89,12 +77,11 @@ TEST(test_high_time_is_compare_over_counts_of_the_period)
     static const uint32_t compares[] = {0, 1, 2, 2125, 4248, 4249, 4250};
 
     for (size_t k = 0; k < sizeof compares / sizeof compares[0]; k++) {
-        period(compares[k], 2125, COUNTS - compares[k]);
-        TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_S, PERIOD_S * compares[k] / COUNTS,
-                                  leg_shares(0).high_s);
-        TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_S, 0.5 * PERIOD_S, leg_shares(1).high_s);
-        TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_S, PERIOD_S * (COUNTS - compares[k]) / COUNTS,
-                                  leg_shares(2).high_s);
+        const uint32_t compare[PLANT_LEGS] = {compares[k], 2125, COUNTS - compares[k]};
+        plant_inverter_pattern(&inverter, compare, &pattern);
+        for (unsigned leg = 0; leg < PLANT_LEGS; leg++) {
+            TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_S, PERIOD_S * compare[leg] / COUNTS, high_s(leg));
+        }
     }
 }
 
@@ -126,10 +113,8 @@ TEST(test_dead_time_delays_each_turn_on)
 
 TEST(test_pulse_shorter_than_the_dead_time_never_closes_its_switch)
 {
-    const uint32_t compare = 50; /* 100 ticks = 1.18 us */
-
     start(DEAD_S);
-    period(compare, 0, 0);
+    period(50, 0, 0); /* 100 ticks = 1.18 us */
     TEST_ASSERT_EQUAL_UINT(3, pattern.count);
     check_segment(0, 4200.0 * TICK_S, 0, 7);
     check_segment(1, 100.0 * TICK_S + DEAD_S, 0, 6);
@@ -185,7 +170,7 @@ TEST(test_off_opens_all_legs_and_forgets_their_commands)
 
 /* One leg's switching history over many periods. */
 typedef struct {
-    int last;      /* 1 high, 0 low */
+    bool last;     /* closed switch: high */
     double open_s; /* since the last closed switch */
 } history_t;
 
@@ -199,17 +184,17 @@ static void follow(history_t *history, const plant_segment_t *s, unsigned leg)
         history->open_s += s->duration_s;
         return;
     }
-    if ((high ? 1 : 0) != history->last) {
+    if (high != history->last) {
         TEST_ASSERT_TRUE(history->open_s >= DEAD_S * (1.0 - 1.0e-9));
     }
-    history->last = high ? 1 : 0;
+    history->last = high;
     history->open_s = 0.0;
 }
 
 TEST(test_no_leg_ever_changes_sides_without_its_dead_time)
 {
     seeded_t seeded = {12345U};
-    history_t history[PLANT_LEGS] = {{0, 0.0}, {0, 0.0}, {0, 0.0}};
+    history_t history[PLANT_LEGS] = {{false, 0.0}, {false, 0.0}, {false, 0.0}};
 
     start(DEAD_S);
     for (int k = 0; k < RANDOM_PERIODS; k++) {
@@ -235,19 +220,20 @@ TEST(test_no_leg_ever_changes_sides_without_its_dead_time)
     }
 }
 
-static void check_rejected(const plant_inverter_cfg_t *cfg, const char *field)
+static void check_refused(double frequency_hz, uint32_t counts, double dead_s, const char *field)
 {
+    const plant_inverter_cfg_t wrong = {frequency_hz, counts, dead_s};
     const char *bad = NULL;
 
-    TEST_ASSERT_FALSE(plant_inverter_init(&inverter, cfg, &bad));
+    TEST_ASSERT_FALSE(plant_inverter_init(&inverter, &wrong, &bad));
     TEST_ASSERT_EQUAL_STRING(field, bad);
 }
 
 TEST(test_init_names_the_field_that_is_out_of_range)
 {
-    check_rejected(&(plant_inverter_cfg_t){0.0, COUNTS, 0.0}, "inverter.pwm_frequency_hz");
-    check_rejected(&(plant_inverter_cfg_t){1.0e4, 1, 0.0}, "inverter.timer_counts");
-    check_rejected(&(plant_inverter_cfg_t){1.0e4, 70000, 0.0}, "inverter.timer_counts");
-    check_rejected(&(plant_inverter_cfg_t){1.0e4, COUNTS, -1.0e-6}, "inverter.dead_time_s");
-    check_rejected(&(plant_inverter_cfg_t){1.0e4, COUNTS, 26.0e-6}, "inverter.dead_time_s");
+    check_refused(0.0, COUNTS, 0.0, "inverter.pwm_frequency_hz");
+    check_refused(1.0e4, 1, 0.0, "inverter.timer_counts");
+    check_refused(1.0e4, 70000, 0.0, "inverter.timer_counts");
+    check_refused(1.0e4, COUNTS, -1.0e-6, "inverter.dead_time_s");
+    check_refused(1.0e4, COUNTS, 26.0e-6, "inverter.dead_time_s");
 }

@@ -15,24 +15,29 @@
 /* As decay.h states it. */
 #define DECAY_ERROR 2.0e-13
 
-/* 12 bits over +-20 A: 102.4 counts per ampere. */
-static const plant_sensor_cfg_t CLEAN = {
-    .adc_bits = 12,
-    .current_full_scale_a = 20.0,
-    .bus_full_scale_v = 409.6,                   /* 0.1 V per count */
-    .temperature = {{-50.0, 0.0}, {154.8, 1.0}}, /* 0.05 degrees per count */
-    .temperature_points = 2,
-    .seed = 1,
-};
-
 static plant_sensors_t sensors;
+static plant_sensor_cfg_t cfg;
 static plant_adc_t adc;
 
-static void start(const plant_sensor_cfg_t *cfg)
+static void start(void)
 {
     const char *bad = NULL;
 
-    TEST_ASSERT_TRUE_MESSAGE(plant_sensors_init(&sensors, cfg, &bad), bad);
+    TEST_ASSERT_TRUE_MESSAGE(plant_sensors_init(&sensors, &cfg, &bad), bad);
+}
+
+/* 12 bits over +-20 A: 102.4 counts per ampere. */
+void setUp(void)
+{
+    cfg = (plant_sensor_cfg_t){
+        .adc_bits = 12,
+        .current_full_scale_a = 20.0,
+        .bus_full_scale_v = 409.6,                   /* 0.1 V per count */
+        .temperature = {{-50.0, 0.0}, {154.8, 1.0}}, /* 0.05 degrees per count */
+        .temperature_points = 2,
+        .seed = 1,
+    };
+    start();
 }
 
 static void convert(double i_a, double i_b, double bus_v)
@@ -40,94 +45,71 @@ static void convert(double i_a, double i_b, double bus_v)
     plant_sensors_convert(&sensors, i_a, i_b, bus_v, &adc);
 }
 
-static void check_counts(uint16_t ia, uint16_t ib, uint16_t bus)
+static void check_counts(double i_a, double i_b, double bus_v, uint16_t ia, uint16_t ib,
+                         uint16_t bus)
 {
+    convert(i_a, i_b, bus_v);
     TEST_ASSERT_EQUAL_UINT16(ia, adc.ia);
     TEST_ASSERT_EQUAL_UINT16(ib, adc.ib);
     TEST_ASSERT_EQUAL_UINT16(bus, adc.bus);
-}
-
-void setUp(void)
-{
-    start(&CLEAN);
 }
 
 TEST(test_counts_are_rounded_to_nearest_from_half_scale_and_clipped_at_both_ends)
 {
     const double lsb = 20.0 / 2048.0;
 
-    convert(0.0, 0.0, 0.0);
-    check_counts(2048, 2048, 0);
-    convert(0.49 * lsb, -0.49 * lsb, 0.049);
-    check_counts(2048, 2048, 0);
-    convert(0.51 * lsb, -0.51 * lsb, 0.051);
-    check_counts(2049, 2047, 1);
-    convert(19.99, -20.0, 409.5);
-    check_counts(4095, 0, 4095);
-    convert(1.0e6, -1.0e6, 1.0e6);
-    check_counts(4095, 0, 4095);
-    convert(0.0, 0.0, -5.0);
-    check_counts(2048, 2048, 0);
+    check_counts(0.0, 0.0, 0.0, 2048, 2048, 0);
+    check_counts(0.49 * lsb, -0.49 * lsb, 0.049, 2048, 2048, 0);
+    check_counts(0.51 * lsb, -0.51 * lsb, 0.051, 2049, 2047, 1);
+    check_counts(19.99, -20.0, 409.5, 4095, 0, 4095);
+    check_counts(1.0e6, -1.0e6, 1.0e6, 4095, 0, 4095);
+    check_counts(0.0, 0.0, -5.0, 2048, 2048, 0);
 }
 
 TEST(test_sixteen_bits_use_the_whole_word)
 {
-    plant_sensor_cfg_t cfg = CLEAN;
-
     cfg.adc_bits = 16;
-    start(&cfg);
-    convert(100.0, 0.0, 1000.0);
-    check_counts(65535, 32768, 65535);
+    start();
+    check_counts(100.0, 0.0, 1000.0, 65535, 32768, 65535);
 }
 
 TEST(test_offset_shifts_each_phase_on_its_own)
 {
-    plant_sensor_cfg_t cfg = CLEAN;
-
     cfg.offset_lsb[0] = 5.0;
     cfg.offset_lsb[1] = -7.0;
-    start(&cfg);
-    convert(0.0, 0.0, 100.0);
-    check_counts(2053, 2041, 1000);
+    start();
+    check_counts(0.0, 0.0, 100.0, 2053, 2041, 1000);
 }
 
 TEST(test_the_offset_drifts_with_the_time_that_has_gone_by)
 {
-    plant_sensor_cfg_t cfg = CLEAN;
-
     cfg.offset_lsb[0] = 5.0;
     cfg.drift_lsb_s[0] = 100.0;
     cfg.drift_lsb_s[1] = -40.0;
-    start(&cfg);
+    start();
     for (int k = 0; k < 1000; k++) {
         plant_sensors_drift(&sensors, 1.0e-4);
     }
-    convert(0.0, 0.0, 100.0);
-    check_counts(2063, 2044, 1000);
+    check_counts(0.0, 0.0, 100.0, 2063, 2044, 1000);
 }
 
 TEST(test_gain_error_scales_the_current_and_not_the_zero)
 {
-    plant_sensor_cfg_t cfg = CLEAN;
-
     cfg.gain_error[0] = 0.01;
     cfg.gain_error[1] = -0.01;
-    start(&cfg);
-    convert(10.0, 10.0, 0.0); /* 1024 counts +-10.24 */
-    check_counts(2048 + 1034, 2048 + 1014, 0);
-    convert(0.0, 0.0, 0.0);
-    check_counts(2048, 2048, 0);
+    start();
+    check_counts(10.0, 10.0, 0.0, 2048 + 1034, 2048 + 1014, 0); /* 1024 counts +-10.24 */
+    check_counts(0.0, 0.0, 0.0, 2048, 2048, 0);
 }
 
 TEST(test_noise_has_no_mean_and_the_stated_rms)
 {
-    plant_sensor_cfg_t cfg = CLEAN;
     double sum[3] = {0.0, 0.0, 0.0};
     double squares[3] = {0.0, 0.0, 0.0};
     double cross_sum = 0.0;
 
     cfg.noise_lsb_rms = 3.0;
-    start(&cfg);
+    start();
     for (int k = 0; k < SAMPLES; k++) {
         convert(0.0, 0.0, 200.0);
         const double error[3] = {adc.ia - 2048.0, adc.ib - 2048.0, adc.bus - 2000.0};
@@ -181,13 +163,12 @@ TEST(test_deviates_are_bell_shaped)
 
 TEST(test_same_seed_repeats_and_another_does_not)
 {
-    plant_sensor_cfg_t cfg = CLEAN;
     uint16_t run[3][64];
 
     cfg.noise_lsb_rms = 2.0;
     for (int r = 0; r < 3; r++) {
         cfg.seed = (r == 2) ? 8U : 7U;
-        start(&cfg);
+        start();
         for (int k = 0; k < 64; k++) {
             convert(0.0, 0.0, 0.0);
             run[r][k] = adc.ia;
@@ -195,14 +176,6 @@ TEST(test_same_seed_repeats_and_another_does_not)
     }
     TEST_ASSERT_EQUAL_MEMORY(run[0], run[1], sizeof run[0]);
     TEST_ASSERT_TRUE(memcmp(run[0], run[2], sizeof run[0]) != 0);
-}
-
-static void start_with_bandwidth(double bandwidth_hz)
-{
-    plant_sensor_cfg_t cfg = CLEAN;
-
-    cfg.current_bandwidth_hz = bandwidth_hz;
-    start(&cfg);
 }
 
 TEST(test_decay_agrees_with_the_library)
@@ -213,10 +186,7 @@ TEST(test_decay_agrees_with_the_library)
     }
 }
 
-/*
- * A ramp of slope s from rest: the low pass is behind by s tau (1 - e^(-t/tau)), in whatever steps
- * it is followed.
- */
+/* Of slope s, from rest: behind by s tau (1 - e^(-t/tau)), in whatever steps it is followed. */
 TEST(test_low_pass_lags_behind_a_ramp_by_its_time_constant)
 {
     const double tau_s = 1.0 / (PLANT_TWO_PI * 20.0e3);
@@ -224,7 +194,8 @@ TEST(test_low_pass_lags_behind_a_ramp_by_its_time_constant)
     const double whole_s = 30.0e-6;
 
     for (int parts = 1; parts <= 100; parts *= 10) {
-        start_with_bandwidth(20.0e3);
+        cfg.current_bandwidth_hz = 20.0e3;
+        start();
         for (int k = 0; k < parts; k++) {
             const double t0 = whole_s * k / parts;
             const double t1 = whole_s * (k + 1) / parts;
@@ -243,36 +214,17 @@ TEST(test_low_pass_lags_behind_a_ramp_by_its_time_constant)
     }
 }
 
-/* At the corner the gain is 1/sqrt(2) and the lag 45 degrees. */
-TEST(test_low_pass_halves_the_power_at_its_corner)
-{
-    const double hz = 5.0e3;
-    const double h = 1.0e-7; /* lines instead of arcs: (2 pi hz h)^2 / 12 = 8e-7 */
-
-    start_with_bandwidth(hz);
-    for (int k = 0; k < 10000; k++) { /* 31 time constants */
-        const double before = PLANT_TWO_PI * hz * h * k;
-        const double after = PLANT_TWO_PI * hz * h * (k + 1);
-        const double from[2] = {cos(before), sin(before)};
-        const double to[2] = {cos(after), sin(after)};
-        plant_sensors_follow(&sensors, h, from, to);
-    }
-    const double angle = PLANT_TWO_PI * hz * h * 10000 - 0.25 * PLANT_PI;
-    TEST_ASSERT_DOUBLE_WITHIN(1.0e-6, sqrt(0.5) * cos(angle), sensors.seen_a[0]);
-    TEST_ASSERT_DOUBLE_WITHIN(1.0e-6, sqrt(0.5) * sin(angle), sensors.seen_a[1]);
-}
-
 TEST(test_conversion_takes_what_the_low_pass_shows)
 {
     const double from[2] = {0.0, 0.0};
     const double to[2] = {10.0, -10.0};
     const double never[2] = {5.0, 5.0};
 
-    start_with_bandwidth(1.0e3);
+    cfg.current_bandwidth_hz = 1.0e3;
+    start();
     plant_sensors_follow(&sensors, 1.0, to, to);
     plant_sensors_follow(&sensors, 0.0, from, never);
-    convert(0.0, 0.0, 0.0);
-    check_counts(2048 + 1024, 2048 - 1024, 0);
+    check_counts(0.0, 0.0, 0.0, 2048 + 1024, 2048 - 1024, 0);
 }
 
 static void check_temperature(double temperature_c, uint16_t expected)
@@ -297,11 +249,9 @@ TEST(test_temperature_is_linear_between_its_ends_and_clipped_beyond)
  */
 TEST(test_beyond_its_line_a_thermistor_reads_as_its_divider_and_an_open_one_an_end)
 {
-    plant_sensor_cfg_t cfg = CLEAN;
-
     cfg.temperature[0] = (plant_sensor_point_t){-20.0, 0.059};
     cfg.temperature[1] = (plant_sensor_point_t){20.0, 0.2792};
-    start(&cfg);
+    start();
     check_temperature(-20.0, 242);
     /* p/(1 - p) is 0.0627 at -20 and 6.178 times that 40 degrees on: 0.01015 at -60. */
     check_temperature(-60.0, 41);
@@ -311,27 +261,24 @@ TEST(test_beyond_its_line_a_thermistor_reads_as_its_divider_and_an_open_one_an_e
 
 TEST(test_temperature_may_count_down_and_reads_0_without_a_sensor)
 {
-    plant_sensor_cfg_t cfg = CLEAN;
-
     cfg.temperature[0].share = 1.0;
     cfg.temperature[1].share = 0.0;
-    start(&cfg);
+    start();
     check_temperature(154.8, 0);
     check_temperature(79.8, 1500);
     check_temperature(-50.0, 4095);
     cfg.temperature_points = 0;
-    start(&cfg);
+    start();
     check_temperature(25.0, 0);
 }
 
 TEST(test_a_bent_line_is_linear_from_each_point_to_the_next_and_a_divider_beyond_the_ends)
 {
-    plant_sensor_cfg_t cfg = CLEAN;
     cfg.temperature[0] = (plant_sensor_point_t){0.0, 0.125};
     cfg.temperature[1] = (plant_sensor_point_t){50.0, 0.5};
     cfg.temperature[2] = (plant_sensor_point_t){100.0, 0.75};
     cfg.temperature_points = 3;
-    start(&cfg);
+    start();
     check_temperature(0.0, 512);
     check_temperature(25.0, 1280);
     check_temperature(50.0, 2048);
@@ -341,76 +288,62 @@ TEST(test_a_bent_line_is_linear_from_each_point_to_the_next_and_a_divider_beyond
     check_temperature(110.0, 3231); /* 3 times 3^0.2 */
 }
 
+static void check_angle(uint16_t expected, double turns)
+{
+    TEST_ASSERT_EQUAL_UINT16(expected, plant_sensors_angle(&sensors, turns * PLANT_TWO_PI));
+}
+
 TEST(test_the_angle_is_told_in_65536_of_a_turn_and_wraps)
 {
-    const double turn = PLANT_TWO_PI;
-
-    TEST_ASSERT_EQUAL_UINT16(0, plant_sensors_angle(&sensors, 0.0));
-    TEST_ASSERT_EQUAL_UINT16(0x4000, plant_sensors_angle(&sensors, 0.25 * turn));
-    TEST_ASSERT_EQUAL_UINT16(0xC000, plant_sensors_angle(&sensors, -0.25 * turn));
-    TEST_ASSERT_EQUAL_UINT16(1, plant_sensors_angle(&sensors, 5.0 * turn + 1.4 / 65536 * turn));
-    TEST_ASSERT_EQUAL_UINT16(2, plant_sensors_angle(&sensors, 5.0 * turn + 1.6 / 65536 * turn));
-    TEST_ASSERT_EQUAL_UINT16(0, plant_sensors_angle(&sensors, 65535.6 / 65536 * turn));
+    check_angle(0, 0.0);
+    check_angle(0x4000, 0.25);
+    check_angle(0xC000, -0.25);
+    check_angle(1, 5.0 + 1.4 / 65536);
+    check_angle(2, 5.0 + 1.6 / 65536);
+    check_angle(0, 65535.6 / 65536);
 }
 
 TEST(test_the_angle_has_the_steps_of_its_sensor)
 {
-    const double turn = 6.283185307179586;
-    plant_sensor_cfg_t cfg = CLEAN;
-
     cfg.angle_counts = 4096;
-    start(&cfg);
-    TEST_ASSERT_EQUAL_UINT16(16, plant_sensors_angle(&sensors, 0.51 / 4096 * turn));
-    TEST_ASSERT_EQUAL_UINT16(16, plant_sensors_angle(&sensors, 1.49 / 4096 * turn));
-    TEST_ASSERT_EQUAL_UINT16(0, plant_sensors_angle(&sensors, 4095.6 / 4096 * turn));
+    start();
+    check_angle(16, 0.51 / 4096);
+    check_angle(16, 1.49 / 4096);
+    check_angle(0, 4095.6 / 4096);
     cfg.angle_counts = 3; /* a third of a turn, rounded */
-    start(&cfg);
-    TEST_ASSERT_EQUAL_UINT16(21845, plant_sensors_angle(&sensors, 0.3 * turn));
+    start();
+    check_angle(21845, 0.3);
 }
 
-static plant_sensor_cfg_t wrong;
-
-/* A new copy of the clean one. */
-static plant_sensor_cfg_t *clean(void)
-{
-    wrong = CLEAN;
-    return &wrong;
-}
-
-static void check_rejected(const char *field)
+static void check_refused(const plant_sensor_cfg_t *wrong, const char *field)
 {
     const char *bad = NULL;
 
-    TEST_ASSERT_FALSE(plant_sensors_init(&sensors, &wrong, &bad));
+    TEST_ASSERT_FALSE(plant_sensors_init(&sensors, wrong, &bad));
     TEST_ASSERT_EQUAL_STRING(field, bad);
 }
 
+/* For cfg with that value in the field. */
+#define CHECK_REFUSED(field, value, name) \
+    do { \
+        plant_sensor_cfg_t wrong = cfg; \
+        wrong.field = (value); \
+        check_refused(&wrong, "sensor." name); \
+    } while (false)
+
 TEST(test_init_names_the_field_that_is_out_of_range)
 {
-    clean()->adc_bits = 17;
-    check_rejected("sensor.adc_bits");
-    clean()->current_full_scale_a = 0.0;
-    check_rejected("sensor.current_full_scale_a");
-    clean()->noise_lsb_rms = -1.0;
-    check_rejected("sensor.noise_lsb_rms");
-    clean()->current_bandwidth_hz = -1.0;
-    check_rejected("sensor.current_bandwidth_hz");
-    clean()->drift_lsb_s[0] = HUGE_VAL;
-    check_rejected("sensor.drift_lsb_s[0]");
-    clean()->drift_lsb_s[1] = HUGE_VAL;
-    check_rejected("sensor.drift_lsb_s[1]");
-    clean()->gain_error[1] = -1.0;
-    check_rejected("sensor.gain_error[1]");
-    clean()->temperature[0].celsius = -HUGE_VAL;
-    check_rejected("sensor.temperature");
-    clean()->temperature[1].share = HUGE_VAL;
-    check_rejected("sensor.temperature");
-    clean()->temperature[1].celsius = CLEAN.temperature[0].celsius;
-    check_rejected("sensor.temperature");
-    clean()->temperature_points = 1;
-    check_rejected("sensor.temperature");
-    clean()->temperature_points = PLANT_SENSOR_POINTS_MAX + 1;
-    check_rejected("sensor.temperature");
-    clean()->angle_counts = 65537;
-    check_rejected("sensor.angle_counts");
+    CHECK_REFUSED(adc_bits, 17, "adc_bits");
+    CHECK_REFUSED(current_full_scale_a, 0.0, "current_full_scale_a");
+    CHECK_REFUSED(noise_lsb_rms, -1.0, "noise_lsb_rms");
+    CHECK_REFUSED(current_bandwidth_hz, -1.0, "current_bandwidth_hz");
+    CHECK_REFUSED(drift_lsb_s[0], HUGE_VAL, "drift_lsb_s[0]");
+    CHECK_REFUSED(drift_lsb_s[1], HUGE_VAL, "drift_lsb_s[1]");
+    CHECK_REFUSED(gain_error[1], -1.0, "gain_error[1]");
+    CHECK_REFUSED(temperature[0].celsius, -HUGE_VAL, "temperature");
+    CHECK_REFUSED(temperature[1].share, HUGE_VAL, "temperature");
+    CHECK_REFUSED(temperature[1].celsius, cfg.temperature[0].celsius, "temperature");
+    CHECK_REFUSED(temperature_points, 1, "temperature");
+    CHECK_REFUSED(temperature_points, PLANT_SENSOR_POINTS_MAX + 1, "temperature");
+    CHECK_REFUSED(angle_counts, 65537, "angle_counts");
 }

@@ -1,32 +1,27 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Windings that differ: against the circuit of three windings with a common star point, phase by
- * phase.
- */
+/* Windings that differ: against the circuit of three windings with a common star point. */
 #include "plant_motor_rig.h"
-
-#include <string.h>
 
 #define STEP_S 1.0e-6
 
 /* Of a sum of some 10^5 roundings, and of 1 µs steps of the second order: (R/L · step)²/24. */
 #define ERROR 1.0e-7
 
-static const plant_motor_cfg_t UNEQUAL = {
-    .pole_pairs = 2,
-    .resistance_ohm = 2.0,
-    .inductance_d_h = 0.01,
-    .inductance_q_h = 0.01,
-    .flux_linkage_wb = 0.4,
-    .inertia_kg_m2 = 0.003,
-    .shorted = {0.3, 0.0, 0.0},
-    .contact_ohm = {0.0, 1.0, 0.0},
-};
 static const double AXES_RAD[PLANT_LEGS] = {0.0, PLANT_TWO_PI / 3.0, -PLANT_TWO_PI / 3.0};
 
 void setUp(void)
 {
-    start(&UNEQUAL);
+    cfg = (plant_motor_cfg_t){
+        .pole_pairs = 2,
+        .resistance_ohm = 2.0,
+        .inductance_d_h = 0.01,
+        .inductance_q_h = 0.01,
+        .flux_linkage_wb = 0.4,
+        .inertia_kg_m2 = 0.003,
+        .shorted = {0.3, 0.0, 0.0},
+        .contact_ohm = {0.0, 1.0, 0.0},
+    };
+    start();
 }
 
 static void currents(double phase[PLANT_LEGS])
@@ -44,18 +39,15 @@ static void drive(const double v[PLANT_LEGS], double duration_s)
 
 static double turns_of(int phase)
 {
-    return 1.0 - UNEQUAL.shorted[phase];
+    return 1.0 - cfg.shorted[phase];
 }
 
 static double ohm_of(int phase)
 {
-    return UNEQUAL.resistance_ohm * turns_of(phase) + UNEQUAL.contact_ohm[phase];
+    return cfg.resistance_ohm * turns_of(phase) + cfg.contact_ohm[phase];
 }
 
-/*
- * Flux linkage of a winding by the currents: L of a turn's axis times what the turns of all three
- * make there.
- */
+/* Flux linkage of a winding: L times what the turns of all three make along its axis. */
 static double linkage_of(int phase, const double i[PLANT_LEGS])
 {
     double sum = 0.0;
@@ -63,16 +55,13 @@ static double linkage_of(int phase, const double i[PLANT_LEGS])
     for (int k = 0; k < PLANT_LEGS; k++) {
         sum += turns_of(k) * i[k] * cos(AXES_RAD[phase] - AXES_RAD[k]);
     }
-    return 2.0 / 3.0 * UNEQUAL.inductance_d_h * turns_of(phase) * sum;
+    return 2.0 / 3.0 * cfg.inductance_d_h * turns_of(phase) * sum;
 }
 
 TEST(test_windings_that_are_alike_are_those_of_an_ideal_motor)
 {
-    plant_motor_cfg_t cfg = UNEQUAL;
-
-    memset(cfg.shorted, 0, sizeof cfg.shorted);
-    memset(cfg.contact_ohm, 0, sizeof cfg.contact_ohm);
-    start(&cfg);
+    cfg = ROUND_ROTOR;
+    start();
     TEST_ASSERT_FALSE(motor.is_real);
     TEST_ASSERT_TRUE(motor.windings.are_alike);
 }
@@ -81,28 +70,24 @@ TEST(test_a_steady_current_is_that_of_the_three_resistances)
 {
     const double v[PLANT_LEGS] = {10.0, -3.0, 4.0};
     double i[PLANT_LEGS];
-    double star_v;
 
     plant_motor_block(&motor, true);
     for (int k = 0; k < 100; k++) {
         drive(v, 0.001);
     }
     currents(i);
-    star_v = v[0] - ohm_of(0) * i[0];
+    const double star_v = v[0] - ohm_of(0) * i[0];
     for (int k = 1; k < PLANT_LEGS; k++) {
         TEST_ASSERT_DOUBLE_WITHIN(10.0 * ERROR, star_v, v[k] - ohm_of(k) * i[k]);
     }
 }
 
-/*
- * The voltage of a winding is that of its resistance and its flux linkage, less what the star point
- * has.
- */
+/* The voltage of a winding, less the star point's, is that of its resistance and flux linkage. */
 TEST(test_a_change_is_that_of_the_three_coupled_inductances)
 {
     const double v[PLANT_LEGS] = {100.0, -30.0, 40.0};
-    const double step_s =
-        1.0e-7; /* so short that the mean current is half of its end: (R/L · step)²/12 */
+    /* So short that the mean current is half of its ends: (R/L · step)²/12. */
+    const double step_s = 1.0e-7;
     double before[PLANT_LEGS];
     double after[PLANT_LEGS];
     double star_v[PLANT_LEGS];
@@ -130,7 +115,7 @@ TEST(test_the_emf_of_a_winding_is_that_of_its_turns)
     motor.now.omega_el_rad_s = 300.0;
     plant_phases(plant_motor_emf(&motor), emf);
     for (int k = 0; k < PLANT_LEGS; k++) {
-        whole[k] = -turns_of(k) * 300.0 * UNEQUAL.flux_linkage_wb * sin(-AXES_RAD[k]);
+        whole[k] = -turns_of(k) * 300.0 * cfg.flux_linkage_wb * sin(-AXES_RAD[k]);
         mean += whole[k] / 3.0;
     }
     for (int k = 0; k < PLANT_LEGS; k++) {
@@ -143,16 +128,13 @@ TEST(test_what_the_terminals_give_is_torque_field_and_heat)
 {
     double given_j = 0.0;
     double heat_j = 0.0;
-    double stored_j;
-    double speed;
-    double field[PLANT_LEGS];
+    double after[PLANT_LEGS];
 
     for (int k = 0; k < 20000; k++) {
         const double angle = 0.002 * k;
         const double v[PLANT_LEGS] = {20.0 * cos(angle), 20.0 * cos(angle - 2.1),
                                       20.0 * cos(angle + 2.1)};
         double before[PLANT_LEGS];
-        double after[PLANT_LEGS];
 
         currents(before);
         drive(v, STEP_S);
@@ -164,13 +146,10 @@ TEST(test_what_the_terminals_give_is_torque_field_and_heat)
             heat_j += ohm_of(phase) * mean * mean * STEP_S;
         }
     }
-    currents(field);
-    stored_j = 0.0;
+    double stored_j = 0.5 * cfg.inertia_kg_m2 * omega_mech() * omega_mech();
     for (int phase = 0; phase < PLANT_LEGS; phase++) {
-        stored_j += 0.5 * field[phase] * linkage_of(phase, field);
+        stored_j += 0.5 * after[phase] * linkage_of(phase, after);
     }
-    speed = motor.now.omega_el_rad_s / UNEQUAL.pole_pairs;
-    stored_j += 0.5 * UNEQUAL.inertia_kg_m2 * speed * speed;
     TEST_ASSERT_TRUE(fabs(given_j) > 0.1);
     TEST_ASSERT_DOUBLE_WITHIN(1.0e-5 * fabs(given_j), given_j, heat_j + stored_j);
 }
@@ -194,14 +173,9 @@ TEST(test_an_open_phase_carries_no_current)
 
 TEST(test_what_is_out_of_range_is_named)
 {
-    const char *bad = NULL;
-    plant_motor_cfg_t cfg = UNEQUAL;
-
     cfg.shorted[2] = 0.95;
-    TEST_ASSERT_FALSE(plant_motor_init(&motor, &cfg, &bad));
-    TEST_ASSERT_EQUAL_STRING("motor.shorted", bad);
-    cfg = UNEQUAL;
+    check_refused(&cfg, "motor.shorted");
+    cfg.shorted[2] = 0.0;
     cfg.contact_ohm[1] = -1.0;
-    TEST_ASSERT_FALSE(plant_motor_init(&motor, &cfg, &bad));
-    TEST_ASSERT_EQUAL_STRING("motor.contact_ohm", bad);
+    check_refused(&cfg, "motor.contact_ohm");
 }

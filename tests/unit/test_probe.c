@@ -187,43 +187,40 @@ TEST(test_what_is_no_word_changes_nothing)
 
 /* ---- a window ---- */
 
+static void check_window(int32_t word, int32_t ticks)
+{
+    setUp();
+    sample.bus = 4;
+    set(PROBE_WINDOW, word);
+    TEST_ASSERT_FALSE(probe_is_done(&probe, word));
+    note((uint32_t)ticks + DELAY - 1U);
+    TEST_ASSERT_FALSE(probe_is_done(&probe, word));
+    note(1U);
+    TEST_ASSERT_TRUE(probe_is_done(&probe, word));
+    TEST_ASSERT_FALSE(probe_is_done(&probe, word + NUMBER));
+    TEST_ASSERT_EQUAL_INT32(ticks, probe.sums.bus);
+    note(10U);
+    TEST_ASSERT_EQUAL_INT32(ticks, probe.sums.bus);
+}
+
 TEST(test_a_window_has_its_ticks_of_samples_and_closes_two_ticks_behind_them)
 {
-    static const uint32_t lengths[] = {1U, 2U, 3U, 50U, 131071U};
-
-    for (uint32_t k = 0U; k < COUNT(lengths); k++) {
-        setUp();
-        sample.bus = 4;
-        set(PROBE_WINDOW, (int32_t)lengths[k]);
-        TEST_ASSERT_FALSE(probe_is_done(&probe, (int32_t)lengths[k]));
-        note(lengths[k] + DELAY - 1U);
-        TEST_ASSERT_FALSE(probe_is_done(&probe, (int32_t)lengths[k]));
-        note(1U);
-        TEST_ASSERT_TRUE(probe_is_done(&probe, (int32_t)lengths[k]));
-        TEST_ASSERT_FALSE(probe_is_done(&probe, (int32_t)lengths[k] + NUMBER));
-        TEST_ASSERT_EQUAL_INT32(lengths[k], probe.sums.bus);
-        note(10U);
-        TEST_ASSERT_EQUAL_INT32(lengths[k], probe.sums.bus);
-    }
+    check_window(1, 1);
+    check_window(2, 2);
+    check_window(3, 3);
+    check_window(50, 50);
+    check_window(131071, 131071);
 }
 
 TEST(test_the_ticks_of_a_window_end_at_1_and_131071_whatever_its_number)
 {
-    static const struct {
-        int32_t word;
-        int32_t ticks;
-    } words[] = {{NUMBER, 1},    {NUMBER + 7, 7},           {INT32_MIN + 8, 8},
-                 {INT32_MIN, 1}, {NUMBER + 131072, 131071}, {0xFFFFF, 131071},
-                 {-1, 131071}};
-
-    for (uint32_t k = 0U; k < COUNT(words); k++) {
-        setUp();
-        sample.bus = 4;
-        set(PROBE_WINDOW, words[k].word);
-        note(200000U);
-        TEST_ASSERT_TRUE(probe_is_done(&probe, words[k].word));
-        TEST_ASSERT_EQUAL_INT32(words[k].ticks, probe.sums.bus);
-    }
+    check_window(NUMBER, 1);
+    check_window(NUMBER + 7, 7);
+    check_window(INT32_MIN + 8, 8);
+    check_window(INT32_MIN, 1);
+    check_window(NUMBER + 131072, 131071);
+    check_window(0xFFFFF, 131071);
+    check_window(-1, 131071);
 }
 
 TEST(test_a_window_opens_once_for_its_word_and_begins_at_zero)
@@ -250,15 +247,6 @@ TEST(test_a_window_opens_once_for_its_word_and_begins_at_zero)
     TEST_ASSERT_EQUAL_INT32(28, probe.sums.current.d);
     TEST_ASSERT_EQUAL_INT32(0, probe.sums.bus);
     TEST_ASSERT_EQUAL_INT32(0, probe.sums.across);
-}
-
-TEST(test_without_a_window_nothing_is_summed_up)
-{
-    static const probe_sums_t none;
-
-    sample = (probe_sample_t){.voltage = {5, 6}, .current = {7, -8}, .bus = 9, .turns_q16 = 10};
-    note(5U);
-    TEST_ASSERT_EQUAL_MEMORY(&none, &probe.sums, sizeof none);
 }
 
 TEST(test_voltage_current_and_a_quarter_of_the_bus_are_summed_up)
@@ -344,33 +332,29 @@ static int32_t torque(dq_t emf, dq_t current, int32_t speed_q15)
     return probe.sums.torque;
 }
 
+/* Along and across, with either sign of power and speed. */
+static void check_quotient(int32_t power, int32_t speed, int32_t expected)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        const dq_t emf = {(sign * power) / 100, (sign * power) % 100};
+
+        TEST_ASSERT_EQUAL_INT32(sign * expected, torque(emf, (dq_t){100, 1}, speed));
+        TEST_ASSERT_EQUAL_INT32(-sign * expected,
+                                torque((dq_t){emf.q, emf.d}, (dq_t){1, 100}, -speed));
+    }
+}
+
 TEST(test_the_torque_is_the_power_of_the_emf_over_the_speed_to_the_nearest)
 {
-    static const struct {
-        int32_t power;
-        int32_t speed;
-        int32_t torque;
-    } words[] = {{2000000, 300, 6667},
-                 {1999900, 300, 6666},
-                 {3, 2, 2},
-                 {1, 2, 1},
-                 {1, 3, 0},
-                 {5, 3, 2},
-                 {4, 3, 1},
-                 {7, 1, 7},
-                 {0, 5, 0}};
-
-    for (uint32_t k = 0U; k < COUNT(words); k++) {
-        for (int32_t sign = -1; sign <= 1; sign += 2) {
-            const int32_t power = sign * words[k].power;
-
-            TEST_ASSERT_EQUAL_INT32(sign * words[k].torque, torque((dq_t){power / 100, power % 100},
-                                                                   (dq_t){100, 1}, words[k].speed));
-            TEST_ASSERT_EQUAL_INT32(
-                -sign * words[k].torque,
-                torque((dq_t){power % 100, power / 100}, (dq_t){1, 100}, -words[k].speed));
-        }
-    }
+    check_quotient(2000000, 300, 6667);
+    check_quotient(1999900, 300, 6666);
+    check_quotient(3, 2, 2);
+    check_quotient(1, 2, 1);
+    check_quotient(1, 3, 0);
+    check_quotient(5, 3, 2);
+    check_quotient(4, 3, 1);
+    check_quotient(7, 1, 7);
+    check_quotient(0, 5, 0);
 }
 
 TEST(test_torque_saturates_as_emf_current_and_quotient_do)
@@ -397,30 +381,28 @@ TEST(test_what_the_legs_lose_is_no_torque)
     TEST_ASSERT_EQUAL_INT32(100 * 10, torque((dq_t){40, 100}, (dq_t){10, 10}, 1));
 }
 
+/* At a speed of 10 in either direction. */
+static void check_torque(dq_t emf, dq_t current, int32_t expected)
+{
+    TEST_ASSERT_EQUAL_INT32(expected, torque(emf, current, 10));
+    TEST_ASSERT_EQUAL_INT32(-expected, torque(emf, current, -10));
+}
+
 /*
  * The power of 500 along and of 100 across, whose EMF of the sample has the R of another current in
  * it: R is 1 at 8192.
  */
 TEST(test_r_takes_its_part_of_the_torque_from_the_current_that_flows)
 {
-    static const struct {
-        dq_t emf;
-        dq_t current;
-        int32_t torque;
-    } words[] = {{{500 + 30, 0}, {130, 0}, 6500},
-                 {{500 - 30, 0}, {70, 0}, 3500},
-                 {{500, 0}, {100, 0}, 5000},
-                 {{0, 100 + 20}, {100, 20}, 200},
-                 {{0, 100 - 20}, {100, -20}, -200},
-                 {{500 - 300, 0}, {-200, 0}, -10000},
-                 {{500 + 30, 100 + 20}, {130, 20}, 6700}};
-
     set(PROBE_CURRENT, 100);
     set(PROBE_RESISTANCE, 8192);
-    for (uint32_t k = 0U; k < COUNT(words); k++) {
-        TEST_ASSERT_EQUAL_INT32(words[k].torque, torque(words[k].emf, words[k].current, 10));
-        TEST_ASSERT_EQUAL_INT32(-words[k].torque, torque(words[k].emf, words[k].current, -10));
-    }
+    check_torque((dq_t){500 + 30, 0}, (dq_t){130, 0}, 6500);
+    check_torque((dq_t){500 - 30, 0}, (dq_t){70, 0}, 3500);
+    check_torque((dq_t){500, 0}, (dq_t){100, 0}, 5000);
+    check_torque((dq_t){0, 100 + 20}, (dq_t){100, 20}, 200);
+    check_torque((dq_t){0, 100 - 20}, (dq_t){100, -20}, -200);
+    check_torque((dq_t){500 - 300, 0}, (dq_t){-200, 0}, -10000);
+    check_torque((dq_t){500 + 30, 100 + 20}, (dq_t){130, 20}, 6700);
 }
 
 /* R·i is rounded down: ±0.9998 and ±1.0002 for a current of 2. */
@@ -477,13 +459,12 @@ TEST(test_pulses_are_one_quarter_up_two_down_one_up_again_and_again)
         set(PROBE_WINDOW, (int32_t)ticks);
         for (uint32_t k = 0U; k < (ticks + DELAY - 1U); k++) {
             const int32_t sign = (k < ticks) ? sign_in(k, WINDOWS[w][1]) : 0;
-            dq_t voltage;
+            const dq_t steady = {500 + (int32_t)k, -200 - (int32_t)k};
 
             note(1U);
             TEST_ASSERT_TRUE(probe_pulses(&probe));
-            voltage = probe_voltage(&probe, (dq_t){500 + (int32_t)k, -200 - (int32_t)k});
-            assert_dq((dq_t){500 + (int32_t)k + (sign * 1000), -200 - (int32_t)k + (sign * 30)},
-                      voltage);
+            assert_dq((dq_t){steady.d + (sign * 1000), steady.q + (sign * 30)},
+                      probe_voltage(&probe, steady));
         }
         note(1U);
         TEST_ASSERT_FALSE(probe_pulses(&probe));
@@ -505,37 +486,35 @@ TEST(test_pulses_are_added_in_a_window_with_a_pulse_voltage_only)
     TEST_ASSERT_FALSE(probe_pulses(&probe));
 }
 
-static void check_voltage(int32_t steady, int32_t first, int32_t second)
-{
-    setUp();
-    set(PROBE_PULSE_D, 10000);
-    set(PROBE_WINDOW, 4);
-    note(1U);
-    assert_dq((dq_t){first, 5}, probe_voltage(&probe, (dq_t){steady, 5}));
-    note(1U);
-    assert_dq((dq_t){second, 5}, probe_voltage(&probe, (dq_t){steady, 5}));
-    setUp();
-    set(PROBE_PULSE_Q, 10000);
-    set(PROBE_WINDOW, 4);
-    note(1U);
-    assert_dq((dq_t){5, first}, probe_voltage(&probe, (dq_t){5, steady}));
-    note(1U);
-    assert_dq((dq_t){5, second}, probe_voltage(&probe, (dq_t){5, steady}));
-}
-
 TEST(test_the_control_sees_its_reference_along_the_pulses_and_the_current_across)
 {
     const dq_t reference = {100, 7};
     const dq_t measured = {130, -20};
-    dq_t seen;
 
     set(PROBE_PULSE_D, 1);
-    seen = probe_controlled(&probe, reference, measured);
-    assert_dq((dq_t){100, -20}, seen);
+    assert_dq((dq_t){100, -20}, probe_controlled(&probe, reference, measured));
     set(PROBE_PULSE_D, 0);
     set(PROBE_PULSE_Q, 1);
-    seen = probe_controlled(&probe, reference, measured);
-    assert_dq((dq_t){130, 7}, seen);
+    assert_dq((dq_t){130, 7}, probe_controlled(&probe, reference, measured));
+}
+
+/* The steady voltage and a pulse of 10000 in the first two ticks of a window. */
+static void check_voltage(int32_t steady, int32_t first, int32_t second)
+{
+    static const probe_word_t axes[] = {PROBE_PULSE_D, PROBE_PULSE_Q};
+    const int32_t expected[] = {first, second};
+
+    for (uint32_t k = 0U; k < 4U; k++) {
+        const bool along = k < 2U;
+        const dq_t v = along ? (dq_t){steady, 5} : (dq_t){5, steady};
+        const int32_t with = expected[k % 2U];
+
+        setUp();
+        set(axes[k / 2U], 10000);
+        set(PROBE_WINDOW, 4);
+        note((k % 2U) + 1U);
+        assert_dq(along ? (dq_t){with, 5} : (dq_t){5, with}, probe_voltage(&probe, v));
+    }
 }
 
 TEST(test_the_voltage_of_pulses_saturates)
@@ -632,32 +611,28 @@ TEST(test_sums_of_the_pulses_end_likewise)
 
 /* ---- a vector at rest ---- */
 
+static void check_way(angle_t to, angle_t from, int32_t rate, step_t expected)
+{
+    set(PROBE_ANGLE, (int32_t)to);
+    set(PROBE_RATE, rate);
+    TEST_ASSERT_EQUAL_INT32(expected, probe_turn(&probe, from, BEHIND, true));
+    TEST_ASSERT_EQUAL_INT32(0, probe.lag_q15);
+    TEST_ASSERT_EQUAL_INT32(0, probe.own_speed);
+}
+
 TEST(test_a_vector_at_rest_goes_the_short_way_to_its_angle_at_its_rate)
 {
-    static const struct {
-        angle_t to;
-        angle_t from;
-        int32_t rate;
-        step_t step;
-    } ways[] = {{0x10U, 0xFFFFFFF0U, 100, 0x20},
-                {0xFFFFFFF0U, 0x10U, 100, -0x20},
-                {1000U, 0U, 999, 999},
-                {1000U, 0U, 1000, 1000},
-                {1000U, 0U, 1001, 1000},
-                {0U, 1000U, 999, -999},
-                {0x7FFFFFFFU, 0U, SPEED_MAX, SPEED_MAX},
-                {0x80000000U, 0U, SPEED_MAX, -SPEED_MAX},
-                {0x80000001U, 0U, SPEED_MAX, -SPEED_MAX},
-                {5U, 5U, SPEED_MAX, 0},
-                {1000U, 0U, 0, 0}};
-
-    for (uint32_t k = 0U; k < COUNT(ways); k++) {
-        set(PROBE_ANGLE, (int32_t)ways[k].to);
-        set(PROBE_RATE, ways[k].rate);
-        TEST_ASSERT_EQUAL_INT32(ways[k].step, probe_turn(&probe, ways[k].from, BEHIND, true));
-        TEST_ASSERT_EQUAL_INT32(0, probe.lag_q15);
-        TEST_ASSERT_EQUAL_INT32(0, probe.own_speed);
-    }
+    check_way(0x10U, 0xFFFFFFF0U, 100, 0x20);
+    check_way(0xFFFFFFF0U, 0x10U, 100, -0x20);
+    check_way(1000U, 0U, 999, 999);
+    check_way(1000U, 0U, 1000, 1000);
+    check_way(1000U, 0U, 1001, 1000);
+    check_way(0U, 1000U, 999, -999);
+    check_way(0x7FFFFFFFU, 0U, SPEED_MAX, SPEED_MAX);
+    check_way(0x80000000U, 0U, SPEED_MAX, -SPEED_MAX);
+    check_way(0x80000001U, 0U, SPEED_MAX, -SPEED_MAX);
+    check_way(5U, 5U, SPEED_MAX, 0);
+    check_way(1000U, 0U, 0, 0);
 }
 
 /* ---- a vector that turns ---- */
@@ -685,48 +660,43 @@ TEST(test_the_speed_follows_its_word_along_a_ramp)
     }
 }
 
+/* A vector that turns with `now`, asked for another speed: its speed a tick later. */
+static step_t ramped(step_t now, step_t asked, int32_t lag, bool bus_bears)
+{
+    set(PROBE_RAMP, 100);
+    set(PROBE_SPEED, asked);
+    probe.own_speed = now;
+    probe.lag_q15 = lag;
+    (void)probe_turn(&probe, 0U, (dq_t){0, 4000}, bus_bears);
+    return probe.own_speed;
+}
+
 /* sin 45°. The lag has the sign of the torque that the vector gives the rotor on its way. */
 TEST(test_a_ramp_waits_for_a_rotor_that_it_strains)
 {
-    static const struct {
-        step_t now;
-        step_t asked;
-        int32_t lag;
-        step_t next;
-    } ramps[] = {
-        {500, 1000, 23170, 600},    {500, 1000, 23171, 500},    {500, 1000, -23171, 600},
-        {500, 100, -23170, 400},    {500, 100, -23171, 500},    {500, 100, 23171, 400},
-        {-500, -1000, 23170, -600}, {-500, -1000, 23171, -500}, {-500, -1000, -23171, -600},
-        {-500, -100, -23170, -400}, {-500, -100, -23171, -500}, {-500, -100, 23171, -400},
-        {500, -500, 23171, 400},    {500, -500, -23171, 500}};
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        const step_t now = sign * 500;
 
-    set(PROBE_RAMP, 100);
-    for (uint32_t k = 0U; k < COUNT(ramps); k++) {
-        set(PROBE_SPEED, ramps[k].asked);
-        probe.own_speed = ramps[k].now;
-        probe.lag_q15 = ramps[k].lag;
-        (void)turn((dq_t){0, 4000});
-        TEST_ASSERT_EQUAL_INT32(ramps[k].next, probe.own_speed);
+        TEST_ASSERT_EQUAL_INT32(sign * 600, ramped(now, sign * 1000, 23170, true));
+        TEST_ASSERT_EQUAL_INT32(sign * 500, ramped(now, sign * 1000, 23171, true));
+        TEST_ASSERT_EQUAL_INT32(sign * 600, ramped(now, sign * 1000, -23171, true));
+        TEST_ASSERT_EQUAL_INT32(sign * 400, ramped(now, sign * 100, -23170, true));
+        TEST_ASSERT_EQUAL_INT32(sign * 500, ramped(now, sign * 100, -23171, true));
+        TEST_ASSERT_EQUAL_INT32(sign * 400, ramped(now, sign * 100, 23171, true));
+        TEST_ASSERT_EQUAL_INT32(sign * 400, ramped(now, -now, 23171, true));
+        TEST_ASSERT_EQUAL_INT32(sign * 500, ramped(now, -now, -23171, true));
     }
 }
 
 TEST(test_a_ramp_down_waits_for_a_bus_that_bears_no_more_braking)
 {
-    static const struct {
-        step_t now;
-        step_t asked;
-        bool bears;
-        step_t next;
-    } ramps[] = {{500, 100, true, 400},   {500, 100, false, 500},     {-500, -100, false, -500},
-                 {500, 1000, false, 600}, {-500, -1000, false, -600}, {500, -500, false, 500}};
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        const step_t now = sign * 500;
 
-    set(PROBE_RAMP, 100);
-    for (uint32_t k = 0U; k < COUNT(ramps); k++) {
-        set(PROBE_SPEED, ramps[k].asked);
-        probe.own_speed = ramps[k].now;
-        probe.lag_q15 = 0;
-        (void)probe_turn(&probe, 0U, (dq_t){0, 4000}, ramps[k].bears);
-        TEST_ASSERT_EQUAL_INT32(ramps[k].next, probe.own_speed);
+        TEST_ASSERT_EQUAL_INT32(sign * 400, ramped(now, sign * 100, 0, true));
+        TEST_ASSERT_EQUAL_INT32(sign * 500, ramped(now, sign * 100, 0, false));
+        TEST_ASSERT_EQUAL_INT32(sign * 600, ramped(now, sign * 1000, 0, false));
+        TEST_ASSERT_EQUAL_INT32(sign * 500, ramped(now, -now, 0, false));
     }
 }
 
@@ -769,34 +739,32 @@ static int32_t lag(dq_t emf)
     return probe.lag_q15;
 }
 
+static void check_lag(dq_t emf, int32_t expected)
+{
+    begin_to_turn(1000);
+    TEST_ASSERT_EQUAL_INT32(expected, lag(emf));
+    begin_to_turn(-1000);
+    TEST_ASSERT_EQUAL_INT32(-expected, lag(emf));
+    begin_to_turn(-1);
+    TEST_ASSERT_EQUAL_INT32(-expected, lag(emf));
+}
+
 /* 32767·e_d/|e|, both rounded towards 0. */
 TEST(test_the_lag_is_the_share_of_the_emf_along_the_vector_with_the_sign_of_the_speed)
 {
-    static const struct {
-        dq_t emf;
-        int32_t lag;
-    } words[] = {{{3000, 4000}, 19660},
-                 {{-3000, 4000}, -19660},
-                 {{3000, -4000}, 19660},
-                 {{4000, 3000}, 26213},
-                 {{2000, 4000}, 14654},
-                 {{0, 4000}, 0},
-                 {{0, 0}, 0},
-                 {{1, 0}, 32767},
-                 {{-1, 0}, -32767},
-                 {{100000, 0}, 32767},
-                 {{-100000, 0}, -32767},
-                 {{3000, 100000}, 2987},
-                 {{3000, -100000}, 2987}};
-
-    for (uint32_t k = 0U; k < COUNT(words); k++) {
-        begin_to_turn(1000);
-        TEST_ASSERT_EQUAL_INT32(words[k].lag, lag(words[k].emf));
-        begin_to_turn(-1000);
-        TEST_ASSERT_EQUAL_INT32(-words[k].lag, lag(words[k].emf));
-        begin_to_turn(-1);
-        TEST_ASSERT_EQUAL_INT32(-words[k].lag, lag(words[k].emf));
-    }
+    check_lag((dq_t){3000, 4000}, 19660);
+    check_lag((dq_t){-3000, 4000}, -19660);
+    check_lag((dq_t){3000, -4000}, 19660);
+    check_lag((dq_t){4000, 3000}, 26213);
+    check_lag((dq_t){2000, 4000}, 14654);
+    check_lag((dq_t){0, 4000}, 0);
+    check_lag((dq_t){0, 0}, 0);
+    check_lag((dq_t){1, 0}, 32767);
+    check_lag((dq_t){-1, 0}, -32767);
+    check_lag((dq_t){100000, 0}, 32767);
+    check_lag((dq_t){-100000, 0}, -32767);
+    check_lag((dq_t){3000, 100000}, 2987);
+    check_lag((dq_t){3000, -100000}, 2987);
 }
 
 TEST(test_what_the_legs_lose_is_no_lag_while_a_current_flows)

@@ -313,21 +313,16 @@ TEST(test_any_state_and_configuration_stays_within_what_is_stated)
 /* Turned by an eighth, a vector along the diagonal has all of its length, √2, in one part. */
 TEST(test_the_swing_saturates_at_both_ends_in_both_parts)
 {
-    const torque_filter_cfg_t forwards = {.notch_share_q15 = 1,
-                                          .notch_turn = {.sin = 23170, .cos = 23170}};
-    const torque_filter_cfg_t backwards = {.notch_share_q15 = 1,
-                                           .notch_turn = {.sin = -23170, .cos = 23170}};
+    static const int32_t ends[] = {SWING_MAX - 1, -SWING_MAX};
 
-    filter.swing_q26 = (dq_t){SWING_MAX - 1, SWING_MAX - 1};
-    (void)step(&backwards, 0);
-    TEST_ASSERT_EQUAL_INT32(SWING_MAX - 1, filter.swing_q26.d);
-    filter.swing_q26 = (dq_t){-SWING_MAX, -SWING_MAX};
-    (void)step(&backwards, 0);
-    TEST_ASSERT_EQUAL_INT32(-SWING_MAX, filter.swing_q26.d);
-    filter.swing_q26 = (dq_t){SWING_MAX - 1, SWING_MAX - 1};
-    (void)step(&forwards, 0);
-    TEST_ASSERT_EQUAL_INT32(SWING_MAX - 1, filter.swing_q26.q);
-    filter.swing_q26 = (dq_t){-SWING_MAX, -SWING_MAX};
-    (void)step(&forwards, 0);
-    TEST_ASSERT_EQUAL_INT32(-SWING_MAX, filter.swing_q26.q);
+    for (uint32_t k = 0U; k < 4U; k++) {
+        const int32_t end = ends[k / 2U];
+        const bool forwards = (k % 2U) == 0U;
+        const torque_filter_cfg_t cfg = {
+            .notch_share_q15 = 1, .notch_turn = {.sin = forwards ? 23170 : -23170, .cos = 23170}};
+
+        filter.swing_q26 = (dq_t){end, end};
+        (void)step(&cfg, 0);
+        TEST_ASSERT_EQUAL_INT32(end, forwards ? filter.swing_q26.q : filter.swing_q26.d);
+    }
 }

@@ -16,6 +16,7 @@
 #define BACKWARD (15000000)
 #define SLOPE (100 * FLUX)
 #define RANGE_MAX (8192)
+#define ACCELERATION (30.0) /* of the rotor, steps a slow period for an LSB of current */
 
 static torque_loop_cfg_t cfg;
 static torque_loop_t loop;
@@ -39,35 +40,73 @@ void setUp(void)
     speed_loop_init(&speed_loop);
 }
 
-/* ---- the torque reference ---- */
-
-TEST(test_the_torque_begins_with_the_one_that_acts)
+/* The end of the window at the lowest speed for a motion in that direction. */
+static speed_end_t low_end(int32_t sign)
 {
-    torque_loop_start(&loop, FLUX, -1234);
-    in.target_q28 = -1234 * FLUX;
-    TEST_ASSERT_EQUAL_INT32(in.speed, torque_loop_plan(&loop, &cfg, &in));
-    TEST_ASSERT_EQUAL_INT32(-1234, loop.current);
-    TEST_ASSERT_FALSE(loop.bound);
+    return (sign > 0) ? SPEED_END_LOWER : SPEED_END_UPPER;
 }
 
-TEST(test_a_start_knows_of_no_end_of_the_window)
+/* A free torque of 0, the end that decided last, and the speeds of rotor and reference. */
+static void begin(speed_end_t end, step_t speed, step_t reference)
 {
-    loop.end = (uint8_t)SPEED_END_UPPER;
     torque_loop_start(&loop, FLUX, 0);
+    loop.end = (uint8_t)end;
+    in.speed = speed;
+    in.reference = reference;
+}
+
+/* The speed reference of a slow period with a torque of so many LSB of current. */
+static step_t plan(int32_t target)
+{
+    in.target_q28 = target * FLUX;
+    return torque_loop_plan(&loop, &cfg, &in);
+}
+
+static void expect_planned(int32_t current)
+{
+    (void)torque_loop_plan(&loop, &cfg, &in);
+    TEST_ASSERT_EQUAL_INT32(current, loop.current);
+    TEST_ASSERT_EQUAL_INT32(current * in.flux_q13, loop.reference_q28);
+}
+
+static void expect_current(int32_t target, int32_t current)
+{
+    in.target_q28 = target * FLUX;
+    expect_planned(current);
+}
+
+/* ---- the torque reference ---- */
+
+TEST(test_a_start_is_free_at_its_current_and_knows_of_no_bridge_and_no_end)
+{
+    torque_loop_bridge(&loop);
+    loop.bound = true;
+    loop.end = (uint8_t)SPEED_END_UPPER;
+    torque_loop_start(&loop, FLUX, -1234);
+    TEST_ASSERT_EQUAL_INT32(-1234, loop.current);
+    TEST_ASSERT_EQUAL_INT32(-1234 * FLUX, loop.reference_q28);
+    TEST_ASSERT_FALSE(loop.bridging);
+    TEST_ASSERT_FALSE(loop.bound);
     TEST_ASSERT_EQUAL_UINT8(SPEED_END_NONE, loop.end);
+}
+
+/* A free torque is nothing that a bridge has to lead to. */
+TEST(test_the_torque_begins_with_the_one_that_acts_and_is_not_bridged)
+{
+    torque_loop_start(&loop, FLUX, -1234);
+    TEST_ASSERT_EQUAL_INT32(in.speed, plan(-1234));
+    TEST_ASSERT_EQUAL_INT32(-1234, loop.current);
+    TEST_ASSERT_FALSE(loop.bound);
+    TEST_ASSERT_FALSE(loop.bridging);
 }
 
 TEST(test_the_torque_follows_on_its_slope_in_the_fewest_periods)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         torque_loop_start(&loop, FLUX, 0);
-        in.target_q28 = sign * 250 * FLUX;
-        (void)torque_loop_plan(&loop, &cfg, &in);
-        TEST_ASSERT_EQUAL_INT32(sign * 100, loop.current);
-        (void)torque_loop_plan(&loop, &cfg, &in);
-        TEST_ASSERT_EQUAL_INT32(sign * 200, loop.current);
-        (void)torque_loop_plan(&loop, &cfg, &in);
-        TEST_ASSERT_EQUAL_INT32(sign * 250, loop.current);
+        expect_current(sign * 250, sign * 100);
+        expect_current(sign * 250, sign * 200);
+        expect_current(sign * 250, sign * 250);
     }
 }
 
@@ -76,24 +115,17 @@ TEST(test_a_torque_beyond_the_range_of_the_current_counts_as_its_end)
 {
     cfg.slope = 0x20000000;
     in.target_q28 = INT32_MAX;
-    (void)torque_loop_plan(&loop, &cfg, &in);
-    TEST_ASSERT_EQUAL_INT32(RANGE_MAX, loop.current);
-    TEST_ASSERT_EQUAL_INT32(RANGE_MAX * FLUX, loop.reference_q28);
+    expect_planned(RANGE_MAX);
     in.target_q28 = INT32_MIN;
-    (void)torque_loop_plan(&loop, &cfg, &in);
-    TEST_ASSERT_EQUAL_INT32(-RANGE_MAX, loop.current);
+    expect_planned(-RANGE_MAX);
 }
 
 TEST(test_each_end_of_the_range_counts_for_its_sign)
 {
     cfg.slope = 0x20000000;
     in.range = (torque_range_t){.lower = -300, .upper = 700};
-    in.target_q28 = 1000 * FLUX;
-    (void)torque_loop_plan(&loop, &cfg, &in);
-    TEST_ASSERT_EQUAL_INT32(700, loop.current);
-    in.target_q28 = -1000 * FLUX;
-    (void)torque_loop_plan(&loop, &cfg, &in);
-    TEST_ASSERT_EQUAL_INT32(-300, loop.current);
+    expect_current(1000, 700);
+    expect_current(-1000, -300);
 }
 
 /*
@@ -102,19 +134,16 @@ TEST(test_each_end_of_the_range_counts_for_its_sign)
  */
 TEST(test_a_range_that_narrows_takes_the_reference_along)
 {
+    static const torque_range_t narrow = {.lower = -500, .upper = 500};
+
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         torque_loop_start(&loop, FLUX, sign * 2000);
-        in.target_q28 = sign * 2000 * FLUX;
-        in.range = (torque_range_t){.lower = -500, .upper = 500};
-        (void)torque_loop_plan(&loop, &cfg, &in);
-        TEST_ASSERT_EQUAL_INT32(sign * 500, loop.current);
+        in.range = narrow;
+        expect_current(sign * 2000, sign * 500);
         in.range = whole;
-        (void)torque_loop_plan(&loop, &cfg, &in);
-        TEST_ASSERT_EQUAL_INT32(sign * 600, loop.current);
-        in.range = (torque_range_t){.lower = -500, .upper = 500};
-        in.target_q28 = -in.target_q28;
-        (void)torque_loop_plan(&loop, &cfg, &in);
-        TEST_ASSERT_EQUAL_INT32(sign * (500 - 100), loop.current);
+        expect_current(sign * 2000, sign * 600);
+        in.range = narrow;
+        expect_current(-sign * 2000, sign * (500 - 100));
     }
 }
 
@@ -122,109 +151,74 @@ TEST(test_a_range_that_narrows_takes_the_reference_along)
 TEST(test_with_another_flux_the_torque_stays)
 {
     torque_loop_start(&loop, FLUX, 1000);
-    in.target_q28 = 1000 * FLUX;
     in.flux_q13 = FLUX / 2;
-    (void)torque_loop_plan(&loop, &cfg, &in);
-    TEST_ASSERT_EQUAL_INT32(2000, loop.current);
+    expect_current(1000, 2000);
 }
 
-/*
- * An end of the window holds the torque at 50, the reference waits at `waiting`, and 2000 is asked
- * for: one slow period of that.
- */
-static void plan_at_an_end(int32_t sign, int32_t waiting)
+/* An end of the window holds the torque at 50, and the reference waits at `waiting`. */
+static void wait_at_an_end(int32_t sign, int32_t waiting)
 {
     torque_loop_start(&loop, FLUX, sign * waiting);
-    loop.end = (sign > 0) ? (uint8_t)SPEED_END_UPPER : (uint8_t)SPEED_END_LOWER;
-    in.reference = sign * 1000000;
-    in.speed = in.reference;
+    loop.end = (uint8_t)low_end(-sign);
+    in.speed = sign * 1000000;
+    in.reference = in.speed;
     in.current = sign * 50;
-    in.target_q28 = sign * 2000 * FLUX;
-    (void)torque_loop_plan(&loop, &cfg, &in);
 }
 
 /* What waits beyond an end of the window is not in the way of a torque that leads away from it. */
 TEST(test_away_from_an_end_the_torque_begins_with_the_one_that_acts)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
-        plan_at_an_end(sign, 3000);
-        TEST_ASSERT_EQUAL_INT32(sign * 2000, loop.current);
-        in.target_q28 = -sign * 2000 * FLUX;
-        (void)torque_loop_plan(&loop, &cfg, &in);
-        TEST_ASSERT_EQUAL_INT32(sign * (50 - 100), loop.current);
+        wait_at_an_end(sign, 3000);
+        expect_current(sign * 2000, sign * 2000);
+        expect_current(-sign * 2000, sign * (50 - 100));
     }
 }
 
-TEST(test_a_start_has_its_current_at_once_and_no_bridge)
-{
-    torque_loop_bridge(&loop);
-    loop.bound = true;
-    torque_loop_start(&loop, FLUX, -1234);
-    TEST_ASSERT_EQUAL_INT32(-1234, loop.current);
-    TEST_ASSERT_EQUAL_INT32(-1234 * FLUX, loop.reference_q28);
-    TEST_ASSERT_FALSE(loop.bridging);
-    TEST_ASSERT_FALSE(loop.bound);
-}
-
-/* A free torque is nothing that a bridge has to lead to. */
-TEST(test_a_free_torque_is_not_bridged)
-{
-    in.target_q28 = 500 * FLUX;
-    (void)torque_loop_plan(&loop, &cfg, &in);
-    TEST_ASSERT_FALSE(loop.bound);
-    TEST_ASSERT_FALSE(loop.bridging);
-}
-
-/*
- * An end of which the reference has less than it allows is in nobody's way: from 1000 on with the
- * slope of 100.
- */
+/* An end of which the reference has less than it allows is in nobody's way. */
 TEST(test_what_waits_short_of_an_end_goes_on_with_its_slope)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
-        plan_at_an_end(sign, 1000);
-        TEST_ASSERT_EQUAL_INT32(sign * 1100, loop.current);
-        TEST_ASSERT_EQUAL_INT32(sign * 1100 * FLUX, loop.reference_q28);
+        wait_at_an_end(sign, 1000);
+        expect_current(sign * 2000, sign * (1000 + 100));
     }
 }
 
 /* ---- the bridge ---- */
 
+static torque_range_t expect_bridged(int32_t current, int32_t lower, int32_t upper)
+{
+    const torque_range_t range = torque_loop_bridged(&cfg, FLUX, current, whole);
+
+    TEST_ASSERT_EQUAL_INT32(lower, range.lower);
+    TEST_ASSERT_EQUAL_INT32(upper, range.upper);
+    return range;
+}
+
+static void expect_arrival(int32_t current, torque_range_t range, bool arrives)
+{
+    torque_loop_bridge(&loop);
+    torque_loop_arrive(&loop, current, range);
+    TEST_ASSERT_EQUAL(!arrives, loop.bridging);
+}
+
 TEST(test_a_bridge_goes_by_the_slope_until_its_loop_is_within)
 {
-    torque_range_t range;
+    const torque_range_t range = expect_bridged(1000, 900, 1100);
 
-    torque_loop_bridge(&loop);
-    range = torque_loop_bridged(&cfg, FLUX, 1000, whole);
-    TEST_ASSERT_EQUAL_INT32(900, range.lower);
-    TEST_ASSERT_EQUAL_INT32(1100, range.upper);
-    torque_loop_arrive(&loop, 1100, range);
-    TEST_ASSERT_TRUE(loop.bridging);
-    torque_loop_arrive(&loop, 900, range);
-    TEST_ASSERT_TRUE(loop.bridging);
-    torque_loop_arrive(&loop, 901, range);
-    TEST_ASSERT_FALSE(loop.bridging);
+    expect_arrival(1100, range, false);
+    expect_arrival(1099, range, true);
+    expect_arrival(901, range, true);
+    expect_arrival(900, range, false);
 }
 
-/* It keeps to the limits of the current, and it moves however small the slope is. */
+/* However small the slope is. */
 TEST(test_a_bridge_stays_within_the_range_and_always_moves)
 {
-    torque_range_t range = torque_loop_bridged(&cfg, FLUX, RANGE_MAX + 500, whole);
-
-    TEST_ASSERT_EQUAL_INT32(RANGE_MAX - 100, range.lower);
-    TEST_ASSERT_EQUAL_INT32(RANGE_MAX, range.upper);
+    (void)expect_bridged(RANGE_MAX + 500, RANGE_MAX - 100, RANGE_MAX);
+    (void)expect_bridged(-RANGE_MAX - 500, -RANGE_MAX, -RANGE_MAX + 100);
     cfg.slope = 1;
-    range = torque_loop_bridged(&cfg, FLUX, -5, whole);
-    TEST_ASSERT_EQUAL_INT32(-6, range.lower);
-    TEST_ASSERT_EQUAL_INT32(-4, range.upper);
-}
-
-TEST(test_a_bridge_from_below_the_range_begins_at_its_lower_end)
-{
-    const torque_range_t range = torque_loop_bridged(&cfg, FLUX, -RANGE_MAX - 500, whole);
-
-    TEST_ASSERT_EQUAL_INT32(-RANGE_MAX, range.lower);
-    TEST_ASSERT_EQUAL_INT32(-RANGE_MAX + 100, range.upper);
+    (void)expect_bridged(-5, -6, -4);
 }
 
 /* ---- low speed ---- */
@@ -236,25 +230,24 @@ TEST(test_a_torque_aims_at_the_end_of_the_window_on_its_side)
     TEST_ASSERT_EQUAL_INT32(0, torque_loop_aim(&cfg, 0));
 }
 
+static void expect_window(step_t reference, step_t lowest, step_t lower, step_t upper)
+{
+    const speed_window_t window = torque_loop_window(&cfg, reference, lowest);
+
+    TEST_ASSERT_EQUAL_INT32(lower, window.lower);
+    TEST_ASSERT_EQUAL_INT32(upper, window.upper);
+    TEST_ASSERT_EQUAL_UINT32(4U, window.load_shift);
+}
+
 TEST(test_the_window_ends_at_the_lowest_speed_on_the_side_of_the_motion)
 {
-    speed_window_t window = torque_loop_window(&cfg, 1000000, LOWEST);
-
-    TEST_ASSERT_EQUAL_INT32(LOWEST, window.lower);
-    TEST_ASSERT_EQUAL_INT32(FORWARD, window.upper);
-    window = torque_loop_window(&cfg, -1000000, LOWEST);
-    TEST_ASSERT_EQUAL_INT32(-BACKWARD, window.lower);
-    TEST_ASSERT_EQUAL_INT32(-LOWEST, window.upper);
-    window = torque_loop_window(&cfg, -1000000, 0);
-    TEST_ASSERT_EQUAL_INT32(-BACKWARD, window.lower);
-    TEST_ASSERT_EQUAL_INT32(FORWARD, window.upper);
-    TEST_ASSERT_EQUAL_UINT32(4U, window.load_shift);
+    expect_window(1000000, LOWEST, LOWEST, FORWARD);
+    expect_window(-1000000, LOWEST, -BACKWARD, -LOWEST);
+    expect_window(-1000000, 0, -BACKWARD, FORWARD);
     cfg.speed_forward = LOWEST / 2;
     cfg.speed_backward = LOWEST / 4;
-    window = torque_loop_window(&cfg, 0, LOWEST);
-    TEST_ASSERT_EQUAL_INT32(LOWEST / 2, window.lower);
-    window = torque_loop_window(&cfg, -1, LOWEST);
-    TEST_ASSERT_EQUAL_INT32(-LOWEST / 4, window.upper);
+    expect_window(0, LOWEST, LOWEST / 2, LOWEST / 2);
+    expect_window(-1, LOWEST, -LOWEST / 4, -LOWEST / 4);
 }
 
 /*
@@ -264,77 +257,84 @@ TEST(test_the_window_ends_at_the_lowest_speed_on_the_side_of_the_motion)
 TEST(test_a_torque_against_the_motion_goes_down_the_slope_from_the_lowest_speed_on)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
-        step_t reference = 0;
-
-        torque_loop_start(&loop, FLUX, 0);
-        loop.end = (sign > 0) ? (uint8_t)SPEED_END_LOWER : (uint8_t)SPEED_END_UPPER;
-        in.speed = sign * (LOWEST + 5000);
-        in.reference = in.speed;
-        in.target_q28 = -sign * 500 * FLUX;
+        begin(low_end(sign), sign * (LOWEST + 5000), sign * (LOWEST + 5000));
         in.current = sign * 77;
-        for (int32_t k = 1; k <= 250; k++) {
-            reference = torque_loop_plan(&loop, &cfg, &in);
-            TEST_ASSERT_EQUAL_INT32(sign * (LOWEST - (k * RAMP)),
-                                    (k < 200) ? reference : sign * (LOWEST - (k * RAMP)));
-            if (k < 200) {
-                TEST_ASSERT_TRUE(loop.bound);
-                TEST_ASSERT_FALSE(loop.bridging);
-                TEST_ASSERT_EQUAL_INT32(sign * 77 * FLUX, loop.reference_q28);
-                in.speed = reference;
-            }
-            in.reference = reference;
-            if (k == 200) {
-                TEST_ASSERT_EQUAL_INT32(-sign * LOWEST, reference);
-                TEST_ASSERT_FALSE(loop.bound);
-                in.speed = -sign * 300000;
-            }
+        for (int32_t k = 1; k < 200; k++) {
+            in.reference = plan(-sign * 500);
+            in.speed = in.reference;
+            TEST_ASSERT_EQUAL_INT32(sign * (LOWEST - (k * RAMP)), in.reference);
+            TEST_ASSERT_TRUE(loop.bound);
+            TEST_ASSERT_FALSE(loop.bridging);
+            TEST_ASSERT_EQUAL_INT32(sign * 77 * FLUX, loop.reference_q28);
         }
-        TEST_ASSERT_EQUAL_INT32(-sign * 300000, reference);
+        in.reference = plan(-sign * 500);
+        TEST_ASSERT_EQUAL_INT32(-sign * LOWEST, in.reference);
+        TEST_ASSERT_FALSE(loop.bound);
+        in.speed = -sign * 300000;
+        for (uint32_t k = 0U; k < 50U; k++) {
+            in.reference = plan(-sign * 500);
+        }
+        TEST_ASSERT_EQUAL_INT32(-sign * 300000, in.reference);
         TEST_ASSERT_EQUAL_INT32(-sign * 500, loop.current);
     }
 }
 
 TEST(test_without_a_torque_the_slope_ends_at_standstill)
 {
-    loop.end = (uint8_t)SPEED_END_LOWER;
-    in.speed = LOWEST;
-    in.reference = LOWEST;
-    for (int32_t k = 0; k < 300; k++) {
-        in.reference = torque_loop_plan(&loop, &cfg, &in);
+    begin(SPEED_END_LOWER, LOWEST, LOWEST);
+    for (uint32_t k = 0U; k < 300U; k++) {
+        in.reference = plan(0);
         in.speed = in.reference;
     }
     TEST_ASSERT_EQUAL_INT32(0, in.reference);
     TEST_ASSERT_TRUE(loop.bound);
 }
 
-/*
- * A rotor that the end of the window holds just below the lowest speed, either way, and one at that
- * speed that nothing holds.
- */
-TEST(test_without_a_torque_the_slope_begins_with_the_speed_of_the_rotor)
+/* Where the speed loop has the torque, no end of the window has it. */
+static void assert_bound(bool bound, bool bridging, const char *name)
 {
-    for (int32_t sign = -1; sign <= 1; sign += 2) {
-        torque_loop_start(&loop, FLUX, 0);
-        loop.end = (sign < 0) ? (uint8_t)SPEED_END_UPPER : (uint8_t)SPEED_END_LOWER;
-        in.reference = sign * LOWEST;
-        in.speed = sign * (LOWEST - 1);
-        TEST_ASSERT_EQUAL_INT32(sign * (LOWEST - 1 - RAMP), torque_loop_plan(&loop, &cfg, &in));
-        torque_loop_start(&loop, FLUX, 0);
-        in.speed = sign * LOWEST;
-        TEST_ASSERT_EQUAL_INT32(in.speed, torque_loop_plan(&loop, &cfg, &in));
-    }
+    TEST_ASSERT_EQUAL_MESSAGE(bound, loop.bound, name);
+    TEST_ASSERT_EQUAL_MESSAGE(bridging, loop.bridging, name);
+    TEST_ASSERT_TRUE_MESSAGE(!bound || (loop.end == (uint8_t)SPEED_END_NONE), name);
 }
 
-/* The load is larger than the torque: it goes no further down, and the torque stays free. */
-TEST(test_a_torque_with_the_motion_stays_at_the_lowest_speed)
+/*
+ * A rotor that is slower than the lowest speed, or that the end of the window holds there, with an
+ * i_q* of 300. A bound torque goes on from 300, over a bridge if no end has caught the rotor. A
+ * free torque begins with 0, or with 300 where the end holds the rotor; its slope is 100.
+ */
+TEST(test_below_the_lowest_speed_the_torque_is_bound_unless_it_holds_the_rotor_there)
 {
-    loop.end = (uint8_t)SPEED_END_LOWER;
-    in.speed = LOWEST + 10;
-    in.reference = LOWEST + 10;
-    in.target_q28 = 500 * FLUX;
-    TEST_ASSERT_TRUE(torque_loop_plan(&loop, &cfg, &in) >= LOWEST);
-    TEST_ASSERT_FALSE(loop.bound);
-    TEST_ASSERT_EQUAL_INT32(100, loop.current);
+    static const struct {
+        const char *name;
+        bool held;
+        step_t speed; /* forwards; all of it is mirrored */
+        int32_t target;
+        step_t next;
+        bool bound;
+        int32_t current;
+    } rows[] = {
+        {"no torque, held just below", true, LOWEST - 1, 0, LOWEST - 1 - RAMP, true, 300},
+        {"no torque, not yet below", false, LOWEST, 0, LOWEST, false, 0},
+        {"against the motion, held", true, LOWEST, -500, LOWEST - RAMP, true, 300},
+        {"with the motion, held", true, LOWEST + 10, 500, LOWEST, false, 400},
+        {"with it, slower by more than a swing", true, LOWEST - (LOWEST / 8) - 1, 500,
+         LOWEST - (LOWEST / 8) - 1 + RAMP, true, 300},
+        {"with it, suddenly too slow", false, LOWEST / 2, 500, (LOWEST / 2) + RAMP, true, 300},
+        {"against it, suddenly turned round", false, -3, -500, -RAMP, true, 300},
+    };
+
+    for (uint32_t k = 0U; k < (2U * (sizeof rows / sizeof rows[0])); k++) {
+        const int32_t sign = ((k % 2U) == 0U) ? 1 : -1;
+        const uint32_t r = k / 2U;
+
+        begin(rows[r].held ? low_end(sign) : SPEED_END_NONE, sign * rows[r].speed, sign * LOWEST);
+        in.current = sign * 300;
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(sign * rows[r].next, plan(sign * rows[r].target),
+                                        rows[r].name);
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(sign * rows[r].current, loop.current, rows[r].name);
+        assert_bound(rows[r].bound, rows[r].bound && !rows[r].held, rows[r].name);
+    }
 }
 
 /*
@@ -344,82 +344,37 @@ TEST(test_a_torque_with_the_motion_stays_at_the_lowest_speed)
 TEST(test_a_torque_with_the_motion_stays_free_while_the_estimate_swings_about_the_lowest_speed)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
-        const speed_end_t caught = (sign > 0) ? SPEED_END_LOWER : SPEED_END_UPPER;
-
         for (step_t swing = -LOWEST / 8; swing <= 0; swing += LOWEST / 100) {
             for (uint32_t k = 0U; k < 2U; k++) {
-                torque_loop_start(&loop, FLUX, 0);
-                loop.end = (uint8_t)((k == 0U) ? caught : SPEED_END_NONE);
-                in.speed = sign * (LOWEST + swing);
-                in.reference = sign * LOWEST;
-                in.target_q28 = sign * 500 * FLUX;
-                TEST_ASSERT_EQUAL_INT32(sign * LOWEST, torque_loop_plan(&loop, &cfg, &in));
+                begin((k == 0U) ? low_end(sign) : SPEED_END_NONE, sign * (LOWEST + swing),
+                      sign * LOWEST);
+                TEST_ASSERT_EQUAL_INT32(sign * LOWEST, plan(sign * 500));
                 TEST_ASSERT_FALSE(loop.bound);
             }
         }
     }
 }
 
-/* The end of the window has it, and the rotor is slower all the same, by more than a swing. */
-TEST(test_a_rotor_that_the_end_of_the_window_does_not_hold_is_led_up_the_slope)
-{
-    loop.end = (uint8_t)SPEED_END_LOWER;
-    in.speed = LOWEST - (LOWEST / 8) - 1;
-    in.reference = LOWEST;
-    in.target_q28 = 500 * FLUX;
-    TEST_ASSERT_EQUAL_INT32(in.speed + RAMP, torque_loop_plan(&loop, &cfg, &in));
-    TEST_ASSERT_TRUE(loop.bound);
-}
-
-/*
- * Nothing has caught the rotor in time: the speed loop goes on from the torque that acts, on a
- * slope.
- */
-TEST(test_a_rotor_that_is_suddenly_too_slow_is_bridged)
-{
-    in.speed = LOWEST / 2;
-    in.target_q28 = 500 * FLUX;
-    in.current = 300;
-    TEST_ASSERT_EQUAL_INT32((LOWEST / 2) + RAMP, torque_loop_plan(&loop, &cfg, &in));
-    TEST_ASSERT_TRUE(loop.bound);
-    TEST_ASSERT_TRUE(loop.bridging);
-    TEST_ASSERT_EQUAL_INT32(300, loop.current);
-    setUp();
-    in.speed = -3;
-    in.target_q28 = -1;
-    TEST_ASSERT_EQUAL_INT32(-RAMP, torque_loop_plan(&loop, &cfg, &in));
-}
-
 /* With a sensor, or where nothing is imposed. */
 TEST(test_without_a_lowest_speed_the_torque_is_free_at_any_speed)
 {
-    static const step_t speeds[] = {-BACKWARD, -1, 0, 1, FORWARD};
+    static const step_t speeds[] = {-BACKWARD - 1, -BACKWARD, -1, 0, 1, FORWARD, FORWARD + 1};
 
     in.lowest = 0;
-    loop.end = (uint8_t)SPEED_END_LOWER;
-    for (uint32_t k = 0U; k < 5U; k++) {
-        in.speed = speeds[k];
-        in.reference = speeds[k];
-        TEST_ASSERT_EQUAL_INT32(speeds[k], torque_loop_plan(&loop, &cfg, &in));
+    for (uint32_t k = 0U; k < (sizeof speeds / sizeof speeds[0]); k++) {
+        begin(SPEED_END_LOWER, speeds[k], speeds[k]);
+        TEST_ASSERT_EQUAL_INT32(fx_clamp(speeds[k], -BACKWARD, FORWARD), plan(0));
         TEST_ASSERT_FALSE(loop.bound);
     }
-    in.speed = FORWARD + 1;
-    TEST_ASSERT_EQUAL_INT32(FORWARD, torque_loop_plan(&loop, &cfg, &in));
-    in.speed = -BACKWARD - 1;
-    TEST_ASSERT_EQUAL_INT32(-BACKWARD, torque_loop_plan(&loop, &cfg, &in));
 }
 
 /* A window that ends below the lowest speed of RUN is a speed for the imposed vector. */
 TEST(test_a_window_below_the_lowest_speed_binds)
 {
     cfg.speed_forward = LOWEST / 2;
-    in.speed = LOWEST;
-    in.reference = LOWEST;
-    in.target_q28 = 500 * FLUX;
     for (uint32_t k = 0U; k < 2U; k++) {
-        torque_loop_start(&loop, FLUX, 0);
-        loop.end = (uint8_t)((k == 0U) ? SPEED_END_NONE : SPEED_END_LOWER);
-        TEST_ASSERT_EQUAL_INT32(LOWEST / 2, torque_loop_plan(&loop, &cfg, &in));
+        begin((k == 0U) ? SPEED_END_NONE : SPEED_END_LOWER, LOWEST, LOWEST);
+        TEST_ASSERT_EQUAL_INT32(LOWEST / 2, plan(500));
         TEST_ASSERT_TRUE(loop.bound);
     }
 }
@@ -428,25 +383,10 @@ TEST(test_a_window_below_the_lowest_speed_binds)
 TEST(test_a_rotor_on_the_side_of_its_reference_is_free_from_the_lowest_speed_on)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
-        torque_loop_start(&loop, FLUX, 0);
-        in.reference = (sign > 0) ? 0 : -1;
-        in.speed = sign * (LOWEST + 5);
-        in.target_q28 = sign * 500 * FLUX;
-        TEST_ASSERT_EQUAL_INT32(in.speed, torque_loop_plan(&loop, &cfg, &in));
+        begin(SPEED_END_NONE, sign * (LOWEST + 5), (sign > 0) ? 0 : -1);
+        TEST_ASSERT_EQUAL_INT32(in.speed, plan(sign * 500));
         TEST_ASSERT_FALSE(loop.bound);
     }
-}
-
-/* What decided i_q* before says nothing about the speed loop's own torque. */
-TEST(test_where_the_speed_loop_has_the_torque_no_end_of_the_window_has_it)
-{
-    loop.end = (uint8_t)SPEED_END_LOWER;
-    in.speed = LOWEST;
-    in.reference = LOWEST;
-    in.target_q28 = -500 * FLUX;
-    TEST_ASSERT_EQUAL_INT32(LOWEST - RAMP, torque_loop_plan(&loop, &cfg, &in));
-    TEST_ASSERT_TRUE(loop.bound);
-    TEST_ASSERT_EQUAL_UINT8(SPEED_END_NONE, loop.end);
 }
 
 TEST(test_whatever_comes_stays_within_what_is_stated)
@@ -488,15 +428,11 @@ static int32_t within(step_t speed, int32_t wanted, speed_end_t *end)
     return speed_loop_within(&speed_loop, &speed_cfg, &window, speed, speed, wanted, whole, end);
 }
 
-TEST(test_between_the_ends_the_current_is_what_was_wanted)
+static void use_acceleration(void)
 {
-    speed_end_t end;
-
-    TEST_ASSERT_EQUAL_INT32(3000, within(0, 3000, &end));
-    TEST_ASSERT_EQUAL_INT(SPEED_END_NONE, end);
-    TEST_ASSERT_EQUAL_INT32(RANGE_MAX, within(0, 16384, &end));
-    TEST_ASSERT_EQUAL_INT32(-RANGE_MAX, within(0, -16384, &end));
-    TEST_ASSERT_EQUAL_INT32(0, speed_loop.reference);
+    speed_cfg.inertia = (int32_t)lround(65536.0 / ACCELERATION);
+    speed_cfg.inertia_shift = 0U;
+    speed_cfg.inertia_lift = 0U;
 }
 
 /*
@@ -506,25 +442,22 @@ TEST(test_between_the_ends_the_current_is_what_was_wanted)
  */
 static void land(int32_t wanted, int32_t load, step_t end_of_window, speed_end_t expected)
 {
-    const double acceleration = 30.0; /* steps a slow period for an LSB */
     const double kp = ldexp(speed_cfg.pi.kp, -(int)speed_cfg.pi.kp_shift);
     const double ki = ldexp(speed_cfg.pi.ki, -(int)speed_cfg.pi.ki_shift - 11);
     double speed = 0.0;
     const double excess = abs(wanted - load);
     /* of a change of the speed by K_p, and of what K_p makes of the error by K_i; and roundings */
-    const double most = (kp * excess * acceleration / 4096.0) + (2.0 * excess * ki / kp) + 40.0;
+    const double most = (kp * excess * ACCELERATION / 4096.0) + (2.0 * excess * ki / kp) + 40.0;
     int32_t before = wanted;
     step_t furthest = 0;
     speed_end_t end = SPEED_END_NONE;
 
     speed_loop_reset(&speed_loop, 0);
-    speed_cfg.inertia = (int32_t)lround(65536.0 / acceleration);
-    speed_cfg.inertia_shift = 0U;
-    speed_cfg.inertia_lift = 0U;
+    use_acceleration();
     for (uint32_t k = 0U; k < 3000U; k++) {
         const int32_t current = within((step_t)lround(speed), wanted, &end);
 
-        speed += acceleration * (current - load);
+        speed += ACCELERATION * (current - load);
         TEST_ASSERT_TRUE((k == 0U) || (abs(current - before) <= most));
         before = current;
         furthest = (abs((int32_t)lround(speed)) > abs(furthest)) ? (step_t)lround(speed) : furthest;
@@ -562,18 +495,15 @@ TEST(test_back_from_an_end_the_torque_acts_at_once)
 /* The integral is the load, whatever the torque: so a change to speed control begins with it. */
 TEST(test_between_the_ends_the_integral_finds_the_load)
 {
-    const double acceleration = 30.0;
     double speed = -500000.0;
     speed_end_t end = SPEED_END_NONE;
 
-    speed_cfg.inertia = (int32_t)lround(65536.0 / acceleration);
-    speed_cfg.inertia_shift = 0U;
-    speed_cfg.inertia_lift = 0U;
+    use_acceleration();
     speed_loop_reset(&speed_loop, (step_t)speed);
     for (uint32_t k = 0U; k < 200U; k++) {
         const int32_t current = within((step_t)lround(speed), 1500, &end);
 
-        speed += acceleration * (current - 1300);
+        speed += ACCELERATION * (current - 1300);
     }
     TEST_ASSERT_EQUAL_INT(SPEED_END_NONE, end);
     TEST_ASSERT_INT32_WITHIN(20, 1300, pi_output(&speed_loop.pi));
@@ -590,18 +520,4 @@ TEST(test_in_a_window_of_no_width_the_speed_loop_has_the_torque)
     TEST_ASSERT_EQUAL_INT(SPEED_END_LOWER, end);
     TEST_ASSERT_TRUE(within(100000, 3000, &end) < 0);
     TEST_ASSERT_EQUAL_INT(SPEED_END_UPPER, end);
-}
-
-TEST(test_the_window_is_no_wider_than_the_speed_loop)
-{
-    speed_end_t end;
-
-    cfg.speed_forward = 0x20000000;
-    cfg.speed_backward = 0x20000000;
-    TEST_ASSERT_TRUE(within(speed_cfg.speed_max + 1000000, 3000, &end) < 3000);
-    TEST_ASSERT_EQUAL_INT(SPEED_END_UPPER, end);
-    TEST_ASSERT_EQUAL_INT32(speed_cfg.speed_max, speed_loop.reference);
-    speed_loop_reset(&speed_loop, 0);
-    TEST_ASSERT_TRUE(within(-speed_cfg.speed_max - 1000000, -3000, &end) > -3000);
-    TEST_ASSERT_EQUAL_INT(SPEED_END_LOWER, end);
 }

@@ -13,7 +13,6 @@
 #include <stdlib.h>
 
 #define CURRENT_END (16384)
-#define PERIODS_TO_THE_END (100) /* 32 a slow period, up to 3200 */
 #define MOTORS (20000U)
 #define GRID (4000)
 
@@ -311,35 +310,37 @@ static void set_volts(int32_t emf, int32_t flux, int32_t along, int32_t across)
     set_flux(flux);
 }
 
-/* ω·φ and X·I are above 32000 of 16384, and count as that. */
-static void set_saturated(int32_t flux)
+static void expect_upper(int32_t flux, int32_t upper)
 {
-    set_volts(32767, flux, 0, 0);
-    model.reactance_d_q13 = 32767;
-    model.reactance_q_q13 = 32767;
+    set_flux(flux);
+    TEST_ASSERT_EQUAL_INT32(upper, limits().upper);
+}
+
+/* ω·φ and X·I are above 32000 of 16384, and count as that. */
+static void set_saturated(void)
+{
+    set_motor(32767, 32767, 32767);
     in.speed_q15 = 32767;
+    in.current_max = CURRENT_END;
+    in.deepest = 16382;
 }
 
 TEST(test_the_emf_saturates_at_32000)
 {
-    set_saturated(16000); /* (16000 − 32000) / 32000 · 16384 */
-    TEST_ASSERT_EQUAL_INT32(-8192, limits().upper);
-    set_flux(16001); /* 15999 · 0.512 = 8191.49 */
-    TEST_ASSERT_EQUAL_INT32(-8191, limits().upper);
+    set_saturated();
+    expect_upper(16000, -8192); /* (16000 − 32000) / 32000 · 16384 */
+    expect_upper(16001, -8191); /* 15999 · 0.512 = 8191.49 */
 }
 
 TEST(test_the_voltage_of_a_reactance_saturates_at_32000)
 {
-    set_saturated(16000);
-    model.emf_q13 = 0; /* 16000 / 32000 · 16384 */
-    TEST_ASSERT_EQUAL_INT32(8192, limits().upper);
-    set_flux(15916); /* 15916 · 0.512 = 8148.99 */
-    TEST_ASSERT_EQUAL_INT32(8148, limits().upper);
-    set_saturated(100); /* 32000 − 32000 is left along: 100 / 32000 · 16384 = 51.2 */
-    in.deepest = 16382;
-    TEST_ASSERT_EQUAL_INT32(-16382, limits().lower);
+    set_saturated();
+    /* 32000 − 32000 is left along: 100 and −31900 / 32000 · 16384 are 51.2 and −16332.8 */
     set_flux(100);
-    TEST_ASSERT_EQUAL_INT32(51, limits().reach);
+    assert_limits(-16382, -16332, 51, limits());
+    model.emf_q13 = 0;
+    expect_upper(16000, 8192); /* 16000 / 32000 · 16384 */
+    expect_upper(15916, 8148); /* 15916 · 0.512 = 8148.99 */
 }
 
 TEST(test_a_voltage_that_is_left_over_without_a_reactance_is_all_of_the_current)
@@ -347,43 +348,37 @@ TEST(test_a_voltage_that_is_left_over_without_a_reactance_is_all_of_the_current)
     set_volts(12650, 12650, 0, 0);
     TEST_ASSERT_EQUAL_INT32(0, weakening_step(&weakening, &in, 1).upper);
     in.current_max = 10000;
-    set_flux(12651);
-    TEST_ASSERT_EQUAL_INT32(10000, limits().upper);
-    set_flux(12649);
-    TEST_ASSERT_EQUAL_INT32(-10000, limits().upper);
+    expect_upper(12651, 10000);
+    expect_upper(12649, -10000);
     set_volts(0, 16000, 10, 10);
     TEST_ASSERT_EQUAL_INT32(CURRENT_END, limits().upper);
 }
 
 /* R = 1. */
-static void resist(dq_t voltage, dq_t current)
-{
-    model.resistance_q13 = 8192;
-    in.voltage = voltage;
-    in.reference = current;
-    in.current = current;
-}
-
 TEST(test_the_resistance_takes_along_the_voltage_what_there_is)
 {
     static const struct {
         const char *name;
         int32_t emf;
         int32_t flux;
+        int32_t across;
         dq_t voltage;
         dq_t current;
         int32_t upper;
     } cases[] = {
         /* (30 + 16)e6 / 1e4 = 4600 of 32768: (10000 − 2300 − 16000) / 16000 · 16384 = −8499.2 */
-        {"both axes", 16000, 10000, {-6000, 8000}, {-5000, 2000}, -8499},
-        {"no voltage", 16000, 10000, {0, 0}, {0, 4000}, -6143},    /* −6000 / 16000, in 15 bits */
-        {"least voltage", 16000, 10000, {0, 1}, {0, 4000}, -8191}, /* −8000 / 16000: 2000 less */
-        {"more than there is", 8000, 1000, {12000, 0}, {4000, 0}, -8192}, /* 2000 of 1000 */
+        {"both axes", 16000, 10000, 0, {-6000, 8000}, {-5000, 2000}, -8499},
+        {"no voltage", 16000, 10000, 0, {0, 0}, {0, 4000}, -6143}, /* −6000 / 16000, in 15 bits */
+        {"least voltage", 16000, 10000, 0, {0, 1}, {0, 4000}, -8191}, /* −8000 / 16000: 2000 less */
+        {"more than there is", 8000, 1000, 16000, {12000, 0}, {4000, 0}, -8192}, /* 2000 of 1000 */
     };
 
     for (uint32_t k = 0U; k < (sizeof cases / sizeof cases[0]); k++) {
-        set_volts(cases[k].emf, cases[k].flux, 16000, (k == 3U) ? 16000 : 0);
-        resist(cases[k].voltage, cases[k].current);
+        set_volts(cases[k].emf, cases[k].flux, 16000, cases[k].across);
+        model.resistance_q13 = 8192;
+        in.voltage = cases[k].voltage;
+        in.reference = cases[k].current;
+        in.current = cases[k].current;
         TEST_ASSERT_EQUAL_INT32_MESSAGE(cases[k].upper, limits().upper, cases[k].name);
     }
 }
@@ -411,14 +406,6 @@ TEST(test_i_q_at_the_magnets_end_has_the_reactance_of_its_axis)
     TEST_ASSERT_EQUAL_INT32(8192, limits().reach);
 }
 
-TEST(test_a_circle_that_just_fits_asks_for_nothing)
-{
-    set_volts(0, 4096, 0, 4096);
-    in.current_max = 8192;
-    model.reactance_q_q13 = 16384;
-    TEST_ASSERT_EQUAL_INT32(0, limits().lower);
-}
-
 /* c / (b + √(b² + a·c)) · 16384 in whole numbers. */
 TEST(test_the_circle_meets_the_ellipse_or_ends_it_to_the_last_digit)
 {
@@ -443,49 +430,41 @@ TEST(test_the_circle_meets_the_ellipse_or_ends_it_to_the_last_digit)
         {"neither magnets nor saliency", 0, 100, 200, 200, 0},
         {"no saliency: ω·φ / X_d = 5 / 20", 5, 18, 20, 20, -4096},
         {"L_q below L_d: the same", 5, 18, 20, 19, -4096},
+        {"a circle that just fits asks for nothing", 0, 4096, 0, 4096, 0},
+        {"neither voltage nor reactance: the current ends it", 0, 0, 0, 100, -CURRENT_END},
     };
 
+    in.reference = (dq_t){0, 16384};
     for (uint32_t k = 0U; k < (sizeof cases / sizeof cases[0]); k++) {
         set_volts(cases[k].emf, cases[k].flux, cases[k].along, cases[k].across);
         TEST_ASSERT_EQUAL_INT32_MESSAGE(cases[k].lower, limits().lower, cases[k].name);
     }
 }
 
-TEST(test_without_voltage_and_reactance_the_current_ends_it)
-{
-    set_volts(0, 0, 0, 100);
-    in.reference = (dq_t){0, 16384};
-    TEST_ASSERT_EQUAL_INT32(-CURRENT_END, limits().lower);
-}
-
-/* ω·φ = 16000, E = 10000, X·I = 16000: −6000 / 16000 · 16384. */
-TEST(test_it_decides_below_what_is_wanted_and_not_at_it)
+/* ω·φ = 16000, E = 10000, X·I = 16000. */
+static weakening_limits_t limits_of(int32_t deepest, int32_t wanted)
 {
     set_volts(16000, 10000, 16000, 16000);
-    assert_limits(-CURRENT_END, -6144, CURRENT_END, weakening_step(&weakening, &in, -6144));
+    in.deepest = deepest;
+    return weakening_step(&weakening, &in, wanted);
+}
+
+/* −6000 / 16000 · 16384 */
+TEST(test_it_decides_below_what_is_wanted_and_not_at_it)
+{
+    assert_limits(-CURRENT_END, -6144, CURRENT_END, limits_of(CURRENT_END, -6144));
     in.reference = (dq_t){-6144, 0};
-    set_flux(10000);
-    (void)weakening_step(&weakening, &in, -6144);
+    (void)limits_of(CURRENT_END, -6144);
     TEST_ASSERT_FALSE(weakening.acts);
-    set_flux(10000);
-    (void)weakening_step(&weakening, &in, -6143);
+    (void)limits_of(CURRENT_END, -6143);
     TEST_ASSERT_TRUE(weakening.acts);
 }
 
-/*
- * ω·φ = 16000, E = 10000, X·I = 16000: at i_d of −8192 / 16384 the EMF is 8000, √(10000² − 8000²) /
- * 16000 = 6144 / 16384.
- */
+/* At i_d of −8192 / 16384 the EMF is 8000: √(10000² − 8000²) / 16000 = 6144 / 16384. */
 TEST(test_what_is_wanted_deeper_than_weakening_may_ask_for_stays_and_has_its_i_q)
 {
-    weakening_limits_t now;
-
-    set_volts(16000, 10000, 16000, 16000);
-    in.deepest = 1000;
     in.reference = (dq_t){-8192, 12000};
-    now = weakening_step(&weakening, &in, -8192);
-    TEST_ASSERT_EQUAL_INT32(-8192, now.upper);
-    TEST_ASSERT_EQUAL_INT32(6144, now.reach);
+    assert_limits(-8192, -8192, 6144, limits_of(1000, -8192));
 }
 
 /* ---- near, and the integral ---- */
@@ -493,12 +472,6 @@ TEST(test_what_is_wanted_deeper_than_weakening_may_ask_for_stays_and_has_its_i_q
 static bool is_near(int32_t d, int32_t q, int32_t radius)
 {
     return weakening_is_near(&weakening, (dq_t){d, q}, radius);
-}
-
-static void learn(int32_t voltage_q)
-{
-    in.voltage = (dq_t){0, voltage_q};
-    (void)weakening_step(&weakening, &in, 0);
 }
 
 TEST(test_it_is_near_above_fifteen_sixteenths_of_the_circle)
@@ -524,52 +497,48 @@ TEST(test_it_is_near_as_long_as_it_acts)
     TEST_ASSERT_FALSE(is_near(0, 0, 12800));
 }
 
-TEST(test_a_lack_of_voltage_lowers_i_d_and_a_rest_raises_it)
+static void expect_learned(int32_t voltage_q, int32_t learned)
 {
-    learn(12800); /* 150 above E */
-    TEST_ASSERT_EQUAL_INT32(-19, weakening.voltage);
-    learn(12600);
-    TEST_ASSERT_EQUAL_INT32(-19 + 6, weakening.voltage);
+    in.voltage = (dq_t){0, voltage_q};
+    (void)weakening_step(&weakening, &in, 0);
+    TEST_ASSERT_EQUAL_INT32(learned, weakening.voltage);
 }
 
-TEST(test_the_integral_ends_at_a_quarter_of_the_circle_on_both_sides)
+TEST(test_a_lack_of_voltage_lowers_i_d_and_a_rest_raises_it)
 {
-    static const int32_t voltages[] = {9700, 20000};
-    static const int32_t ends[] = {3200, -3200};
+    expect_learned(12800, -19); /* 150 above E */
+    expect_learned(12600, -19 + 6);
+}
 
-    for (uint32_t side = 0U; side < 2U; side++) {
+/* What a kick of some slow periods winds up is gone in as many. */
+TEST(test_the_integral_moves_by_32_a_slow_period_to_a_quarter_of_the_circle_on_both_sides)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
         setUp();
-        in.voltage = (dq_t){0, voltages[side]};
-        for (int k = 0; k < (PERIODS_TO_THE_END + 50); k++) {
-            weakening_step(&weakening, &in, CURRENT_END);
+        for (int32_t k = 1; k <= 150; k++) {
+            in.voltage = (dq_t){0, (sign > 0) ? 1000 : 32000};
+            (void)weakening_step(&weakening, &in, CURRENT_END);
+            TEST_ASSERT_EQUAL_INT32(sign * fx_min(k * 32, 3200), weakening.voltage);
         }
-        TEST_ASSERT_EQUAL_INT32(ends[side], weakening.voltage);
     }
 }
 
 TEST(test_at_the_deepest_i_d_a_rest_alone_is_learned_from_its_first_step_on)
 {
     in.deepest = 3000;
-    learn(12800);
-    TEST_ASSERT_EQUAL_INT32(0, weakening.voltage);
-    learn(12650 - 8);
-    TEST_ASSERT_EQUAL_INT32(1, weakening.voltage);
-    learn(12650 - 16);
-    TEST_ASSERT_EQUAL_INT32(3, weakening.voltage);
+    expect_learned(12800, 0);
+    expect_learned(12650 - 8, 1);
+    expect_learned(12650 - 16, 3);
 }
 
 /* i_d* would stay as deep as a voltage asks for that is not there. */
 TEST(test_at_the_deepest_i_d_a_lack_takes_back_what_was_added_and_no_more)
 {
     in.deepest = 3000;
-    learn(12650 - 24);
-    TEST_ASSERT_EQUAL_INT32(3, weakening.voltage);
-    for (int32_t left = 2; left >= 0; left--) {
-        learn(12650 + 1); /* rounded down to a lack of 1 */
-        TEST_ASSERT_EQUAL_INT32(left, weakening.voltage);
+    expect_learned(12650 - 24, 3);
+    for (int32_t left = 2; left >= -1; left--) {
+        expect_learned(12650 + 1, fx_max(left, 0)); /* rounded down to a lack of 1 */
     }
-    learn(12650 + 1);
-    TEST_ASSERT_EQUAL_INT32(0, weakening.voltage);
 }
 
 TEST(test_what_was_learned_is_forgotten_where_the_voltage_does_not_decide)
@@ -612,22 +581,6 @@ TEST(test_the_first_bus_counts_as_it_is)
     TEST_ASSERT_EQUAL_INT32(32767, weakening.valley);
     (void)is_near(0, 0, 32767);
     TEST_ASSERT_EQUAL_INT32(32767, weakening.valley);
-}
-
-/* What a kick of some slow periods winds up is gone in as many. */
-TEST(test_the_integral_moves_by_32_a_slow_period_at_most)
-{
-    static const int32_t voltages[] = {1000, 32000};
-    static const int32_t steps[] = {32, -32};
-
-    for (uint32_t side = 0U; side < 2U; side++) {
-        setUp();
-        in.voltage = (dq_t){0, voltages[side]};
-        for (int32_t k = 1; k <= 20; k++) {
-            (void)weakening_step(&weakening, &in, CURRENT_END);
-            TEST_ASSERT_EQUAL_INT32(k * steps[side], weakening.voltage);
-        }
-    }
 }
 
 static void step_often(void)
