@@ -51,6 +51,11 @@ void speed_loop_reset(speed_loop_t *loop, step_t speed)
     loop->reference = speed;
 }
 
+void speed_loop_refer(speed_loop_t *loop, step_t reference)
+{
+    loop->reference = reference;
+}
+
 step_t speed_loop_ramp(const speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t target)
 {
     const step_t wanted = fx_clamp(target, -cfg->speed_max, cfg->speed_max);

@@ -134,6 +134,9 @@ void speed_loop_change(speed_loop_t *loop, const speed_loop_cfg_t *cfg);
  */
 void speed_loop_reset(speed_loop_t *loop, step_t speed);
 
+/* Sets the reference of the last slow period; the torque stays. */
+void speed_loop_refer(speed_loop_t *loop, step_t reference);
+
 /*
  * Returns the reference of the next slow period on the ramp to `target`. Does not change the loop.
  */

@@ -3,78 +3,39 @@
 
 #include "calibration.h"
 #include "estimate.h"
+#include "frame.h"
 #include "inlining.h"
 #include "life.h"
 #include "monitor.h"
-#include "open_loop.h"
-#include "probing.h"
 #include "run.h"
 #include "state_guard.h"
 #include "transitions.h"
-
-/* Counts a late tick. Zero voltage acts in place of its demand. */
-static void count_late(drive_t *drive, sample_t sample)
-{
-    fault_t fault = {.id = FAULT_NONE};
-    const fault_id_t id =
-        supervision_count_late(&drive->watch.supervision, &drive->cfg->supervision, &fault);
-
-    drive->control.ratio_next = (ab_t){0, 0};
-    if ((id != FAULT_NONE) && drive_is_driving(drive->state)) {
-        life_fail(drive, &fault, &sample);
-    }
-}
 
 /*
  * Checks the samples of this tick against the limits of this state. If a current sample is at an
  * end of the converter's range, an over-current is reported as ADC_SATURATED.
  */
-static void watch(drive_t *drive, const drive_in_t *in, sample_t sample)
+static fault_id_t check_samples(const drive_t *drive, const drive_in_t *in, sample_t sample,
+                                fault_t *fault)
 {
-    fault_t fault;
-    const fault_id_t id = protection_check(&drive->limits, &sample, &fault);
+    fault_id_t id = protection_check(&drive->limits, &sample, fault);
 
-    if (id != FAULT_NONE) {
-        if ((id == FAULT_OVERCURRENT) && monitor_is_saturated(drive, in)) {
-            fault.id = FAULT_ADC_SATURATED;
-        }
-        life_fail(drive, &fault, &sample);
+    if ((id == FAULT_OVERCURRENT) && monitor_is_saturated(drive, in)) {
+        id = FAULT_ADC_SATURATED;
+        fault->id = id;
     }
+    return id;
 }
 
-/* Resets the counts and means of the checks, and the number of failed starts. */
-static void forget_last_run(drive_t *drive)
+static drive_event_t obey_when_ready(const drive_t *drive, uint8_t request)
 {
-    drive->start.attempts = 0U;
-    supervision_reset(&drive->watch.supervision);
-    oscillation_reset(&drive->watch.oscillation);
-}
-
-static drive_event_t start(drive_t *drive)
-{
-    drive_event_t event = DRIVE_EVENT_TRACKED;
-
-    forget_last_run(drive);
-    speed_loop_restore(&drive->motion.speed_loop);
-    if (drive_has_sensor(drive)) {
-        run_reset_sensed(drive);
-    } else if (drive->cfg->startup.current_hold == 0) {
-        run_reset(drive);
-    } else {
-        event = open_loop_start(drive);
-    }
-    return event;
-}
-
-static drive_event_t obey_when_ready(drive_t *drive, uint8_t request)
-{
+    const bool known = drive_has_sensor(drive) || (drive->cfg->startup.current_hold == 0);
     drive_event_t event = DRIVE_EVENT_NONE;
 
     if ((request & DRIVE_REQUEST_RUN) != 0U) {
-        event = start(drive);
+        event = known ? DRIVE_EVENT_TRACKED : DRIVE_EVENT_SEARCH;
     } else if ((request & DRIVE_REQUEST_PROBE) != 0U) {
-        forget_last_run(drive);
-        event = probing_start(drive);
+        event = DRIVE_EVENT_PROBE;
     } else {
         /* stay */
     }
@@ -82,23 +43,25 @@ static drive_event_t obey_when_ready(drive_t *drive, uint8_t request)
 }
 
 /* Obeys the command, or runs the calibration, while nothing is driven. */
-static drive_event_t obey_at_rest(drive_t *drive, const drive_in_t *in, bool run, fault_t *fault)
+static drive_event_t obey_at_rest(sensors_t *sensors, const drive_t *drive, const drive_in_t *in,
+                                  fault_t *fault)
 {
-    const bool clear = (in->command.request & DRIVE_REQUEST_CLEAR) != 0U;
+    const uint8_t request = in->command.request;
+    const bool clear = (request & (DRIVE_REQUEST_CLEAR | DRIVE_REQUEST_RUN)) == DRIVE_REQUEST_CLEAR;
     drive_event_t event;
 
     switch (drive->state) {
     case DRIVE_STATE_OFFSET_CAL:
-        event = calibration_step(drive, in, fault);
+        event = calibration_step(sensors, drive->cfg, in, fault);
         break;
     case DRIVE_STATE_READY:
-        event = obey_when_ready(drive, in->command.request);
+        event = obey_when_ready(drive, request);
         break;
     case DRIVE_STATE_FAULT:
-        event = (clear && !run) ? calibration_begin(drive) : DRIVE_EVENT_NONE;
+        event = clear ? DRIVE_EVENT_CALIBRATE : DRIVE_EVENT_NONE;
         break;
     default: /* INIT */
-        event = calibration_begin(drive);
+        event = DRIVE_EVENT_CALIBRATE;
         break;
     }
     return event;
@@ -107,22 +70,25 @@ static drive_event_t obey_at_rest(drive_t *drive, const drive_in_t *in, bool run
 /*
  * Obeys the command. While the safe state shorts the motor, a current flows, so nothing may begin.
  */
-static void obey(drive_t *drive, const drive_in_t *in, sample_t sample)
+static void obey(drive_t *drive, const drive_in_t *in, const instant_t *now)
 {
-    const bool shorted = safe_state_is_short(&drive->safe_state);
     const bool driving = drive_is_driving(drive->state);
-    const bool run = (in->command.request & DRIVE_REQUEST_RUN) != 0U;
+    const bool calibrating = drive->state == DRIVE_STATE_OFFSET_CAL;
     const uint8_t level =
         (drive->state == DRIVE_STATE_PROBE) ? DRIVE_REQUEST_PROBE : DRIVE_REQUEST_RUN;
-    const bool goes_on = (in->command.request & level) != 0U;
 
-    if (!driving && !shorted) {
+    if (!driving && !safe_state_is_short(&drive->safe_state)) {
         fault_t fault;
+        drive_event_t event;
 
         fault_clear(&fault);
-        life_follow_or_fail(drive, obey_at_rest(drive, in, run, &fault), &fault, &sample);
-    } else if (driving && !goes_on) {
-        life_follow(drive, DRIVE_EVENT_STOP);
+        event = obey_at_rest(&drive->sensors, drive, in, &fault);
+        if (calibrating && (event != DRIVE_EVENT_NONE)) {
+            state_guard_keep_measured(&drive->state_guard, drive);
+        }
+        life_follow_or_fail(drive, event, &fault, now);
+    } else if (driving && ((in->command.request & level) == 0U)) {
+        life_follow(drive, DRIVE_EVENT_STOP, now);
     } else {
         /* go on */
     }
@@ -136,63 +102,83 @@ bool attend_is_ordinary(const drive_t *drive, const drive_in_t *in, sample_t sam
            (word == DRIVE_REQUEST_RUN) && protection_holds(&drive->limits, sample);
 }
 
-/*
- * Goes to FAULT with a fault that the background has found. Ignores a mode that is not a fault id.
- */
-static void fail_as_told(drive_t *drive, const drive_command_t *command, sample_t sample)
+/* Finds the fault that the background has found. A mode that is not a fault id is none. */
+static fault_id_t check_told(const drive_command_t *command, fault_t *fault)
 {
     const uint32_t numbers = fx_unsigned(command->target);
     const uint32_t value = numbers & 0xFFFFU;
     const uint32_t limit = numbers >> 16U;
+    const bool told = (command->request == DRIVE_REQUEST_FAIL) &&
+                      (command->mode > (uint8_t)FAULT_NONE) &&
+                      (command->mode < (uint8_t)FAULT_COUNT);
 
-    if ((command->mode > (uint8_t)FAULT_NONE) && (command->mode < (uint8_t)FAULT_COUNT)) {
-        const fault_t fault = {
+    if (told) {
+        *fault = (fault_t){
             .id = (fault_id_t)command->mode, .value = (int32_t)value, .limit = (int32_t)limit};
-
-        life_fail(drive, &fault, &sample);
     }
+    return told ? fault->id : FAULT_NONE;
 }
 
-/* Goes to FAULT: a bit of drive->state has flipped, and its code is not a state. */
-RARE static void reject_state(drive_t *drive, sample_t sample)
+/* A bit of drive->state has flipped, if its code is not a state. */
+static fault_id_t check_state(drive_state_t state, fault_t *fault)
 {
-    const uint32_t code = (uint32_t)STATE_GUARD_STATE + (uint32_t)drive->state;
-    const fault_t fault = {.id = FAULT_MEMORY, .value = fx_signed(code), .limit = 0};
+    const bool sound = transitions_is_state(state);
 
-    life_fail(drive, &fault, &sample);
+    if (!sound) {
+        const uint32_t code = (uint32_t)STATE_GUARD_STATE + (uint32_t)state;
+
+        *fault = (fault_t){.id = FAULT_MEMORY, .value = fx_signed(code), .limit = 0};
+    }
+    return sound ? FAULT_NONE : FAULT_MEMORY;
+}
+
+/* A late tick is a fault only while the motor is driven. Zero voltage acts in place of its demand.
+ */
+static fault_id_t count_late(control_t *control, watch_t *watch, const drive_t *drive,
+                             fault_t *fault)
+{
+    const fault_id_t id = monitor_late(watch, drive, fault);
+
+    frame_lose_demand(control);
+    return drive_is_driving(drive->state) ? id : FAULT_NONE;
+}
+
+static void fail_if(drive_t *drive, fault_id_t id, const fault_t *fault, const instant_t *now)
+{
+    if (id != FAULT_NONE) {
+        life_fail(drive, fault, now);
+    }
 }
 
 bool attend_step(drive_t *drive, const drive_in_t *in, sample_t sample)
 {
+    const instant_t now = {.sample = sample, .along_rotor = {0, 0}, .along_vector = {0, 0}};
     const bool controlled = drive_is_controlled(drive->state);
+    fault_t fault;
 
-    if (!transitions_is_state(drive->state)) {
-        reject_state(drive, sample);
-    }
+    fault_clear(&fault);
+    fail_if(drive, check_state(drive->state, &fault), &fault, &now);
     if (drive_has_sensor(drive)) {
-        estimate_sense(drive, in->angle);
+        estimate_sense(&drive->rotor, drive, in->angle);
     }
-    if (in->command.request == DRIVE_REQUEST_FAIL) {
-        fail_as_told(drive, &in->command, sample);
-    }
+    fail_if(drive, check_told(&in->command, &fault), &fault, &now);
     /* FAIL replaces the request RUN. So without a valid fault id the run ends as by a stop. */
-    obey(drive, in, sample);
+    obey(drive, in, &now);
     if (((in->command.request & DRIVE_REQUEST_ZERO) != 0U) && drive_knows_rotor(drive)) {
-        run_set_zero(drive);
+        run_set_zero(&drive->motion, drive);
     }
     /*
      * Check this before the currents: a fault of the currents that late ticks cause is to be
      * reported as LATE.
      */
     if ((in->flags & DRIVE_FLAG_LATE) != 0U) {
-        count_late(drive, sample);
+        fail_if(drive, count_late(&drive->control, &drive->watch, drive, &fault), &fault, &now);
     }
     if ((in->flags & DRIVE_FLAG_BREAK) != 0U) {
-        const fault_t fault = protection_break(&sample);
-
-        life_fail(drive, &fault, &sample);
+        fault = protection_break(&sample);
+        life_fail(drive, &fault, &now);
         safe_state_break(&drive->safe_state);
     }
-    watch(drive, in, sample);
+    fail_if(drive, check_samples(drive, in, sample, &fault), &fault, &now);
     return controlled && drive_is_controlled(drive->state);
 }

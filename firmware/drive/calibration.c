@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "calibration.h"
 
-#include "state_guard.h"
-
 /* largest possible zero, Q15 of I_b: the upper end of the converter's range */
 #define OFFSET_END (32768)
 /* bound on the sums: 2^12 samples of 16 bits */
@@ -17,17 +15,14 @@ static int32_t mean_sample(const sampling_cfg_t *cfg, int32_t sum)
     return (mean < (uint64_t)OFFSET_END) ? (int32_t)mean : OFFSET_END;
 }
 
-static drive_event_t finish_calibration(drive_t *drive, fault_t *fault)
+static drive_event_t finish_calibration(sensors_t *sensors, const drive_cfg_t *cfg, fault_t *fault)
 {
-    const sampling_cfg_t *const cfg = &drive->cfg->sampling;
     fault_id_t id;
 
-    drive->sensors.offset_a = mean_sample(cfg, drive->sensors.sums.sum_a);
-    drive->sensors.offset_b = mean_sample(cfg, drive->sensors.sums.sum_b);
-    state_guard_keep_measured(drive);
-    id = protection_check_offset(&drive->cfg->protection,
-                                 drive->sensors.offset_a - CALIBRATION_NOMINAL_Q15,
-                                 drive->sensors.offset_b - CALIBRATION_NOMINAL_Q15, fault);
+    sensors->offset_a = mean_sample(&cfg->sampling, sensors->sums.sum_a);
+    sensors->offset_b = mean_sample(&cfg->sampling, sensors->sums.sum_b);
+    id = protection_check_offset(&cfg->protection, sensors->offset_a - CALIBRATION_NOMINAL_Q15,
+                                 sensors->offset_b - CALIBRATION_NOMINAL_Q15, fault);
     return (id == FAULT_NONE) ? DRIVE_EVENT_CALIBRATED : DRIVE_EVENT_FAULT;
 }
 
@@ -44,25 +39,23 @@ static void count_noise(calibration_t *sums, const drive_in_t *in)
     sums->before_b = in->adc_ib;
 }
 
-drive_event_t calibration_step(drive_t *drive, const drive_in_t *in, fault_t *fault)
+drive_event_t calibration_step(sensors_t *sensors, const drive_cfg_t *cfg, const drive_in_t *in,
+                               fault_t *fault)
 {
-    calibration_t *const sums = &drive->sensors.sums;
+    calibration_t *const sums = &sensors->sums;
     drive_event_t event = DRIVE_EVENT_NONE;
 
     sums->sum_a = fx_min(sums->sum_a + (int32_t)in->adc_ia, OFFSET_SUM_MAX);
     sums->sum_b = fx_min(sums->sum_b + (int32_t)in->adc_ib, OFFSET_SUM_MAX);
     count_noise(sums, in);
     sums->samples++;
-    if (sums->samples == (1UL << drive->cfg->sampling.offset_log2)) {
-        event = finish_calibration(drive, fault);
+    if (sums->samples == (1UL << cfg->sampling.offset_log2)) {
+        event = finish_calibration(sensors, cfg, fault);
     }
     return event;
 }
 
-drive_event_t calibration_begin(drive_t *drive)
+void calibration_begin(sensors_t *sensors)
 {
-    drive->sensors.sums = (calibration_t){.sum_a = 0};
-    safe_state_reset(&drive->safe_state);
-    speed_loop_init(&drive->motion.speed_loop);
-    return DRIVE_EVENT_CALIBRATE;
+    sensors->sums = (calibration_t){.sum_a = 0};
 }

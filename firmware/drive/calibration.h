@@ -16,17 +16,14 @@
  */
 #define CALIBRATION_NOMINAL_Q15 (16384)
 
-/*
- * Call before the first tick of OFFSET_CAL. It ends a safe state. It forgets J, because J was
- * learned from the speed that the observer saw before the fault. R, L and φ stay: they were
- * measured, or lie within a range around the values of the files.
- */
-drive_event_t calibration_begin(drive_t *drive);
+/* Call before the first tick of OFFSET_CAL. The zeros in force stay until the calibration ends. */
+void calibration_begin(sensors_t *sensors);
 
 /*
  * One tick of OFFSET_CAL. CALIBRATED: both zeros are known, each the mean of 2^offset_log2 samples.
  * FAULT: a zero is too far from mid-scale.
  */
-drive_event_t calibration_step(drive_t *drive, const drive_in_t *in, fault_t *fault);
+drive_event_t calibration_step(sensors_t *sensors, const drive_cfg_t *cfg, const drive_in_t *in,
+                               fault_t *fault);
 
 #endif

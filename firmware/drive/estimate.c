@@ -4,19 +4,28 @@
 #include "trig.h"
 
 #define COUNT_TO_ANGLE (65536U)
+#define Q14_TO_Q16 (4)
 #define Q16_TO_Q32_SHIFT (16U)
 /* While the network is not trained, θ̂ moves by 1/64 of its distance to the vector in each tick. */
 #define PULL_SHIFT (6U)
 /* the filter of the residual has a time constant of 2^3 slow periods */
 #define RESIDUAL_SHIFT (3U)
 
-void estimate_start(drive_t *drive, step_t speed, dq_t current)
+void estimate_reset(rotor_t *rotor)
 {
-    const model_nominal_t nominal = drive_nominal(drive);
+    rotor_position_reset(&rotor->position, 0U);
+    rotor->residual = 0;
+}
 
-    model_pace(&drive->motor.model, &drive->cfg->model, &nominal, speed);
-    nn_observer_start(&drive->rotor.observer, &drive->motor.model.observer, speed, current,
-                      trig_sincos(rotor_position_angle(&drive->rotor.position)));
+void estimate_start(rotor_t *rotor, const nn_observer_cfg_t *cfg, step_t speed, dq_t current)
+{
+    nn_observer_start(&rotor->observer, cfg, speed, current,
+                      trig_sincos(rotor_position_angle(&rotor->position)));
+}
+
+void estimate_place(rotor_t *rotor, rotor_position_t position)
+{
+    rotor->position = position;
 }
 
 /*
@@ -34,28 +43,49 @@ static int64_t turns_of(uint16_t count, uint32_t pole_pairs)
  * In INIT the tracking loop is set to the angle that it has to follow. So the turns are counted
  * from the sensor's zero, whichever electrical turn the rotor is in.
  */
-void estimate_sense(drive_t *drive, uint16_t count)
+void estimate_sense(rotor_t *rotor, const drive_t *drive, uint16_t count)
 {
     const angle_t shaft = (angle_t)count * COUNT_TO_ANGLE;
 
     if (drive->state == DRIVE_STATE_INIT) {
-        drive->angle_sensor.position.turns_q32 =
+        rotor->angle_sensor.position.turns_q32 =
             turns_of(count, drive->cfg->sampling.sensor_pole_pairs);
     }
-    angle_sensor_step(&drive->angle_sensor, shaft * drive->cfg->sampling.sensor_pole_pairs,
+    angle_sensor_step(&rotor->angle_sensor, shaft * drive->cfg->sampling.sensor_pole_pairs,
                       drive->motor.model.observer.speed_limit);
-    drive->rotor.position = drive->angle_sensor.position;
-    nn_observer_follow(&drive->rotor.observer, drive->angle_sensor.speed);
+    rotor->position = rotor->angle_sensor.position;
+    nn_observer_follow(&rotor->observer, rotor->angle_sensor.speed);
 }
 
-void estimate_start_sensed(drive_t *drive)
+void estimate_start_sensed(rotor_t *rotor, const nn_observer_cfg_t *cfg)
 {
-    const step_t speed = drive->angle_sensor.speed;
+    const step_t speed = rotor->angle_sensor.speed;
 
-    drive->rotor.position = drive->angle_sensor.position;
+    rotor->position = rotor->angle_sensor.position;
     /* This tick controls no current, so estimate_advance() does not run: advance θ̂ here. */
-    rotor_position_step(&drive->rotor.position, speed);
-    estimate_start(drive, speed, (dq_t){0, 0});
+    rotor_position_step(&rotor->position, speed);
+    estimate_start(rotor, cfg, speed, (dq_t){0, 0});
+}
+
+/* Returns θ̂ at the instant of the last prediction. Since then θ̂ has advanced by one tick. */
+static sincos_t angle_before(const rotor_t *rotor)
+{
+    return trig_sincos(rotor_position_angle(&rotor->position) -
+                       fx_unsigned(rotor->observer.speed_out));
+}
+
+void estimate_change(rotor_t *rotor, const nn_observer_cfg_t *cfg, int32_t flux_q27,
+                     int32_t saliency_q13)
+{
+    nn_observer_change(&rotor->observer, cfg, flux_q27, saliency_q13, angle_before(rotor));
+}
+
+void estimate_accelerate(rotor_t *rotor, const drive_t *drive, step_t change)
+{
+    const int32_t share_q14 = drive->cfg->run.acceleration_q14;
+
+    nn_observer_accelerate(&rotor->observer, &drive->motor.model.observer,
+                           fx_mul_32x16(change, share_q14) * Q14_TO_Q16);
 }
 
 bool estimate_is_trained(const drive_t *drive)
@@ -75,13 +105,13 @@ ab_t estimate_applied_voltage(ab_t ratio, int32_t bus_before, int32_t bus_now)
     };
 }
 
-dq_t estimate_step(drive_t *drive, sample_t sample, bool trained)
+dq_t estimate_step(rotor_t *rotor, const drive_t *drive, sample_t sample, bool trained)
 {
-    const angle_t rotor = rotor_position_angle(&drive->rotor.position);
-    /*@ assert BLOCKS(rotor); */
-    nn_observer_t *const observer = &drive->rotor.observer;
+    const angle_t theta = rotor_position_angle(&rotor->position);
+    /*@ assert BLOCKS(theta); */
+    nn_observer_t *const observer = &rotor->observer;
     const nn_observer_cfg_t *const cfg = &drive->motor.model.observer;
-    const sincos_t angle = trig_sincos(rotor);
+    const sincos_t angle = trig_sincos(theta);
     const ab_t current_ab = transforms_clarke(sample.phase_a, sample.phase_b);
     const ab_t voltage =
         estimate_applied_voltage(drive->control.ratio_acting, drive->bus, sample.bus);
@@ -104,22 +134,17 @@ static step_t closing_step(const drive_t *drive)
     return fx_asr(fx_signed(distance), PULL_SHIFT);
 }
 
-void estimate_advance(drive_t *drive, bool trained)
+void estimate_advance(rotor_t *rotor, const drive_t *drive, bool trained)
 {
-    step_t step = drive->rotor.observer.speed_out;
+    step_t step = rotor->observer.speed_out;
 
     if (!trained) {
         step += closing_step(drive);
     }
-    rotor_position_step(&drive->rotor.position, step);
+    rotor_position_step(&rotor->position, step);
 }
 
-/*
- * Returns the speed from which the observer computes ρ: its estimate when that is far from zero,
- * otherwise the speed reference. A swing of the estimate through zero would change the sign of ρ,
- * and the swing would go on by itself.
- */
-static step_t calm_speed(const drive_t *drive)
+step_t estimate_calm_speed(const drive_t *drive)
 {
     const step_t fast = 2 * drive->cfg->startup.handover_speed;
     const step_t own = drive->rotor.observer.speed;
@@ -140,18 +165,8 @@ static int32_t unexplained_current(const drive_t *drive)
     return fx_abs(drive_is_held(drive) ? error.d : error.q);
 }
 
-void estimate_refine(drive_t *drive)
+void estimate_refine(rotor_t *rotor, const drive_t *drive, step_t calm)
 {
-    const nn_observer_t *const observer = &drive->rotor.observer;
-    const model_nominal_t nominal = drive_nominal(drive);
-    const step_t calm = calm_speed(drive);
-
-    drive->rotor.residual =
-        fx_approach(drive->rotor.residual, unexplained_current(drive), RESIDUAL_SHIFT);
-    model_track_flux(&drive->motor.model, &drive->cfg->model, &nominal, observer->rotated_error.d,
-                     observer->speed);
-    if (!model_is_whole(&drive->motor.model, &drive->cfg->model, fx_abs(calm))) {
-        model_pace(&drive->motor.model, &drive->cfg->model, &nominal, calm);
-    }
-    nn_observer_refresh(&drive->rotor.observer, &drive->motor.model.observer, calm);
+    rotor->residual = fx_approach(rotor->residual, unexplained_current(drive), RESIDUAL_SHIFT);
+    nn_observer_refresh(&rotor->observer, &drive->motor.model.observer, calm);
 }

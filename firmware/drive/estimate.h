@@ -19,19 +19,43 @@
 
 #include "state.h"
 
-/* Start at this speed and this current (Q15 of I_b, in the frame of θ̂). θ̂ stays. */
-void estimate_start(drive_t *drive, step_t speed, dq_t current);
+/* Nothing is known of the rotor but what the sensor has tracked: θ̂ is 0. estimate_start() follows.
+ */
+void estimate_reset(rotor_t *rotor);
+
+/*
+ * Start at this speed and this current (Q15 of I_b, in the frame of θ̂). θ̂ stays. cfg: the observer
+ * of the model, at the pace of this speed (motor_pace()).
+ */
+void estimate_start(rotor_t *rotor, const nn_observer_cfg_t *cfg, step_t speed, dq_t current);
+
+/* Set θ̂ and the whole turns. */
+void estimate_place(rotor_t *rotor, rotor_position_t position);
 
 /*
  * Sets θ̂ and ω̂ to the angle and the speed of the sensor. Call it first in each tick of a drive with
  * a sensor, in every state. count: 2^16 = one turn of the shaft.
  */
-void estimate_sense(drive_t *drive, uint16_t count);
+void estimate_sense(rotor_t *rotor, const drive_t *drive, uint16_t count);
 
 /*
  * From READY with a sensor: start with the angle and the speed of the rotor, and without current.
  */
-void estimate_start_sensed(drive_t *drive);
+void estimate_start_sensed(rotor_t *rotor, const nn_observer_cfg_t *cfg);
+
+/*
+ * Once per slow period of RUN: moves the estimated speed with the expected acceleration, without
+ * waiting for an observer error. change: of the speed in this period, ±2^30, of which
+ * run.acceleration_q14 is fed forward.
+ */
+void estimate_accelerate(rotor_t *rotor, const drive_t *drive, step_t change);
+
+/*
+ * Another configuration is in force: cfg is the observer of the changed model. flux_q27 and
+ * saliency_q13: of the model before (nn_observer_change()).
+ */
+void estimate_change(rotor_t *rotor, const nn_observer_cfg_t *cfg, int32_t flux_q27,
+                     int32_t saliency_q13);
 
 /* Whether the network is trained in this tick. */
 bool estimate_is_trained(const drive_t *drive);
@@ -46,18 +70,25 @@ ab_t estimate_applied_voltage(ab_t ratio, int32_t bus_before, int32_t bus_now);
  * In a tick that controls a current: runs the network. Returns the measured current in the frame of
  * θ̂, Q15 of I_b, ±34400.
  */
-dq_t estimate_step(drive_t *drive, sample_t sample, bool trained);
+dq_t estimate_step(rotor_t *rotor, const drive_t *drive, sample_t sample, bool trained);
 
 /*
  * Call last in a tick that controls a current: advances θ̂ to the next instant (23). If the network
  * is not trained, θ̂ also approaches the angle of the vector.
  */
-void estimate_advance(drive_t *drive, bool trained);
+void estimate_advance(rotor_t *rotor, const drive_t *drive, bool trained);
 
 /*
- * Once per slow period: updates the residual and the flux correction, and calls
- * nn_observer_refresh().
+ * Returns the speed from which the observer computes ρ: its estimate when that is far from zero,
+ * otherwise the speed reference. A swing of the estimate through zero would change the sign of ρ,
+ * and the swing would go on by itself.
  */
-void estimate_refine(drive_t *drive);
+step_t estimate_calm_speed(const drive_t *drive);
+
+/*
+ * Once per slow period, after motor_refine(): updates the residual, and computes the observer's ρ
+ * and half step anew (nn_observer_refresh()). calm: as estimate_calm_speed() returns it.
+ */
+void estimate_refine(rotor_t *rotor, const drive_t *drive, step_t calm);
 
 #endif

@@ -4,44 +4,31 @@
 #include "trig.h"
 
 #define LACKING_SHIFT (2U) /* expected current = reference + (measured − reference) / 4 */
-#define MEAN_SHIFT (5U)    /* the mean of the imposed current has a time constant of 2^5 ticks */
 
-/*
- * The dead-time compensation must not use the measured current of a leg that the dead time itself
- * holds at zero. So the sign comes from the filtered current vector.
- */
-dq_t frame_measure(drive_t *drive, sample_t sample)
+void frame_reset(control_t *control)
 {
-    const angle_t frame = rotor_position_angle(&drive->vector.position);
-    /*@ assert SECTORS(frame); */
-    dq_t *const mean = &drive->vector.current_mean;
-    const ab_t current_ab = transforms_clarke(sample.phase_a, sample.phase_b);
-    const dq_t current = transforms_park(current_ab, trig_sincos(frame));
-
-    mean->d = fx_approach(mean->d, fx_sat15(current.d), MEAN_SHIFT);
-    mean->q = fx_approach(mean->q, fx_sat15(current.q), MEAN_SHIFT);
-    return current;
+    *control = (control_t){.current_ref = {0, 0}};
 }
 
-static void plan_current(drive_t *drive, const current_loop_cfg_t *loop, step_t speed)
+void frame_plan_with(control_t *control, const drive_t *drive, const current_loop_cfg_t *loop,
+                     step_t speed)
 {
-    current_loop_plan(&drive->control.current_loop, loop, drive->control.current_ref,
+    current_loop_plan(&control->current_loop, loop, control->current_ref,
                       drive_speed_q15(drive, speed));
 }
 
-void frame_plan_rotor(drive_t *drive)
+void frame_plan_rotor(control_t *control, const drive_t *drive)
 {
-    plan_current(drive, &drive->motor.model.run_loop, drive->rotor.observer.speed);
+    frame_plan_with(control, drive, &drive->motor.model.run_loop, drive->rotor.observer.speed);
 }
 
-dq_t frame_model_voltage(drive_t *drive)
+void frame_plan(control_t *control, const drive_t *drive)
 {
     if (drive->state == DRIVE_STATE_RUN) {
-        frame_plan_rotor(drive);
+        frame_plan_rotor(control, drive);
     } else {
-        plan_current(drive, &drive->motor.model.hold_loop, drive->vector.step);
+        frame_plan_with(control, drive, &drive->motor.model.hold_loop, drive->vector.step);
     }
-    return current_loop_model(&drive->control.current_loop, drive->control.current_ref);
 }
 
 /*
@@ -62,11 +49,11 @@ static int32_t held_back(const pi_cfg_t *cfg, int32_t current, int32_t limit, in
  * that turns while it is pulled in would trip the drive at over-current. The firm gain is the full
  * one for the measured L, not reduced at low speed as model_pace() does.
  */
-static void limit_imposed_current(drive_t *drive, dq_t current)
+static void limit_imposed_current(control_t *control, const drive_t *drive, dq_t current)
 {
     const startup_cfg_t *const cfg = &drive->cfg->startup;
     const current_loop_cfg_t *const firm = &drive->cfg->current_loop;
-    dq_t *const voltage = &drive->control.current_loop.constant;
+    dq_t *const voltage = &control->current_loop.constant;
 
     voltage->d -=
         held_back(&firm->pi_d, current.d, cfg->along_max, drive->motor.model.inductance_q14);
@@ -79,29 +66,30 @@ static void limit_imposed_current(drive_t *drive, dq_t current)
  * are so slow that this would shift the current by some percent and the vector by degrees. So every
  * other tick adds one LSB.
  */
-static void give_rounding_back(drive_t *drive)
+static void give_rounding_back(control_t *control, uint32_t tick)
 {
-    const int32_t due = ((drive->tick & 1U) != 0U) ? 1 : 0;
-    pi_t *const d = &drive->control.current_loop.pi_d;
-    pi_t *const q = &drive->control.current_loop.pi_q;
+    const int32_t due = ((tick & 1U) != 0U) ? 1 : 0;
+    pi_t *const d = &control->current_loop.pi_d;
+    pi_t *const q = &control->current_loop.pi_q;
 
     d->integral_q26 = fx_sat27(d->integral_q26 + due);
     q->integral_q26 = fx_sat27(q->integral_q26 + due);
 }
 
-dq_t frame_control_current(drive_t *drive, const current_loop_cfg_t *loop, dq_t current,
-                           int32_t bus)
+dq_t frame_control_current(control_t *control, const drive_t *drive, const current_loop_cfg_t *loop,
+                           dq_t current, int32_t bus)
 {
-    return current_loop_step(&drive->control.current_loop, loop, drive->control.current_ref,
-                             current, modulator_limit(&drive->cfg->modulator, bus));
+    return current_loop_step(&control->current_loop, loop, control->current_ref, current,
+                             modulator_limit(&drive->cfg->modulator, bus));
 }
 
-dq_t frame_impose_current(drive_t *drive, const frame_t *frame, int32_t bus)
+dq_t frame_impose_current(control_t *control, const drive_t *drive, const frame_t *frame,
+                          int32_t bus)
 {
-    plan_current(drive, frame->loop, frame->step);
-    limit_imposed_current(drive, frame->current);
-    give_rounding_back(drive);
-    return frame_control_current(drive, frame->loop, frame->current, bus);
+    frame_plan_with(control, drive, frame->loop, frame->step);
+    limit_imposed_current(control, drive, frame->current);
+    give_rounding_back(control, drive->tick);
+    return frame_control_current(control, drive, frame->loop, frame->current, bus);
 }
 
 /*
@@ -147,7 +135,17 @@ static inline angle_t acting_angle(angle_t angle, step_t step)
     return angle + fx_unsigned(step) + fx_unsigned(fx_asr(step, 1U));
 }
 
-void frame_modulate(drive_t *drive, const frame_t *frame, dq_t voltage, compare_t *out)
+/* Keeps the demand of this tick: its ratio acts from the next instant on. */
+static void keep_demand(control_t *control, dq_t voltage, ab_t ratio)
+{
+    control->voltage = voltage;
+    control->ratio_acting.alpha = control->ratio_next.alpha;
+    control->ratio_acting.beta = control->ratio_next.beta;
+    control->ratio_next = ratio;
+}
+
+void frame_modulate(control_t *control, const drive_t *drive, const frame_t *frame, dq_t voltage,
+                    compare_t *out)
 {
     const angle_t acting = acting_angle(frame->angle, frame->step);
     /*@ assert SECTORS(acting); */
@@ -157,9 +155,7 @@ void frame_modulate(drive_t *drive, const frame_t *frame, dq_t voltage, compare_
     const dq_t ratio = modulator_ratio(mod, voltage);
     const ab_t ratio_ab = transforms_park_inverse(ratio, angle);
 
-    drive->control.ratio_acting.alpha = drive->control.ratio_next.alpha;
-    drive->control.ratio_acting.beta = drive->control.ratio_next.beta;
-    drive->control.ratio_next = ratio_ab;
+    keep_demand(control, voltage, ratio_ab);
     if (modulator_compensates(cfg)) {
         const ab_t current = transforms_park_inverse(expected_current(drive, frame), angle);
 
@@ -169,24 +165,49 @@ void frame_modulate(drive_t *drive, const frame_t *frame, dq_t voltage, compare_
     }
 }
 
-void frame_modulate_plain(drive_t *drive, dq_t voltage, compare_t *out)
+void frame_modulate_plain(control_t *control, const drive_t *drive, dq_t voltage, compare_t *out)
 {
     const angle_t acting =
         acting_angle(rotor_position_angle(&drive->vector.position), drive->vector.step);
     /*@ assert SECTORS(acting); */
     const dq_t ratio = modulator_ratio(&drive->modulator, voltage);
 
-    drive->control.ratio_acting = drive->control.ratio_next;
-    drive->control.ratio_next = transforms_park_inverse(ratio, trig_sincos(acting));
-    modulator_compare(&drive->cfg->modulator, drive->control.ratio_next, out);
+    keep_demand(control, voltage, transforms_park_inverse(ratio, trig_sincos(acting)));
+    modulator_compare(&drive->cfg->modulator, control->ratio_next, out);
 }
 
-void frame_turn(drive_t *drive, angle_t angle)
+void frame_lose_demand(control_t *control)
+{
+    control->ratio_next = (ab_t){0, 0};
+}
+
+void frame_turn(control_t *control, angle_t angle)
 {
     const sincos_t turn = trig_sincos(angle);
-    const dq_t reference = drive->control.current_ref;
+    const dq_t reference = control->current_ref;
     const dq_t turned = transforms_park((ab_t){reference.d, reference.q}, turn);
 
-    drive->control.current_ref = (dq_t){fx_sat15(turned.d), fx_sat15(turned.q)};
-    current_loop_turn(&drive->control.current_loop, turn);
+    control->current_ref = (dq_t){fx_sat15(turned.d), fx_sat15(turned.q)};
+    current_loop_turn(&control->current_loop, turn);
+}
+
+void frame_resume(control_t *control, const drive_t *drive, dq_t mean)
+{
+    dq_t modelled;
+
+    control->current_ref = (dq_t){.d = 0, .q = mean.q};
+    frame_plan_rotor(control, drive);
+    modelled = current_loop_model(&control->current_loop, mean);
+    pi_reset(&control->current_loop.pi_d, fx_sat16(control->voltage.d - modelled.d));
+    pi_reset(&control->current_loop.pi_q, fx_sat16(control->voltage.q - modelled.q));
+}
+
+void frame_take_from_integral_d(control_t *control, int32_t voltage)
+{
+    pi_reset(&control->current_loop.pi_d, fx_sat16(control->voltage.d - voltage));
+}
+
+void frame_take_over(control_t *control, dq_t voltage)
+{
+    current_loop_take_over(&control->current_loop, voltage);
 }

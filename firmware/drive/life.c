@@ -4,8 +4,11 @@
 #include "calibration.h"
 #include "config_check.h"
 #include "drive.h"
-#include "frame.h"
+#include "entry.h"
 #include "inlining.h"
+#include "monitor.h"
+#include "motor.h"
+#include "run.h"
 #include "state_guard.h"
 #include "transitions.h"
 
@@ -41,48 +44,41 @@ static step_t fastest_known(const drive_t *drive, drive_state_t next)
  * Stops driving in this tick: opens the gates, or shorts the motor if the rotor is too fast for
  * open gates.
  */
-RARE static void leave(drive_t *drive, drive_state_t next)
+RARE static void leave(safe_state_t *safe_state, const drive_t *drive, drive_state_t next)
 {
-    safe_state_leave(&drive->safe_state, &drive->cfg->safe_state, fastest_known(drive, next));
-}
-
-/*
- * RUN begins with a plan of its current control and with the torque that acts. So no slope from an
- * earlier change of the mode is left.
- */
-static void begin_run(drive_t *drive)
-{
-    drive->motion.torque_loop.bridging = false;
-    if (drive->motion.mode == (uint8_t)DRIVE_MODE_TORQUE) {
-        torque_loop_start(&drive->motion.torque_loop, drive_flux(drive),
-                          drive->control.current_ref.q);
-    }
-    torque_filter_start(&drive->motion.torque_filter, drive->control.current_ref.q);
-    frame_plan_rotor(drive);
+    safe_state_leave(safe_state, &drive->cfg->safe_state, fastest_known(drive, next));
 }
 
 /* Sets the state. The protection limits of the new state apply from now on. */
-static void enter(drive_t *drive, drive_state_t state)
+static void set_state(drive_t *drive, drive_state_t state)
 {
-    if (drive_is_driving(drive->state) && !drive_is_driving(state)) {
-        leave(drive, state);
-    }
-    if (drive->state != state) {
-        state_guard_forget(drive);
-    }
     drive->state = state;
     drive->limits = protection_limits(&drive->cfg->protection, drive_is_driving(state));
-    if (state == DRIVE_STATE_RUN) {
-        begin_run(drive);
+}
+
+/* Changes the state. What the new one begins with is entry.c's. */
+static void change_state(drive_t *drive, drive_state_t state)
+{
+    if (drive_is_driving(drive->state) && !drive_is_driving(state)) {
+        leave(&drive->safe_state, drive, state);
+    }
+    if (drive->state != state) {
+        state_guard_forget(&drive->state_guard);
+    }
+    set_state(drive, state);
+}
+
+void life_follow(drive_t *drive, drive_event_t event, const instant_t *now)
+{
+    const drive_state_t from = drive->state;
+
+    change_state(drive, transitions_next(from, event));
+    if (drive->state != from) {
+        entry_begin(drive, from, now);
     }
 }
 
-void life_follow(drive_t *drive, drive_event_t event)
-{
-    enter(drive, transitions_next(drive->state, event));
-}
-
-void life_fail(drive_t *drive, const fault_t *fault, const sample_t *sample)
+void life_fail(drive_t *drive, const fault_t *fault, const instant_t *now)
 {
     if (drive->state != DRIVE_STATE_FAULT) {
         drive->fault.id = fault->id;
@@ -94,21 +90,21 @@ void life_fail(drive_t *drive, const fault_t *fault, const sample_t *sample)
             .limits = drive->derating.flags,
             .speed = drive_speed(drive),
             .torque = drive_current_in_force(drive).q,
-            .phase_a = sample->phase_a,
-            .phase_b = sample->phase_b,
+            .phase_a = now->sample.phase_a,
+            .phase_b = now->sample.phase_b,
             .motoring = drive->derating.motoring,
         };
-        life_follow(drive, DRIVE_EVENT_FAULT);
+        change_state(drive, transitions_next(drive->state, DRIVE_EVENT_FAULT)); /* nothing begins */
     }
 }
 
 RARE void life_react(drive_t *drive, drive_event_t event, const fault_t *fault,
-                     const sample_t *sample)
+                     const instant_t *now)
 {
     if (event == DRIVE_EVENT_FAULT) {
-        life_fail(drive, fault, sample);
+        life_fail(drive, fault, now);
     } else {
-        life_follow(drive, event);
+        life_follow(drive, event, now);
     }
 }
 
@@ -118,23 +114,21 @@ RARE void life_react(drive_t *drive, drive_event_t event, const fault_t *fault,
  */
 static void initialise(drive_t *drive, const drive_cfg_t *cfg)
 {
-    model_nominal_t nominal;
-
     *drive = (drive_t){
         .cfg = cfg,
-        .sensors = {.offset_a = CALIBRATION_NOMINAL_Q15, .offset_b = CALIBRATION_NOMINAL_Q15}};
-    nominal = drive_nominal(drive);
-    model_reset(&drive->motor.model, &nominal);
-    speed_loop_init(&drive->motion.speed_loop);
+        .sensors = {.offset_a = CALIBRATION_NOMINAL_Q15, .offset_b = CALIBRATION_NOMINAL_Q15},
+        .slow_count = (uint8_t)cfg->slow_ticks,
+    };
+    motor_reset(&drive->motor, cfg);
+    run_forget_inertia(&drive->motion);
     probe_reset(&drive->probe);
-    supervision_forget_flux(&drive->watch.supervision);
-    drive->slow_count = (uint8_t)cfg->slow_ticks;
-    enter(drive, DRIVE_STATE_INIT);
+    monitor_forget_flux(&drive->watch);
+    set_state(drive, DRIVE_STATE_INIT);
     modulator_reset(&drive->modulator, &cfg->modulator);
     derating_reset(&drive->derating, &cfg->derating);
     config_guard_reset(&drive->guard);
-    state_guard_keep_measured(drive);
-    state_guard_keep_config(drive);
+    state_guard_keep_measured(&drive->state_guard, drive);
+    state_guard_keep_config(&drive->state_guard, cfg);
 }
 
 const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
@@ -151,8 +145,8 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
 
 void drive_warm(drive_t *drive, int32_t heat_q24)
 {
-    drive->derating.heat_q24 = heat_q24;
-    state_guard_keep_heat(drive);
+    derating_warm(&drive->derating, heat_q24);
+    state_guard_keep_heat(&drive->state_guard, &drive->derating);
 }
 
 void life_restart(drive_t *drive, const drive_cfg_t *cfg)
@@ -162,28 +156,25 @@ void life_restart(drive_t *drive, const drive_cfg_t *cfg)
     const fault_scene_t scene = drive->scene;
     const uint32_t tick = drive->tick;
     const uint32_t left = drive->slow_count;
+    const sensors_t sensors = drive->sensors;
     derating_t heat = {.heat_q24 = drive->derating.heat_q24};
-    const int32_t offset_a = drive->sensors.offset_a;
-    const int32_t offset_b = drive->sensors.offset_b;
     safe_state_t safe_state;
 
     derating_change(&heat, &drive->cfg->derating, &cfg->derating);
     if (drive_is_driving(state)) {
-        leave(drive, DRIVE_STATE_INIT);
+        leave(&drive->safe_state, drive, DRIVE_STATE_INIT);
     }
     safe_state = drive->safe_state;
     initialise(drive, cfg);
     drive->safe_state = safe_state;
-    drive->sensors.offset_a = offset_a;
-    drive->sensors.offset_b = offset_b;
-    state_guard_keep_measured(drive);
+    drive->sensors = sensors;
+    state_guard_keep_measured(&drive->state_guard, drive);
     drive->fault = fault;
     drive->scene = scene;
     drive->tick = tick;
     drive->slow_count = (uint8_t)((left < cfg->slow_ticks) ? left : cfg->slow_ticks);
-    drive->derating.heat_q24 = heat.heat_q24;
-    state_guard_keep_heat(drive);
+    drive_warm(drive, heat.heat_q24);
     if (state == DRIVE_STATE_FAULT) {
-        enter(drive, DRIVE_STATE_FAULT);
+        set_state(drive, DRIVE_STATE_FAULT);
     }
 }

@@ -9,26 +9,30 @@
 #ifndef LIFE_H
 #define LIFE_H
 
+#include "instant.h"
 #include "state.h"
 
-/* Go to the state that follows from this event, if one does. */
-void life_follow(drive_t *drive, drive_event_t event);
+/*
+ * Go to the state that follows from this event, if one does. now: this tick's instant; the state
+ * begins with it (entry.h).
+ */
+void life_follow(drive_t *drive, drive_event_t event, const instant_t *now);
 
 /*
- * Go to FAULT, and keep the fault and its scene (fault_scene_t), of which `sample` is a part. A
+ * Go to FAULT, and keep the fault and its scene (fault_scene_t), of which the sample is a part. A
  * fault is latched: in FAULT another one changes nothing.
  */
-void life_fail(drive_t *drive, const fault_t *fault, const sample_t *sample);
+void life_fail(drive_t *drive, const fault_t *fault, const instant_t *now);
 
 /* Calls life_fail() if the event is DRIVE_EVENT_FAULT, otherwise life_follow(). */
-void life_react(drive_t *drive, drive_event_t event, const fault_t *fault, const sample_t *sample);
+void life_react(drive_t *drive, drive_event_t event, const fault_t *fault, const instant_t *now);
 
 /* Act on the event of a part that can also find a fault. Most ticks have no event. */
 static inline void life_follow_or_fail(drive_t *drive, drive_event_t event, const fault_t *fault,
-                                       const sample_t *sample)
+                                       const instant_t *now)
 {
     if (event != DRIVE_EVENT_NONE) {
-        life_react(drive, event, fault, sample);
+        life_react(drive, event, fault, now);
     }
 }
 

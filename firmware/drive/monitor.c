@@ -2,7 +2,6 @@
 #include "monitor.h"
 
 #include "inlining.h"
-#include "run.h"
 #include "state_guard.h"
 
 #include "trig.h"
@@ -10,7 +9,8 @@
 #define HALVES_OF_SWING (2U)
 #define NEAR_SHIFT (4U) /* from 15/16 of its limit on the voltage counts as at the limit */
 
-static fault_id_t check_phases(drive_t *drive, const sample_t *sample, fault_t *fault)
+static fault_id_t check_phases(watch_t *watch, const drive_t *drive, const sample_t *sample,
+                               fault_t *fault)
 {
     const bool running = drive->state == DRIVE_STATE_RUN;
     const rotor_position_t *const frame =
@@ -23,7 +23,7 @@ static fault_id_t check_phases(drive_t *drive, const sample_t *sample, fault_t *
         .speed = drive_speed(drive),
     };
 
-    return supervision_check_phases(&drive->watch.supervision, &drive->cfg->supervision, &measured,
+    return supervision_check_phases(&watch->supervision, &drive->cfg->supervision, &measured,
                                     fault);
 }
 
@@ -36,7 +36,8 @@ static int32_t emf_at(const drive_t *drive, step_t speed)
 }
 
 /* The integrals of the current control are the voltage that the model does not explain. */
-static fault_id_t check_imposed(drive_t *drive, const sample_t *sample, fault_t *fault)
+static fault_id_t check_imposed(watch_t *watch, const drive_t *drive, const sample_t *sample,
+                                fault_t *fault)
 {
     const sincos_t angle = trig_sincos(rotor_position_angle(&drive->vector.position));
     const supervision_imposed_t measured = {
@@ -48,7 +49,7 @@ static fault_id_t check_imposed(drive_t *drive, const sample_t *sample, fault_t 
         .emf = emf_at(drive, drive->vector.step),
     };
 
-    return supervision_check_imposed(&drive->watch.supervision, &drive->cfg->supervision, &measured,
+    return supervision_check_imposed(&watch->supervision, &drive->cfg->supervision, &measured,
                                      fault);
 }
 
@@ -115,7 +116,7 @@ RARE static void look_closer(const drive_t *drive, int32_t bus, supervision_volt
                         is_swinging(drive) || is_voltage_at_limit(drive, bus);
 }
 
-static fault_id_t check_voltage(drive_t *drive, int32_t bus, fault_t *fault)
+static fault_id_t check_voltage(watch_t *watch, const drive_t *drive, int32_t bus, fault_t *fault)
 {
     const supervision_cfg_t *const cfg = &drive->cfg->supervision;
     supervision_voltage_t measured = {
@@ -129,14 +130,14 @@ static fault_id_t check_voltage(drive_t *drive, int32_t bus, fault_t *fault)
     if (supervision_is_large(cfg, measured.voltage)) {
         look_closer(drive, bus, &measured);
     }
-    return supervision_check_voltage(&drive->watch.supervision, cfg, &measured, fault);
+    return supervision_check_voltage(&watch->supervision, cfg, &measured, fault);
 }
 
 /*
  * Checks the flux only while model_track_flux() may correct it: flux correction is configured, and
  * the speed is at least flux_speed_min.
  */
-static fault_id_t check_flux(drive_t *drive, fault_t *fault)
+static fault_id_t check_flux(watch_t *watch, const drive_t *drive, fault_t *fault)
 {
     const model_cfg_t *const cfg = &drive->cfg->model;
     const bool corrected =
@@ -145,14 +146,15 @@ static fault_id_t check_flux(drive_t *drive, fault_t *fault)
     fault_id_t id = FAULT_NONE;
 
     if (corrected) {
-        id = supervision_check_flux(&drive->watch.supervision, &drive->cfg->supervision,
+        id = supervision_check_flux(&watch->supervision, &drive->cfg->supervision,
                                     drive->motor.model.flux_q30,
                                     emf_at(drive, drive->rotor.observer.speed), fault);
     }
     return id;
 }
 
-static fault_id_t check_current(drive_t *drive, const instant_t *now, fault_t *fault)
+static fault_id_t check_current(watch_t *watch, const drive_t *drive, const instant_t *now,
+                                fault_t *fault)
 {
     const supervision_cfg_t *const cfg = &drive->cfg->supervision;
     const bool running = drive->state == DRIVE_STATE_RUN;
@@ -166,13 +168,13 @@ static fault_id_t check_current(drive_t *drive, const instant_t *now, fault_t *f
      * start-up checks the observer.
      */
     const dq_t residual = {.d = 0, .q = running ? drive->rotor.observer.error.q : 0};
-    fault_id_t id = supervision_check_current(&drive->watch.supervision, cfg, &measured, fault);
+    fault_id_t id = supervision_check_current(&watch->supervision, cfg, &measured, fault);
 
     if (id == FAULT_NONE) {
-        id = supervision_check_observer(&drive->watch.supervision, cfg, residual, fault);
+        id = supervision_check_observer(&watch->supervision, cfg, residual, fault);
     }
     if ((id == FAULT_NONE) && running) {
-        id = check_voltage(drive, now->sample.bus, fault);
+        id = check_voltage(watch, drive, now->sample.bus, fault);
     }
     return id;
 }
@@ -184,13 +186,13 @@ static fault_id_t check_current(drive_t *drive, const instant_t *now, fault_t *f
 static bool is_at_limit(const drive_t *drive, int32_t torque)
 {
     const bool asked =
-        run_torque_is_free(drive) && (drive->motion.torque_loop.end == (uint8_t)SPEED_END_NONE);
+        drive_torque_is_free(drive) && (drive->motion.torque_loop.end == (uint8_t)SPEED_END_NONE);
     const torque_range_t range = drive->motion.torque_range;
 
     return !asked && ((torque >= range.upper) || (torque <= range.lower));
 }
 
-static fault_id_t check_speed(drive_t *drive, fault_t *fault)
+static fault_id_t check_speed(watch_t *watch, const drive_t *drive, fault_t *fault)
 {
     const supervision_cfg_t *const cfg = &drive->cfg->supervision;
     const int32_t torque = drive_current_in_force(drive).q;
@@ -202,7 +204,7 @@ static fault_id_t check_speed(drive_t *drive, fault_t *fault)
         .torque_at_limit = is_at_limit(drive, torque),
     };
 
-    return supervision_check_speed(&drive->watch.supervision, cfg, &measured, fault);
+    return supervision_check_speed(&watch->supervision, cfg, &measured, fault);
 }
 
 /*
@@ -216,7 +218,7 @@ static int32_t motion_asked(const drive_t *drive)
 
     if (drive->motion.mode == (uint8_t)DRIVE_MODE_POSITION) {
         asked = drive->motion.position_loop.profile_speed;
-    } else if (run_torque_is_free(drive)) {
+    } else if (drive_torque_is_free(drive)) {
         asked = drive->motion.torque_loop.reference_q28;
     } else {
         /* a speed */
@@ -224,35 +226,20 @@ static int32_t motion_asked(const drive_t *drive)
     return asked;
 }
 
-/*
- * Lowers the bandwidth of the speed loop and returns true, if that is configured and has not been
- * done since the start. Not in the voltage drive, which has another speed loop.
- */
-static bool lowers_bandwidth(drive_t *drive)
-{
-    const bool lowers = (drive->cfg->oscillation.act == (uint32_t)OSCILLATION_ACT_LOWER) &&
-                        (drive->motion.speed_loop.halvings == 0U) && !drive->voltage_drive.active;
-
-    if (lowers) {
-        speed_loop_lower(&drive->motion.speed_loop);
-    }
-    return lowers;
-}
-
-static fault_id_t check_oscillation(drive_t *drive, fault_t *fault)
+fault_id_t monitor_swing(watch_t *watch, const drive_t *drive, fault_t *fault)
 {
     const oscillation_in_t measured = {
         .motion = motion_asked(drive),
         .current = drive_current_in_force(drive).q,
     };
-    fault_id_t id =
-        oscillation_step(&drive->watch.oscillation, &drive->cfg->oscillation, &measured, fault);
 
-    if ((id != FAULT_NONE) && lowers_bandwidth(drive)) {
-        fault_clear(fault);
-        id = FAULT_NONE;
-    }
-    return id;
+    return oscillation_step(&watch->oscillation, &drive->cfg->oscillation, &measured, fault);
+}
+
+bool monitor_may_lower(const drive_t *drive)
+{
+    return (drive->cfg->oscillation.act == (uint32_t)OSCILLATION_ACT_LOWER) &&
+           (drive->motion.speed_loop.halvings == 0U) && !drive->voltage_drive.active;
 }
 
 bool monitor_is_saturated(const drive_t *drive, const drive_in_t *in)
@@ -288,19 +275,19 @@ RARE static dq_t uncontrolled_current(const drive_t *drive, const drive_in_t *in
  * If the heat and its copy differ, a bit has flipped in one of them. The larger one is used, so
  * that the winding never counts as colder than it is.
  */
-static fault_id_t check_heat(drive_t *drive, dq_t current, uint16_t adc_temperature, fault_t *fault)
+static fault_id_t check_heat(derating_t *derating, state_guard_t *guard, const drive_t *drive,
+                             dq_t current, uint16_t adc_temperature, fault_t *fault)
 {
     fault_id_t id = state_guard_check_heat(drive, fault);
 
     if (id == FAULT_NONE) {
-        id =
-            derating_step(&drive->derating, &drive->cfg->derating, current, adc_temperature, fault);
+        id = derating_step(derating, &drive->cfg->derating, current, adc_temperature, fault);
     } else {
-        const int32_t hotter = fx_max(drive->derating.heat_q24, drive->state_guard.heat_q24);
+        const int32_t hotter = fx_max(derating->heat_q24, guard->heat_q24);
 
-        drive->derating.heat_q24 = fx_clamp(hotter, 0, DERATING_HEAT_MAX_Q24);
+        derating_warm(derating, fx_clamp(hotter, 0, DERATING_HEAT_MAX_Q24));
     }
-    state_guard_keep_heat(drive);
+    state_guard_keep_heat(guard, derating);
     return id;
 }
 
@@ -312,7 +299,7 @@ static fault_id_t check_memory(drive_t *drive, fault_t *fault)
     supervision_forget_late(&drive->watch.supervision, &drive->cfg->supervision);
     id = config_guard_step(&drive->guard, drive->cfg, fault);
     if (id == FAULT_NONE) {
-        id = state_guard_step(drive, fault);
+        id = state_guard_step(&drive->state_guard, &drive->motor, drive, fault);
     }
     return id;
 }
@@ -328,15 +315,16 @@ fault_id_t monitor_next_check(drive_t *drive, const drive_in_t *in, const instan
 
     drive->watch.supervision.step = (step + 1U) % SUPERVISION_STEPS;
     if (step == 0U) {
-        id = check_heat(drive, current, in->adc_temperature, fault);
+        id = check_heat(&drive->derating, &drive->state_guard, drive, current, in->adc_temperature,
+                        fault);
     } else if (step == 1U) {
         id = check_memory(drive, fault);
     } else if ((step == 2U) && controlled) {
-        id = check_current(drive, now, fault);
+        id = check_current(&drive->watch, drive, now, fault);
     } else if ((step > 2U) && (drive->state == DRIVE_STATE_RUN)) {
-        id = check_speed(drive, fault);
+        id = check_speed(&drive->watch, drive, fault);
         if (id == FAULT_NONE) {
-            id = check_flux(drive, fault);
+            id = check_flux(&drive->watch, drive, fault);
         }
     } else {
         /* this check does not apply in this state */
@@ -344,24 +332,21 @@ fault_id_t monitor_next_check(drive_t *drive, const drive_in_t *in, const instan
     return id;
 }
 
-fault_id_t monitor_phases(drive_t *drive, const sample_t *sample, fault_t *fault)
+fault_id_t monitor_phases(watch_t *watch, const drive_t *drive, const sample_t *sample,
+                          fault_t *fault)
 {
     fault_id_t id = FAULT_NONE;
 
     if (drive_is_controlled(drive->state)) {
-        id = check_phases(drive, sample, fault);
+        id = check_phases(watch, drive, sample, fault);
     }
     if ((id == FAULT_NONE) && drive_is_imposed(drive->state)) {
-        id = check_imposed(drive, sample, fault);
-    }
-    if ((id == FAULT_NONE) && (drive->state == DRIVE_STATE_RUN) &&
-        (drive->cfg->oscillation.act != (uint32_t)OSCILLATION_ACT_NONE)) {
-        id = check_oscillation(drive, fault);
+        id = check_imposed(watch, drive, sample, fault);
     }
     return id;
 }
 
-void monitor_limits(drive_t *drive, int32_t bus)
+torque_range_t monitor_limits(derating_t *derating, const drive_t *drive, int32_t bus)
 {
     const derating_motion_t motion = {
         .bus = bus,
@@ -370,5 +355,26 @@ void monitor_limits(drive_t *drive, int32_t bus)
         .current_d = drive->control.current_ref.d,
     };
 
-    drive->motion.torque_range = derating_range(&drive->derating, &drive->cfg->derating, &motion);
+    return derating_range(derating, &drive->cfg->derating, &motion);
+}
+
+fault_id_t monitor_late(watch_t *watch, const drive_t *drive, fault_t *fault)
+{
+    return supervision_count_late(&watch->supervision, &drive->cfg->supervision, fault);
+}
+
+void monitor_reset(watch_t *watch)
+{
+    supervision_reset(&watch->supervision);
+    oscillation_reset(&watch->oscillation);
+}
+
+void monitor_forget_imposed(watch_t *watch)
+{
+    supervision_forget_imposed(&watch->supervision);
+}
+
+void monitor_forget_flux(watch_t *watch)
+{
+    supervision_forget_flux(&watch->supervision);
 }

@@ -13,11 +13,19 @@
 #include "io.h"
 #include "state.h"
 
+/* Checks the phase currents while a current is controlled. */
+fault_id_t monitor_phases(watch_t *watch, const drive_t *drive, const sample_t *sample,
+                          fault_t *fault);
+
+/* In RUN, if configured: finds oscillations of the motion (oscillation.h). */
+fault_id_t monitor_swing(watch_t *watch, const drive_t *drive, fault_t *fault);
+
 /*
- * Checks the phase currents while a current is controlled. In RUN also finds oscillations
- * (oscillation.h).
+ * Whether an oscillation lowers the bandwidth of the speed loop instead of ending the run: that is
+ * configured and has not been done since the start. Not in the voltage drive, which has another
+ * speed loop.
  */
-fault_id_t monitor_phases(drive_t *drive, const sample_t *sample, fault_t *fault);
+bool monitor_may_lower(const drive_t *drive);
 
 /*
  * Runs the next of four checks that take turns: derating; late ticks, configuration and state;
@@ -32,7 +40,19 @@ fault_id_t monitor_next_check(drive_t *drive, const drive_in_t *in, const instan
  */
 bool monitor_is_saturated(const drive_t *drive, const drive_in_t *in);
 
-/* Sets the limits of the torque current in the next slow period. bus: Q15 of U_b. */
-void monitor_limits(drive_t *drive, int32_t bus);
+/* Returns the limits of the torque current in the next slow period. bus: Q15 of U_b. */
+torque_range_t monitor_limits(derating_t *derating, const drive_t *drive, int32_t bus);
+
+/* Counts a late tick; a fault when they are too many. */
+fault_id_t monitor_late(watch_t *watch, const drive_t *drive, fault_t *fault);
+
+/* The user asks to run: the counts and means of the checks begin anew. */
+void monitor_reset(watch_t *watch);
+
+/* Call when an imposed current follows RUN. */
+void monitor_forget_imposed(watch_t *watch);
+
+/* Call when another configuration is in force. */
+void monitor_forget_flux(watch_t *watch);
 
 #endif

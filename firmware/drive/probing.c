@@ -2,21 +2,9 @@
 #include "probing.h"
 
 #include "derating.h"
+#include "estimate.h"
 #include "frame.h"
-
-drive_event_t probing_start(drive_t *drive)
-{
-    probe_reset(&drive->probe);
-    current_loop_reset(&drive->control.current_loop);
-    rotor_position_reset(&drive->vector.position, 0U);
-    drive->vector.step = 0;
-    drive->vector.current_mean = (dq_t){0, 0};
-    drive->voltage_drive.active = false;
-    drive->control.current_ref = (dq_t){0, 0};
-    drive->control.voltage = (dq_t){0, 0};
-    drive->control.ratio_next = (ab_t){0, 0};
-    return DRIVE_EVENT_PROBE;
-}
+#include "vector.h"
 
 static int32_t turns_q16(const drive_t *drive)
 {
@@ -25,7 +13,8 @@ static int32_t turns_q16(const drive_t *drive)
     return fx_signed((uint32_t)(turns & 0xFFFFFFFFU));
 }
 
-static void note_sample(drive_t *drive, sample_t measured, dq_t current, dq_t e)
+static void note_sample(probe_t *probe, const drive_t *drive, sample_t measured, dq_t current,
+                        dq_t e)
 {
     const probe_sample_t sample = {
         .phase_a = measured.phase_a,
@@ -38,7 +27,7 @@ static void note_sample(drive_t *drive, sample_t measured, dq_t current, dq_t e)
         .speed_q15 = drive_speed_q15(drive, drive->vector.step),
     };
 
-    probe_note(&drive->probe, &sample);
+    probe_note(probe, &sample);
 }
 
 /* Returns the EMF: the demanded voltage minus the voltage that R and L need. */
@@ -49,7 +38,7 @@ static dq_t emf_of(const drive_t *drive, dq_t current)
     return (dq_t){drive->control.voltage.d - model.d, drive->control.voltage.q - model.q};
 }
 
-static dq_t voltage_for(drive_t *drive, dq_t current, int32_t bus)
+static dq_t voltage_for(control_t *control, const drive_t *drive, dq_t current, int32_t bus)
 {
     const probe_t *const probe = &drive->probe;
     const bool pulses = probe_pulses(probe);
@@ -57,9 +46,8 @@ static dq_t voltage_for(drive_t *drive, dq_t current, int32_t bus)
         pulses ? probe_controlled(probe, drive->control.current_ref, current) : current;
     dq_t voltage;
 
-    current_loop_plan(&drive->control.current_loop, &probe->loop, drive->control.current_ref,
-                      drive_speed_q15(drive, drive->vector.step));
-    voltage = frame_control_current(drive, &probe->loop, seen, bus);
+    frame_plan_with(control, drive, &probe->loop, drive->vector.step);
+    voltage = frame_control_current(control, drive, &probe->loop, seen, bus);
     return pulses ? probe_voltage(probe, voltage) : voltage;
 }
 
@@ -81,19 +69,17 @@ dq_t probing_current(const drive_t *drive)
 dq_t probing_step(drive_t *drive, const drive_command_t *command, sample_t sample, compare_t *out)
 {
     probe_t *const probe = &drive->probe;
-    const dq_t current = frame_measure(drive, sample);
+    const dq_t current = vector_measure(&drive->vector, sample);
     const dq_t e = emf_of(drive, current);
-    dq_t voltage;
 
     probe_set(probe, command->mode, command->target);
-    note_sample(drive, sample, current, e);
-    drive->vector.step = probe_turn(probe, rotor_position_angle(&drive->vector.position), e,
-                                    may_brake(drive->cfg, sample.bus));
-    drive->control.current_ref = (dq_t){.d = probe->current, .q = 0};
-    voltage = voltage_for(drive, current, sample.bus);
-    drive->control.voltage = voltage;
-    frame_modulate_plain(drive, voltage, out);
-    rotor_position_step(&drive->vector.position, drive->vector.step);
-    drive->rotor.position = drive->vector.position;
+    note_sample(probe, drive, sample, current, e);
+    vector_move(&drive->vector, probe_turn(probe, rotor_position_angle(&drive->vector.position), e,
+                                           may_brake(drive->cfg, sample.bus)));
+    frame_ask(&drive->control, (dq_t){.d = probe->current, .q = 0});
+    frame_modulate_plain(&drive->control, drive,
+                         voltage_for(&drive->control, drive, current, sample.bus), out);
+    vector_advance(&drive->vector);
+    estimate_place(&drive->rotor, drive->vector.position);
     return current;
 }

@@ -16,9 +16,6 @@
 
 #include <stdbool.h>
 
-/* Call before the first tick of PROBE. Begins with no current, and with no word in force. */
-drive_event_t probing_start(drive_t *drive);
-
 /*
  * One tick of PROBE: measures, takes the command's word, turns the vector, and writes the compare
  * values. Returns the measured current in the frame of the vector, Q15 of I_b, ±34400.

@@ -1,110 +1,151 @@
 /* SPDX-License-Identifier: MIT */
 #include "run.h"
 
-#include "estimate.h"
-#include "frame.h"
 #include "inlining.h"
-#include "state_guard.h"
-#include "trig.h"
-#include "voltage_drive.h"
 
 /* at rest the gain of the torque filter differs from 1 by 2^-10 at most */
 #define TORQUE_ROUNDING_LOG2 (10U)
-#define Q14_TO_Q16 (4)
-/* Failed starts are forgotten after this many times startup.lost_periods in RUN. */
-#define HELD_LOST_TIMES (100U)
 /*
  * A rotor counts as following its speed reference while the difference is at most 1/4 of the
  * hand-over speed.
  */
 #define NEAR_SHARE (4)
 
-/*
- * Without a sensor the drive does not know how far the rotor has turned while it was not driven. So
- * it counts the turns anew and begins in speed control. With a sensor it knows the turns. So it
- * begins in position control if the last run ended in it.
- */
-static void reset_position(drive_t *drive)
+static bool is_other_filter(const torque_filter_cfg_t *one, const torque_filter_cfg_t *other)
 {
-    position_loop_reset(&drive->motion.position_loop, 0, 0);
+    return (one->smooth_rate_q15 != other->smooth_rate_q15) ||
+           (one->notch_share_q15 != other->notch_share_q15) ||
+           (one->notch_turn.sin != other->notch_turn.sin) ||
+           (one->notch_turn.cos != other->notch_turn.cos);
+}
+
+/*
+ * Returns the mode in which the motion loops begin. Without a sensor the drive does not know how
+ * far the rotor has turned while it was not driven, so it begins in speed control. With a sensor it
+ * knows the turns, so it begins in position control if the last run ended in it.
+ */
+static uint8_t first_mode(const drive_t *drive)
+{
+    const bool goes_on =
+        drive_has_sensor(drive) && (drive->motion.mode == (uint8_t)DRIVE_MODE_POSITION);
+
+    return (uint8_t)(goes_on ? DRIVE_MODE_POSITION : DRIVE_MODE_SPEED);
+}
+
+void run_reset(motion_t *motion, const drive_t *drive)
+{
+    const int32_t motoring = drive->derating.motoring;
+
+    *motion = (motion_t){
+        .position_loop = motion->position_loop,
+        .speed_loop = {.halvings = motion->speed_loop.halvings,
+                       .inertia_q17 = motion->speed_loop.inertia_q17},
+        .mode = first_mode(drive),
+        .torque_range = {-motoring, motoring},
+    };
+    position_loop_reset(&motion->position_loop, 0, 0);
     if (!drive_has_sensor(drive)) {
-        position_loop_set_zero(&drive->motion.position_loop, 0);
-        drive->motion.mode = (uint8_t)DRIVE_MODE_SPEED;
-    } else if (drive->motion.mode != (uint8_t)DRIVE_MODE_POSITION) {
-        drive->motion.mode = (uint8_t)DRIVE_MODE_SPEED;
-    } else {
-        /* position control goes on */
+        /* the turns are counted anew */
+        position_loop_set_zero(&motion->position_loop, 0);
+    }
+    weakening_reset(&motion->weakening);
+}
+
+void run_forget_inertia(motion_t *motion)
+{
+    speed_loop_init(&motion->speed_loop);
+}
+
+void run_change(motion_t *motion, const drive_t *drive, const drive_cfg_t *before)
+{
+    const drive_cfg_t *const cfg = drive->cfg;
+
+    speed_loop_change(&motion->speed_loop, &cfg->speed_loop);
+    if (is_other_filter(&before->torque_filter, &cfg->torque_filter)) {
+        torque_filter_start(&motion->torque_filter, drive->control.current_ref.q);
+    }
+    if (drive_torque_is_free(drive)) {
+        torque_loop_bridge(&motion->torque_loop); /* the window of speeds may have new ends */
     }
 }
 
-void run_reset(drive_t *drive)
+void run_start(motion_t *motion, const drive_t *drive)
 {
-    rotor_position_reset(&drive->rotor.position, 0U);
-    estimate_start(drive, 0, (dq_t){0, 0});
-    rotor_position_reset(&drive->vector.position, 0U);
-    drive->vector.step = 0;
-    drive->vector.current_mean = (dq_t){0, 0};
-    drive->voltage_drive.active = false;
-    drive->voltage_drive.calm_periods = 0U;
-    current_loop_reset(&drive->control.current_loop);
-    speed_loop_reset(&drive->motion.speed_loop, 0);
-    reset_position(drive);
-    drive->motion.speed_reference = 0;
-    drive->control.ratio_next = (ab_t){0, 0};
-    drive->control.ratio_acting = (ab_t){0, 0};
-    drive->rotor.residual = 0;
-    drive->start.lost_periods = 0U;
-    drive->control.current_ref = (dq_t){0, 0};
-    drive->motion.torque_range =
-        (torque_range_t){-drive->derating.motoring, drive->derating.motoring};
-    drive->derating.voltage = (dq_t){0, 0};
-    weakening_reset(&drive->motion.weakening);
+    const int32_t torque = drive->control.current_ref.q;
+
+    motion->torque_loop.bridging = false;
+    if (motion->mode == (uint8_t)DRIVE_MODE_TORQUE) {
+        torque_loop_start(&motion->torque_loop, drive_flux(drive), torque);
+    }
+    torque_filter_start(&motion->torque_filter, torque);
 }
 
-void run_reset_sensed(drive_t *drive)
+void run_resume(motion_t *motion, const drive_t *drive)
 {
-    run_reset(drive);
-    estimate_start_sensed(drive);
-    speed_loop_reset(&drive->motion.speed_loop, drive->rotor.observer.speed);
-    position_loop_reset(&drive->motion.position_loop, drive->rotor.position.turns_q32,
-                        drive->rotor.observer.speed);
-    drive->motion.speed_reference = drive->rotor.observer.speed;
+    const int32_t torque = drive->control.current_ref.q;
+
+    speed_loop_start(&motion->speed_loop, motion->speed_loop.reference, torque);
+    torque_filter_start(&motion->torque_filter, torque);
+    weakening_reset(&motion->weakening); /* it was not updated during the voltage drive */
+}
+
+void run_catch(motion_t *motion, step_t speed)
+{
+    speed_loop_reset(&motion->speed_loop, speed);
+    motion->speed_reference = speed;
+}
+
+void run_catch_sensed(motion_t *motion, const drive_t *drive)
+{
+    const step_t speed = drive->rotor.observer.speed;
+
+    run_catch(motion, speed);
+    position_loop_reset(&motion->position_loop, drive->rotor.position.turns_q32, speed);
+}
+
+void run_stand(motion_t *motion)
+{
+    speed_loop_reset(&motion->speed_loop, 0);
+}
+
+void run_set_bandwidth(motion_t *motion, bool low)
+{
+    if (low) {
+        speed_loop_lower(&motion->speed_loop);
+    } else {
+        speed_loop_restore(&motion->speed_loop);
+    }
+}
+
+void run_take_load(motion_t *motion, int32_t load)
+{
+    speed_loop_start(&motion->speed_loop, motion->speed_loop.reference, load);
 }
 
 /*
  * In position control the zero is set to the position of the profile, not to that of the rotor. The
  * two differ by the error of the position control, and a target of 0 must not move the rotor.
  */
-void run_set_zero(drive_t *drive)
+void run_set_zero(motion_t *motion, const drive_t *drive)
 {
     const bool profiled =
-        drive_is_controlled(drive->state) && (drive->motion.mode == (uint8_t)DRIVE_MODE_POSITION);
+        drive_is_controlled(drive->state) && (motion->mode == (uint8_t)DRIVE_MODE_POSITION);
 
-    position_loop_set_zero(&drive->motion.position_loop,
-                           profiled ? drive->motion.position_loop.profile_q32
-                                    : drive->rotor.position.turns_q32);
+    position_loop_set_zero(&motion->position_loop, profiled ? motion->position_loop.profile_q32
+                                                            : drive->rotor.position.turns_q32);
 }
 
-/*
- * Changes the mode without a jump: the position profile begins with this position and the present
- * speed reference, the torque with the torque that acts. The torque that the new mode demands may
- * be very different: a commanded torque differs from the torque of the speed loop, and the ramp of
- * a profile differs from the ramp of the speed. So the torque changes on a slope
- * (torque_loop_bridge()). Whole turns that the rotor made outside position control do not count.
- */
-static void change_mode(drive_t *drive, uint8_t mode, const rotor_position_t *position)
+void run_change_mode(motion_t *motion, const drive_t *drive, uint8_t mode,
+                     const rotor_position_t *position)
 {
-    torque_loop_start(&drive->motion.torque_loop, drive_flux(drive),
-                      drive_current_in_force(drive).q);
-    torque_loop_bridge(&drive->motion.torque_loop);
-    drive->motion.mode = mode;
-    state_guard_forget(drive);
+    torque_loop_start(&motion->torque_loop, drive_flux(drive), drive_current_in_force(drive).q);
+    torque_loop_bridge(&motion->torque_loop);
+    motion->mode = mode;
     if (mode == (uint8_t)DRIVE_MODE_POSITION) {
-        position_loop_recount(&drive->motion.position_loop, &drive->cfg->position_loop,
+        position_loop_recount(&motion->position_loop, &drive->cfg->position_loop,
                               position->turns_q32);
     }
-    position_loop_reset(&drive->motion.position_loop, position->turns_q32,
-                        drive->motion.speed_loop.reference);
+    position_loop_reset(&motion->position_loop, position->turns_q32, motion->speed_loop.reference);
 }
 
 /*
@@ -165,10 +206,10 @@ static step_t lowest_torque_speed(const drive_t *drive)
  * In RUN, plans the torque and the speed to which it leads. Below RUN, plans the speed that the
  * imposed vector is to reach.
  */
-NEVER_INLINED static void plan_torque(drive_t *drive, int32_t target_q28)
+NEVER_INLINED static void plan_torque(motion_t *motion, const drive_t *drive, int32_t target_q28)
 {
     const drive_cfg_t *const cfg = drive->cfg;
-    const bool was_bound = drive->motion.torque_loop.bound;
+    const bool was_bound = motion->torque_loop.bound;
     step_t reference = torque_loop_aim(&cfg->torque_loop, target_q28);
 
     if (drive->state == DRIVE_STATE_RUN) {
@@ -176,23 +217,23 @@ NEVER_INLINED static void plan_torque(drive_t *drive, int32_t target_q28)
             .target_q28 = target_q28,
             .flux_q13 = drive_flux(drive),
             .current = drive_current_in_force(drive).q,
-            .range = drive->motion.torque_range,
+            .range = motion->torque_range,
             .speed = drive->rotor.observer.speed,
-            .reference = drive->motion.speed_loop.reference,
+            .reference = motion->speed_loop.reference,
             .lowest = lowest_torque_speed(drive),
             .ramp = cfg->startup.ramp,
         };
 
-        reference = torque_loop_plan(&drive->motion.torque_loop, &cfg->torque_loop, &in);
-        if (drive->motion.torque_loop.bound && !was_bound) {
+        reference = torque_loop_plan(&motion->torque_loop, &cfg->torque_loop, &in);
+        if (motion->torque_loop.bound && !was_bound) {
             /*
              * The slope of the speed begins at this reference. Set it at once: no acceleration may
              * be fed forward for the step from the rotor's speed to it.
              */
-            drive->motion.speed_loop.reference = reference;
+            speed_loop_refer(&motion->speed_loop, reference);
         }
     }
-    drive->motion.speed_reference = reference;
+    motion->speed_reference = reference;
 }
 
 /* While the command sets the zero, the target is the zero. */
@@ -203,22 +244,35 @@ static int64_t target_position(const drive_t *drive, const drive_command_t *comm
     return position_loop_target(&drive->motion.position_loop, zero ? 0 : command->target);
 }
 
-void run_plan(drive_t *drive, const drive_command_t *command, const rotor_position_t *position)
+void run_plan(motion_t *motion, const drive_t *drive, const drive_command_t *command,
+              const rotor_position_t *position)
 {
     const drive_cfg_t *const cfg = drive->cfg;
 
-    if (command->mode != drive->motion.mode) {
-        change_mode(drive, command->mode, position);
-    }
-    if (drive->motion.mode == (uint8_t)DRIVE_MODE_TORQUE) {
-        plan_torque(drive, command->target);
-    } else if (drive->motion.mode == (uint8_t)DRIVE_MODE_POSITION) {
-        drive->motion.speed_reference = position_loop_step(
-            &drive->motion.position_loop, &cfg->position_loop, target_position(drive, command),
-            position->turns_q32, cfg->slow_ticks);
+    if (motion->mode == (uint8_t)DRIVE_MODE_TORQUE) {
+        plan_torque(motion, drive, command->target);
+    } else if (motion->mode == (uint8_t)DRIVE_MODE_POSITION) {
+        motion->speed_reference = position_loop_step(&motion->position_loop, &cfg->position_loop,
+                                                     target_position(drive, command),
+                                                     position->turns_q32, cfg->slow_ticks);
     } else {
-        drive->motion.speed_reference = gentle(
-            drive, speed_loop_ramp(&drive->motion.speed_loop, &cfg->speed_loop, command->target));
+        motion->speed_reference =
+            gentle(drive, speed_loop_ramp(&motion->speed_loop, &cfg->speed_loop, command->target));
+    }
+}
+
+void run_plan_vector(motion_t *motion, const drive_t *drive, bool has_to_stand)
+{
+    const current_vector_t *const vector = &drive->vector;
+    const step_t ramp = drive->cfg->startup.ramp;
+
+    if (has_to_stand) {
+        motion->speed_reference = fx_towards(vector->step, 0, ramp);
+        position_loop_reset(&motion->position_loop, vector->position.turns_q32, vector->step);
+    } else if (motion->mode != (uint8_t)DRIVE_MODE_POSITION) {
+        motion->speed_reference = fx_towards(vector->step, motion->speed_reference, ramp);
+    } else {
+        /* a position profile is soft near standstill by itself */
     }
 }
 
@@ -251,7 +305,8 @@ static current_reference_in_t operating_point(const drive_t *drive)
  * Replaces `next` by the reference of field weakening. Called when the motor needs nearly all of
  * the bus voltage, or more.
  */
-NEVER_INLINED static void weaken(drive_t *drive, dq_t current, current_reference_t *next)
+NEVER_INLINED static void weaken(weakening_t *weakening, const drive_t *drive, dq_t current,
+                                 current_reference_t *next)
 {
     const weakening_in_t point = {
         .model = &drive->motor.model.run_loop,
@@ -263,7 +318,12 @@ NEVER_INLINED static void weaken(drive_t *drive, dq_t current, current_reference
         .deepest = drive->cfg->current_reference.deepest,
     };
 
-    *next = current_reference_weakened(&drive->motion.weakening, &point, next->d);
+    *next = current_reference_weakened(weakening, &point, next->d);
+}
+
+void run_allow(motion_t *motion, torque_range_t range)
+{
+    motion->torque_range = range;
 }
 
 /*
@@ -272,7 +332,7 @@ NEVER_INLINED static void weaken(drive_t *drive, dq_t current, current_reference
  * can still bear (derating.thermal). So a motor that is too hot keeps the i_d that its speed needs,
  * and loses torque.
  */
-INLINES_ALL static void limit_current(drive_t *drive, const instant_t *now)
+INLINES_ALL int32_t run_limit(motion_t *motion, const drive_t *drive, const instant_t *now)
 {
     const current_reference_cfg_t *const cfg = &drive->cfg->current_reference;
     const current_reference_in_t point = operating_point(drive);
@@ -280,40 +340,12 @@ INLINES_ALL static void limit_current(drive_t *drive, const instant_t *now)
     current_reference_t next = {.reach = CURRENT_REFERENCE_ALL};
 
     next.d = current_reference_d(cfg, &drive->motor.model.run_loop, &point);
-    if (weakening_is_near(&drive->motion.weakening, drive->control.voltage, circle)) {
-        weaken(drive, now->along_rotor, &next);
+    if (weakening_is_near(&motion->weakening, drive->control.voltage, circle)) {
+        weaken(&motion->weakening, drive, now->along_rotor, &next);
     }
-    drive->control.current_ref.d = next.d;
-    drive->motion.torque_range =
-        current_reference_range(cfg, drive->motion.torque_range, &next, drive->derating.thermal);
-}
-
-void run_limit(drive_t *drive, const instant_t *now)
-{
-    if (!drive->voltage_drive.active) {
-        limit_current(drive, now);
-    }
-}
-
-/*
- * Changes back to an imposed current: the d axis of the vector's frame is set to the direction of
- * the present current reference.
- */
-static void hand_back(drive_t *drive, dq_t current)
-{
-    const dq_t reference = drive->control.current_ref;
-    const angle_t load_angle =
-        trig_atan2((int16_t)fx_sat16(reference.q), (int16_t)fx_sat16(reference.d));
-    dq_t turned;
-
-    drive->vector.position = drive->rotor.position;
-    rotor_position_step(&drive->vector.position, fx_signed(load_angle));
-    drive->vector.step = drive->motion.speed_loop.reference;
-    frame_turn(drive, load_angle);
-    turned =
-        transforms_park((ab_t){fx_sat15(current.d), fx_sat15(current.q)}, trig_sincos(load_angle));
-    drive->vector.current_mean = (dq_t){fx_sat15(turned.d), fx_sat15(turned.q)};
-    supervision_forget_imposed(&drive->watch.supervision);
+    motion->torque_range =
+        current_reference_range(cfg, motion->torque_range, &next, drive->derating.thermal);
+    return next.d;
 }
 
 /*
@@ -323,84 +355,53 @@ static void hand_back(drive_t *drive, dq_t current)
  * accelerate or brake the rotor with the whole current. An i_d* that rises to an imposed current
  * narrows the range too. The ramp goes on then, down to standstill.
  */
-static void wait_at_limit(drive_t *drive, step_t before)
+static void wait_at_limit(motion_t *motion, const drive_t *drive, int32_t torque, step_t before)
 {
-    const bool faster = drive->motion.speed_loop.reference > before;
-    const dq_t current = drive->control.current_ref;
-    const int32_t end =
-        faster ? drive->motion.torque_range.upper : -drive->motion.torque_range.lower;
-    const int32_t towards = faster ? current.q : -current.q;
+    const bool faster = motion->speed_loop.reference > before;
+    const int32_t end = faster ? motion->torque_range.upper : -motion->torque_range.lower;
+    const int32_t towards = faster ? torque : -torque;
     const bool narrowed = (end < drive->cfg->derating.current_max) &&
-                          (current.d <= drive->cfg->current_reference.floor);
+                          (drive->control.current_ref.d <= drive->cfg->current_reference.floor);
 
     if ((towards >= end) && narrowed) {
-        drive->motion.speed_loop.reference = before;
-        position_loop_reset(&drive->motion.position_loop, drive->rotor.position.turns_q32, before);
+        speed_loop_refer(&motion->speed_loop, before);
+        position_loop_reset(&motion->position_loop, drive->rotor.position.turns_q32, before);
     }
 }
 
-/* change: of the speed in this slow period, step_t, ±2^30 */
-static void accelerate_estimate(drive_t *drive, step_t change)
-{
-    const int32_t share_q14 = drive->cfg->run.acceleration_q14;
-
-    nn_observer_accelerate(&drive->rotor.observer, &drive->motor.model.observer,
-                           fx_mul_32x16(change, share_q14) * Q14_TO_Q16);
-}
-
 /*
- * Feeds the change of the reference forward to the observer, but only if the estimated speed was
- * near the reference. A rotor that was caught turning, or that its torque cannot accelerate, is not
- * near it and does not follow the ramp.
+ * Returns the change of the reference, but only if the estimated speed was near the reference. A
+ * rotor that was caught turning, or that its torque cannot accelerate, is not near it and does not
+ * follow the ramp.
  */
-static void lead_along_ramp(drive_t *drive, step_t before)
+static step_t change_along_ramp(const drive_t *drive, step_t before)
 {
     const step_t reference = drive->motion.speed_loop.reference;
     const step_t near = drive->cfg->startup.handover_speed / NEAR_SHARE;
 
-    if (fx_abs(before - drive->rotor.observer.speed) <= near) {
-        accelerate_estimate(drive, reference - before);
-    }
+    return (fx_abs(before - drive->rotor.observer.speed) <= near) ? (reference - before) : 0;
 }
 
 /*
- * Feeds the acceleration by the torque current forward to the observer. In torque control the speed
- * reference does not show the acceleration: it is the estimate itself, or the slope near
- * standstill. The torque may accelerate the rotor many times faster than a ramp. An observer of a
- * motor with large R, below some 40 % of rated speed, is too slow to find this from its error:
- * without the feed-forward it lost the angle.
+ * Returns the acceleration by the torque current. In torque control the speed reference does not
+ * show the acceleration: it is the estimate itself, or the slope near standstill. The torque may
+ * accelerate the rotor many times faster than a ramp. An observer of a motor with large R, below
+ * some 40 % of rated speed, is too slow to find this from its error: without the feed-forward it
+ * lost the angle.
  */
-NEVER_INLINED static void lead_by_torque(drive_t *drive)
+NEVER_INLINED static step_t change_by_torque(const drive_t *drive)
 {
-    const int32_t torque = drive->control.current_ref.q;
-
-    accelerate_estimate(
-        drive, speed_loop_response(&drive->motion.speed_loop, &drive->cfg->speed_loop, torque));
+    return speed_loop_response(&drive->motion.speed_loop, &drive->cfg->speed_loop,
+                               drive->control.current_ref.q);
 }
 
-/*
- * Moves the estimated speed with the expected acceleration, without waiting for an observer error.
- */
-static void lead_estimate(drive_t *drive, step_t before)
+step_t run_expected_change(const drive_t *drive, step_t before)
 {
-    if (drive->cfg->run.acceleration_q14 == 0) {
-        /* the published observer: no feed-forward */
-    } else if (drive->motion.mode == (uint8_t)DRIVE_MODE_TORQUE) {
-        lead_by_torque(drive);
-    } else {
-        lead_along_ramp(drive, before);
-    }
+    return (drive->motion.mode == (uint8_t)DRIVE_MODE_TORQUE) ? change_by_torque(drive)
+                                                              : change_along_ramp(drive, before);
 }
 
-/*
- * Whether to change back to an imposed current: i_d* has risen to it, and the speed reference is so
- * far below the lowest speed of RUN that voltage and torque have settled. The voltage that makes
- * i_d rise differs from the voltage that holds it. In speed and torque mode the reference follows
- * the ramp of the imposed vector below the lowest speed, so 3/4 of the lowest speed is low enough.
- * At lower speed the weak EMF may lose the rotor. A position profile still brakes at 3/4, so it has
- * to reach 1/2.
- */
-static bool is_to_be_held(const drive_t *drive)
+bool run_is_to_be_held(const drive_t *drive)
 {
     const startup_cfg_t *const cfg = &drive->cfg->startup;
     const bool gentle_ramp = drive->motion.mode != (uint8_t)DRIVE_MODE_POSITION;
@@ -408,7 +409,8 @@ static bool is_to_be_held(const drive_t *drive)
     const step_t settled_speed = gentle_ramp ? (half + (half / 2)) : half;
     const bool settled = fx_abs(drive->motion.speed_reference) <= settled_speed;
 
-    return (drive->control.current_ref.d >= cfg->current_hold) && is_slow(drive) && settled;
+    return (cfg->current_hold != 0) && (drive->control.current_ref.d >= cfg->current_hold) &&
+           is_slow(drive) && settled;
 }
 
 /*
@@ -418,13 +420,11 @@ static bool is_to_be_held(const drive_t *drive)
  * checks would not see that the torque is at its limit. So near the limit the output is set to the
  * limit.
  */
-static void filter_torque(drive_t *drive)
+static int32_t filter_torque(motion_t *motion, const drive_t *drive, int32_t asked)
 {
-    const torque_range_t range = drive->motion.torque_range;
-    const int32_t asked = drive->control.current_ref.q;
+    const torque_range_t range = motion->torque_range;
     const int32_t near = fx_asr(range.upper - range.lower, TORQUE_ROUNDING_LOG2) + 1;
-    int32_t torque =
-        torque_filter_step(&drive->motion.torque_filter, &drive->cfg->torque_filter, asked);
+    int32_t torque = torque_filter_step(&motion->torque_filter, &drive->cfg->torque_filter, asked);
 
     if ((asked >= range.upper) && (torque >= (range.upper - near))) {
         torque = range.upper;
@@ -433,154 +433,120 @@ static void filter_torque(drive_t *drive)
     } else {
         /* between the limits, or still on its way to one */
     }
-    drive->control.current_ref.q = fx_clamp(torque, range.lower, range.upper);
+    return fx_clamp(torque, range.lower, range.upper);
+}
+
+/* Returns i_q* after the torque filter, if there is one. */
+static int32_t filtered(motion_t *motion, const drive_t *drive, int32_t asked)
+{
+    return torque_filter_acts(&drive->cfg->torque_filter) ? filter_torque(motion, drive, asked)
+                                                          : asked;
 }
 
 /*
  * Learns J from a ramp of the speed. In position control the change of the speed reference is not a
  * ramp, because it also corrects the position.
  */
-static void learn_inertia(drive_t *drive, step_t before, int32_t integral_before)
+static void learn_inertia(motion_t *motion, const drive_t *drive, step_t before,
+                          int32_t integral_before)
 {
-    if (drive->motion.mode == (uint8_t)DRIVE_MODE_SPEED) {
-        speed_loop_learn(&drive->motion.speed_loop, &drive->cfg->speed_loop,
-                         drive->motion.speed_loop.reference - before, integral_before);
+    if (motion->mode == (uint8_t)DRIVE_MODE_SPEED) {
+        speed_loop_learn(&motion->speed_loop, &drive->cfg->speed_loop,
+                         motion->speed_loop.reference - before, integral_before);
     }
 }
 
 /*
- * Sets i_q* while the torque is free within the window of speeds. No speed is commanded then, so no
- * ramp waits and J is not learned.
+ * Returns i_q* while the torque is free within the window of speeds. No speed is commanded then, so
+ * no ramp waits and J is not learned.
  */
-NEVER_INLINED static void control_free_torque(drive_t *drive, torque_range_t range)
+NEVER_INLINED static int32_t control_free_torque(motion_t *motion, const drive_t *drive,
+                                                 torque_range_t range)
 {
     const speed_window_t window = torque_loop_window(
-        &drive->cfg->torque_loop, drive->motion.speed_loop.reference, lowest_torque_speed(drive));
+        &drive->cfg->torque_loop, motion->speed_loop.reference, lowest_torque_speed(drive));
     speed_end_t end = SPEED_END_NONE;
+    const int32_t torque = speed_loop_within(&motion->speed_loop, &drive->cfg->speed_loop, &window,
+                                             motion->speed_reference, drive->rotor.observer.speed,
+                                             motion->torque_loop.current, range, &end);
 
-    drive->control.current_ref.q = speed_loop_within(
-        &drive->motion.speed_loop, &drive->cfg->speed_loop, &window, drive->motion.speed_reference,
-        drive->rotor.observer.speed, drive->motion.torque_loop.current, range, &end);
-    drive->motion.torque_loop.end = (uint8_t)end;
+    motion->torque_loop.end = (uint8_t)end;
+    return torque;
 }
 
-static void control_rotor_speed(drive_t *drive, torque_range_t range)
+static int32_t control_rotor_speed(motion_t *motion, const drive_t *drive, torque_range_t range)
 {
-    drive->control.current_ref.q =
-        speed_loop_step(&drive->motion.speed_loop, &drive->cfg->speed_loop,
-                        drive->motion.speed_reference, drive->rotor.observer.speed, range);
+    return speed_loop_step(&motion->speed_loop, &drive->cfg->speed_loop, motion->speed_reference,
+                           drive->rotor.observer.speed, range);
 }
 
-/* Sets i_q* with the torque loop or the speed loop. */
-static void choose_current_q(drive_t *drive, torque_range_t range)
+/* Returns i_q* of the torque loop or the speed loop. */
+static int32_t chosen_torque(motion_t *motion, const drive_t *drive, torque_range_t range)
 {
-    if (run_torque_is_free(drive)) {
-        control_free_torque(drive, range);
-    } else {
-        control_rotor_speed(drive, range);
-    }
-}
-
-static void filter_current_q(drive_t *drive)
-{
-    if (torque_filter_acts(&drive->cfg->torque_filter)) {
-        filter_torque(drive);
-    }
+    return drive_torque_is_free(drive) ? control_free_torque(motion, drive, range)
+                                       : control_rotor_speed(motion, drive, range);
 }
 
 /*
  * Learns J while the torque is between its limits. At a limit the torque is smaller than the ramp
  * needs, so J cannot be learned and the ramp may have to wait.
  */
-static void follow_ramp(drive_t *drive, step_t before, int32_t integral_before)
+static void follow_ramp(motion_t *motion, const drive_t *drive, int32_t torque, step_t before,
+                        int32_t integral_before)
 {
-    const torque_range_t range = drive->motion.torque_range;
-    const int32_t torque = drive->control.current_ref.q;
+    const torque_range_t range = motion->torque_range;
 
     if ((torque > range.lower) && (torque < range.upper)) {
-        learn_inertia(drive, before, integral_before);
+        learn_inertia(motion, drive, before, integral_before);
     } else {
-        wait_at_limit(drive, before);
+        wait_at_limit(motion, drive, torque, before);
     }
 }
 
 /*
- * Sets i_q* after a change of the mode, while the torque goes on a slope. Until the slope has
+ * Returns i_q* after a change of the mode, while the torque goes on a slope. Until the slope has
  * ended, the ramp of the speed does not wait and J is not learned. The function is separate from
- * control_current_q() to keep its code out of a tick without a bridge.
+ * run_torque() to keep its code out of a tick without a bridge.
  */
-RARE static void bridge_current_q(drive_t *drive)
+RARE static int32_t bridged_torque(motion_t *motion, const drive_t *drive)
 {
-    const step_t before = drive->motion.speed_loop.reference;
     const torque_range_t range =
         torque_loop_bridged(&drive->cfg->torque_loop, drive_flux(drive),
-                            drive->control.current_ref.q, drive->motion.torque_range);
+                            drive->control.current_ref.q, motion->torque_range);
+    const int32_t torque = chosen_torque(motion, drive, range);
 
-    choose_current_q(drive, range);
-    torque_loop_arrive(&drive->motion.torque_loop, drive->control.current_ref.q, range);
-    filter_current_q(drive);
-    lead_estimate(drive, before);
+    torque_loop_arrive(&motion->torque_loop, torque, range);
+    return filtered(motion, drive, torque);
 }
 
-static void control_current_q(drive_t *drive)
+static int32_t plain_torque(motion_t *motion, const drive_t *drive)
 {
-    const step_t before = drive->motion.speed_loop.reference;
-    const int32_t integral_before = drive->motion.speed_loop.pi.integral_q26;
+    const step_t before = motion->speed_loop.reference;
+    const int32_t integral_before = motion->speed_loop.pi.integral_q26;
+    const int32_t asked = chosen_torque(motion, drive, motion->torque_range);
+    const int32_t torque = filtered(motion, drive, asked);
 
-    choose_current_q(drive, drive->motion.torque_range);
-    filter_current_q(drive);
-    if (!run_torque_is_free(drive)) {
-        follow_ramp(drive, before, integral_before);
+    if (!drive_torque_is_free(drive)) {
+        follow_ramp(motion, drive, torque, before, integral_before);
     }
-    lead_estimate(drive, before);
+    return torque;
 }
 
-/*
- * Sets i_q*. Returns HELD when the drive changes back to an imposed current. The compiler inlines
- * all of the speed control here.
- */
-INLINES_ALL static drive_event_t control_torque(drive_t *drive, dq_t current)
+INLINES_ALL int32_t run_torque(motion_t *motion, const drive_t *drive)
 {
-    drive_event_t event = DRIVE_EVENT_NONE;
-
-    if (drive->motion.torque_loop.bridging) {
-        bridge_current_q(drive);
-    } else {
-        control_current_q(drive);
-    }
-    if ((drive->cfg->startup.current_hold != 0) && is_to_be_held(drive)) {
-        hand_back(drive, current);
-        event = DRIVE_EVENT_HELD;
-    }
-    return event;
+    return motion->torque_loop.bridging ? bridged_torque(motion, drive)
+                                        : plain_torque(motion, drive);
 }
 
-/*
- * Forgets failed starts when RUN has lasted long enough. So a rotor that is lost again and again,
- * each time soon after the start, leads to a fault.
- */
-RARE static void forget_attempts(drive_t *drive)
+int32_t run_accelerate(motion_t *motion, const drive_t *drive)
 {
-    drive->start.held_periods++;
-    if (drive->start.held_periods >= (HELD_LOST_TIMES * drive->cfg->startup.lost_periods)) {
-        drive->start.attempts = 0U;
-    }
+    return speed_loop_accelerate(&motion->speed_loop, &drive->cfg->speed_loop,
+                                 motion->speed_reference, motion->torque_range);
 }
 
-drive_event_t run_control_speed(drive_t *drive, const drive_command_t *command,
-                                const instant_t *now)
+void run_follow_command(motion_t *motion, const drive_t *drive)
 {
-    drive_event_t event = DRIVE_EVENT_NONE;
+    const step_t speed_max = drive->cfg->speed_loop.speed_max;
 
-    if (drive->start.attempts > 0U) {
-        forget_attempts(drive);
-    }
-    if (drive->voltage_drive.active) {
-        voltage_drive_motion(drive, command, now->sample.bus);
-    } else {
-        event = control_torque(drive, now->along_rotor);
-        voltage_drive_offer(drive, command, now->along_rotor);
-        frame_plan_rotor(drive);
-    }
-    return event;
+    speed_loop_refer(&motion->speed_loop, fx_clamp(motion->speed_reference, -speed_max, speed_max));
 }

@@ -39,4 +39,7 @@ typedef enum {
 drive_event_t schedule_step(drive_t *drive, const drive_in_t *in, const instant_t *now, slot_t slot,
                             bool moving, fault_t *fault);
 
+/* Changes from the voltage drive back to current control, without a jump of voltage or torque. */
+void schedule_end_voltage_drive(drive_t *drive);
+
 #endif

@@ -16,6 +16,7 @@
 #include "derating.h"
 #include "drive_cfg.h"
 #include "flying_start.h"
+#include "io.h"
 #include "model.h"
 #include "oscillation.h"
 #include "phase_compensator.h"
@@ -113,14 +114,7 @@ typedef struct {
     step_t speed;     /* ω̂ at the last look, in RUN */
 } state_guard_t;
 
-/* The current vector that is imposed below RUN. */
-typedef struct {
-    rotor_position_t position; /* angle and whole turns of the vector */
-    step_t step;               /* turn of the vector per tick */
-    dq_t current_mean;         /* mean of the measured current over some 32 ticks, in its frame */
-} current_vector_t;
-
-/* RUN without current regulators, see voltage_drive.h. */
+/* voltage_drive.c: RUN without current regulators, see voltage_drive.h. A start begins it anew. */
 typedef struct {
     bool active;
     /* slow periods in a row in which the conditions for the voltage drive held */
@@ -134,21 +128,25 @@ typedef struct {
     virtual_resistance_t damping;
 } voltage_drive_t;
 
-/* The current sensors: their zeros, and the sums that measure them. Lives from one calibration to
- * the next. */
+/*
+ * The groups of the state. Each begins anew by one assignment, which names what is kept. Only the
+ * functions of one file write a group; the others read it.
+ */
+
+/* calibration.c: the current sensors. A calibration begins them anew. */
 typedef struct {
     int32_t offset_a; /* sensor zero, Q15 of I_b, nominal 16384 */
     int32_t offset_b;
     calibration_t sums;
 } sensors_t;
 
-/* What is known of the motor. It is kept from run to run. */
+/* motor.c: what is known of the motor. It is kept from run to run. */
 typedef struct {
     model_t model;   /* motor model in force */
     bool identified; /* R and L of the model were measured */
 } motor_t;
 
-/* What is known of the rotor. It begins anew with each start. */
+/* estimate.c: what is known of the rotor. A start begins it anew, all but the sensor. */
 typedef struct {
     rotor_position_t position; /* θ̂ and whole turns, (23) */
     nn_observer_t observer;    /* ω̂, (22) */
@@ -157,9 +155,17 @@ typedef struct {
      * at rest; filtered over slow periods, Q15 of I_b
      */
     int32_t residual;
+    angle_sensor_t angle_sensor;
 } rotor_t;
 
-/* The current control. It begins anew with each start. */
+/* vector.c: the current vector that is imposed below RUN. A start begins it anew. */
+typedef struct {
+    rotor_position_t position; /* angle and whole turns of the vector */
+    step_t step;               /* turn of the vector per tick */
+    dq_t current_mean;         /* mean of the measured current over some 32 ticks, in its frame */
+} current_vector_t;
+
+/* frame.c: the current control. A start begins it anew. */
 typedef struct {
     ab_t ratio_acting; /* demand / bus, Q15, that has acted from the last instant to this one */
     ab_t ratio_next;   /* demand / bus, Q15, of the last tick: it acts from this instant on */
@@ -169,8 +175,8 @@ typedef struct {
 } control_t;
 
 /*
- * The motion loops. They begin anew with each start. What a start keeps is the learned inertia, the
- * zero of position targets, and with a sensor the mode of position control.
+ * run.c: the motion loops. A start begins them anew, all but the learned inertia, the bandwidth,
+ * the zero of position targets, and with a sensor the mode of position control.
  */
 typedef struct {
     position_loop_t position_loop;
@@ -183,7 +189,8 @@ typedef struct {
     torque_loop_t torque_loop;     /* torque control in RUN; its bridge is used in every mode */
 } motion_t;
 
-/* The start of a motor without a sensor. It begins anew with each attempt, which are counted. */
+/* open_loop.c: the start of a motor without a sensor. Each attempt begins it anew, all but their
+ * number. */
 typedef struct {
     flying_start_t flying_start;
     align_t align;
@@ -195,7 +202,7 @@ typedef struct {
     uint32_t held_periods;
 } start_t;
 
-/* Counts and means of the checks. They begin anew when the user asks to run. */
+/* monitor.c: counts and means of the checks. They begin anew when the user asks to run. */
 typedef struct {
     supervision_t supervision;
     oscillation_t oscillation;
@@ -203,28 +210,27 @@ typedef struct {
 
 /*
  * Members that every tick uses come first: a Cortex-M0+ reaches the first 128 bytes in one
- * instruction. Each member is written by one file only; the others read it.
+ * instruction. Where a member's type is of a module, that module writes it.
  */
 typedef struct {
     const drive_cfg_t *cfg; /* adopt.c */
     drive_state_t state;    /* life.c */
     /*
-     * ticks to the end of the slow period, N…1. It is a byte, so that a flipped bit cannot make the
-     * period very long
+     * tick.c: ticks to the end of the slow period, N…1. It is a byte, so that a flipped bit cannot
+     * make the period very long
      */
-    uint8_t slow_count;         /* tick.c */
-    protection_limits_t limits; /* life.c; limits in force in this state */
-    int32_t bus;   /* tick.c; bus voltage of the last tick that has ended, Q15 of U_b */
-    uint32_t tick; /* tick.c; ticks since drive_init(), wraps */
-    sensors_t sensors;
-    rotor_t rotor;
+    uint8_t slow_count;
+    protection_limits_t limits; /* life.c: limits in force in this state */
+    int32_t bus;   /* tick.c: bus voltage of the last tick that has ended, Q15 of U_b */
+    uint32_t tick; /* tick.c: ticks since drive_init(), wraps */
     modulator_t modulator;
     control_t control;
+    rotor_t rotor;
+    sensors_t sensors;
     voltage_drive_t voltage_drive;
     motion_t motion;
     motor_t motor;
     current_vector_t vector;
-    angle_sensor_t angle_sensor;
     start_t start;
     probe_t probe;
     derating_t derating;
@@ -232,8 +238,8 @@ typedef struct {
     safe_state_t safe_state; /* state of the gates while nothing is driven */
     config_guard_t guard;
     state_guard_t state_guard;
-    fault_t fault;       /* the last fault */
-    fault_scene_t scene; /* scene of the last fault */
+    fault_t fault;       /* life.c: the last fault */
+    fault_scene_t scene; /* life.c: scene of the last fault */
 } drive_t;
 
 /* FLYING_START to RUN: current may flow. */
@@ -311,13 +317,13 @@ static inline dq_t drive_current_in_force(const drive_t *drive)
                                        : drive->control.current_ref;
 }
 
-/* The parts of the configuration that the model corrects. */
-static inline model_nominal_t drive_nominal(const drive_t *drive)
+/*
+ * Whether the drive is in torque control, and only the commanded torque or an end of the window of
+ * speeds decides i_q*.
+ */
+static inline bool drive_torque_is_free(const drive_t *drive)
 {
-    const model_nominal_t nominal = {&drive->cfg->observer, &drive->cfg->current_loop,
-                                     &drive->cfg->hold_loop};
-
-    return nominal;
+    return (drive->motion.mode == (uint8_t)DRIVE_MODE_TORQUE) && !drive->motion.torque_loop.bound;
 }
 
 /* Returns ψ, the flux with which i_q* makes torque. */

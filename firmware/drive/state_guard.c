@@ -2,7 +2,7 @@
 #include "state_guard.h"
 
 #include "inlining.h"
-#include "io.h"
+#include "motor.h"
 
 /* log2 of the slow periods in a supervision period, the time between two calls of look() */
 #define PERIODS_LOG2 (2U)
@@ -33,19 +33,19 @@ static uint32_t word_of_measured(const drive_t *drive)
     return drive->motor.identified ? (word ^ IDENTIFIED) : word;
 }
 
-void state_guard_keep_measured(drive_t *drive)
+void state_guard_keep_measured(state_guard_t *guard, const drive_t *drive)
 {
-    drive->state_guard.measured = word_of_measured(drive);
+    guard->measured = word_of_measured(drive);
 }
 
-void state_guard_forget(drive_t *drive)
+void state_guard_forget(state_guard_t *guard)
 {
-    drive->state_guard.state = DRIVE_STATE_INIT;
+    guard->state = DRIVE_STATE_INIT;
 }
 
-void state_guard_keep_heat(drive_t *drive)
+void state_guard_keep_heat(state_guard_t *guard, const derating_t *derating)
 {
-    drive->state_guard.heat_q24 = drive->derating.heat_q24;
+    guard->heat_q24 = derating->heat_q24;
 }
 
 static uint32_t word_of_fade(const fade_t *fade)
@@ -91,9 +91,9 @@ static uint32_t word_of_config(const drive_cfg_t *cfg)
            fx_unsigned(filter ^ reference ^ flux);
 }
 
-void state_guard_keep_config(drive_t *drive)
+void state_guard_keep_config(state_guard_t *guard, const drive_cfg_t *cfg)
 {
-    drive->state_guard.config = word_of_config(drive->cfg);
+    guard->config = word_of_config(cfg);
 }
 
 static bool asks_speed(const drive_t *drive)
@@ -137,14 +137,14 @@ static bool is_way(const drive_t *drive)
     return way <= reach_q32;
 }
 
-static void keep_motion(drive_t *drive)
+static void keep_motion(state_guard_t *guard, const drive_t *drive)
 {
     const uint64_t position = fx_unsigned64(drive->rotor.position.turns_q32);
 
-    drive->state_guard.turns = (uint32_t)(position >> 32U);
-    drive->state_guard.turned = rotor_position_angle(&drive->rotor.position);
-    drive->state_guard.speed = drive->rotor.observer.speed;
-    drive->state_guard.reference = drive->motion.speed_loop.reference;
+    guard->turns = (uint32_t)(position >> 32U);
+    guard->turned = rotor_position_angle(&drive->rotor.position);
+    guard->speed = drive->rotor.observer.speed;
+    guard->reference = drive->motion.speed_loop.reference;
 }
 
 static fault_id_t look_at_position(const drive_t *drive, fault_t *fault)
@@ -167,9 +167,8 @@ static bool asks_position(const drive_t *drive)
 }
 
 /* Checks the values that change only a little in RUN. */
-static fault_id_t look_at_run(drive_t *drive, fault_t *fault)
+static fault_id_t look_at_run(state_guard_t *guard, const drive_t *drive, fault_t *fault)
 {
-    state_guard_t *const guard = &drive->state_guard;
     fault_id_t id = FAULT_NONE;
 
     if (guard->state == DRIVE_STATE_RUN) {
@@ -185,7 +184,7 @@ static fault_id_t look_at_run(drive_t *drive, fault_t *fault)
             /* all values are possible */
         }
     }
-    keep_motion(drive);
+    keep_motion(guard, drive);
     guard->flux_q30 = drive->motor.model.flux_q30;
     return id;
 }
@@ -214,9 +213,8 @@ static bool has_soft_integrals(const drive_t *drive)
 }
 
 /* Checks the angle of a resting vector, and the integrals, in HOLD. */
-static fault_id_t look_at_rest(drive_t *drive, fault_t *fault)
+static fault_id_t look_at_rest(state_guard_t *guard, const drive_t *drive, fault_t *fault)
 {
-    state_guard_t *const guard = &drive->state_guard;
     const angle_t angle = rotor_position_angle(&drive->vector.position);
     fault_id_t id = FAULT_NONE;
 
@@ -235,20 +233,20 @@ static fault_id_t look_at_rest(drive_t *drive, fault_t *fault)
     return id;
 }
 
-static fault_id_t look(drive_t *drive, fault_t *fault)
+static fault_id_t look(state_guard_t *guard, const drive_t *drive, fault_t *fault)
 {
     fault_id_t id = FAULT_NONE;
 
-    if (word_of_measured(drive) != drive->state_guard.measured) {
+    if (word_of_measured(drive) != guard->measured) {
         id = found((uint32_t)STATE_GUARD_MEASURED, fault);
     } else if (drive->state == DRIVE_STATE_RUN) {
-        id = look_at_run(drive, fault);
+        id = look_at_run(guard, drive, fault);
     } else if (drive_is_held(drive)) {
-        id = look_at_rest(drive, fault);
+        id = look_at_rest(guard, drive, fault);
     } else {
         /* nothing to check in these states */
     }
-    drive->state_guard.state = drive->state;
+    guard->state = drive->state;
     return id;
 }
 
@@ -287,19 +285,12 @@ static bool holds_start(const drive_t *drive)
     return drive->start.attempts <= drive->cfg->startup.attempts;
 }
 
-static bool holds_model(drive_t *drive, uint32_t part)
-{
-    const model_nominal_t nominal = drive_nominal(drive);
-
-    return model_holds(&drive->motor.model, &nominal, (model_part_t)part);
-}
-
-static bool holds(drive_t *drive, uint32_t part)
+static bool holds(motor_t *motor, const drive_t *drive, uint32_t part)
 {
     bool sound;
 
     if (part <= (uint32_t)STATE_GUARD_MODEL_FLUX) {
-        sound = holds_model(drive, part);
+        sound = motor_check(motor, drive->cfg, (model_part_t)part);
     } else if (part == (uint32_t)STATE_GUARD_LIMITS) {
         sound = holds_limits(drive);
     } else if (part == (uint32_t)STATE_GUARD_CHOICES) {
@@ -328,13 +319,14 @@ RARE static fault_id_t found_part(const drive_t *drive, uint32_t part, fault_t *
     return id;
 }
 
-fault_id_t state_guard_step(drive_t *drive, fault_t *fault)
+fault_id_t state_guard_step(state_guard_t *guard, motor_t *motor, const drive_t *drive,
+                            fault_t *fault)
 {
-    const uint32_t part = drive->state_guard.at % (uint32_t)STATE_GUARD_PARTS;
-    fault_id_t id = look(drive, fault);
+    const uint32_t part = guard->at % (uint32_t)STATE_GUARD_PARTS;
+    fault_id_t id = look(guard, drive, fault);
 
-    drive->state_guard.at = (part + 1U) % (uint32_t)STATE_GUARD_PARTS;
-    if ((id == FAULT_NONE) && !holds(drive, part)) {
+    guard->at = (part + 1U) % (uint32_t)STATE_GUARD_PARTS;
+    if ((id == FAULT_NONE) && !holds(motor, drive, part)) {
         id = found_part(drive, part, fault);
     }
     return id;

@@ -55,23 +55,27 @@ typedef enum {
     STATE_GUARD_STATE
 } state_guard_part_t;
 
-/* Checks the next part, and the values that change only a little. Once per supervision period. */
-fault_id_t state_guard_step(drive_t *drive, fault_t *fault);
+/*
+ * Checks the next part, and the values that change only a little. Once per supervision period. Of
+ * the motor it computes the words of the flux anew (model_holds()).
+ */
+fault_id_t state_guard_step(state_guard_t *guard, motor_t *motor, const drive_t *drive,
+                            fault_t *fault);
 
 /*
  * Call when values have been set anew: the next check does not compare with the values of the last
  * one.
  */
-void state_guard_forget(drive_t *drive);
+void state_guard_forget(state_guard_t *guard);
 
 /* Call when the zeros of the current sensors, or R and L, have been measured. */
-void state_guard_keep_measured(drive_t *drive);
+void state_guard_keep_measured(state_guard_t *guard, const drive_t *drive);
 
 /* Call after each intended change of the heat. */
-void state_guard_keep_heat(drive_t *drive);
+void state_guard_keep_heat(state_guard_t *guard, const derating_t *derating);
 
 /* Call when the drive has taken over a configuration. */
-void state_guard_keep_config(drive_t *drive);
+void state_guard_keep_config(state_guard_t *guard, const drive_cfg_t *cfg);
 
 /* Finds MEMORY if the heat differs from the kept one. */
 fault_id_t state_guard_check_heat(const drive_t *drive, fault_t *fault);

@@ -16,6 +16,7 @@
 #include "open_loop.h"
 #include "probing.h"
 #include "schedule.h"
+#include "vector.h"
 #include "voltage_drive.h"
 
 #define SLOW_MASK (0xFFU) /* all bits of drive_t.slow_count */
@@ -33,26 +34,27 @@ static uint8_t slow_period(const drive_cfg_t *cfg)
  * Counts slow_count down. Returns the ticks left in the slow period after this one. slow_step()
  * reloads the count on the last tick, so a tick without a slot need not test for it.
  */
-static uint32_t count_slow(drive_t *drive)
+static uint32_t count_slow(uint8_t *slow_count)
 {
-    const uint32_t left = (uint32_t)drive->slow_count - 1U;
+    const uint32_t left = (uint32_t)*slow_count - 1U;
 
-    drive->slow_count = (uint8_t)(left & SLOW_MASK);
+    *slow_count = (uint8_t)(left & SLOW_MASK);
     return left;
 }
 
-/* Runs the slot of the slow schedule that falls on this tick. left: the number of that slot. */
-NEVER_INLINED static void slow_step(drive_t *drive, const drive_in_t *in, const instant_t *now,
-                                    uint32_t left, bool moving)
+/*
+ * Runs the slot of the slow schedule that falls on this tick. left: the number of that slot. What
+ * follows from the event is done by the caller, so that the stack of both does not add up.
+ */
+NEVER_INLINED static drive_event_t slow_step(drive_t *drive, const drive_in_t *in,
+                                             const instant_t *now, uint32_t left, bool moving,
+                                             fault_t *fault)
 {
-    fault_t fault;
-
     if (left == 0U) {
         drive->slow_count = slow_period(drive->cfg);
     }
-    fault_clear(&fault);
-    life_follow_or_fail(drive, schedule_step(drive, in, now, (slot_t)left, moving, &fault), &fault,
-                        &now->sample);
+    fault_clear(fault);
+    return schedule_step(drive, in, now, (slot_t)left, moving, fault);
 }
 
 /* Only some ticks of a slow period have a slot. */
@@ -60,11 +62,14 @@ static void take_slot(drive_t *drive, const drive_in_t *in, const instant_t *now
                       bool moving)
 {
     if (left < (uint32_t)SLOTS) {
-        slow_step(drive, in, now, left, moving);
+        fault_t fault;
+        const drive_event_t event = slow_step(drive, in, now, left, moving, &fault);
+
+        life_follow_or_fail(drive, event, &fault, now);
     }
 }
 
-static void open_gates(drive_t *drive, drive_out_t *out)
+static void open_gates(const drive_t *drive, drive_out_t *out)
 {
     const uint32_t half = (uint32_t)drive->cfg->modulator.timer_counts / 2U;
     const uint16_t rest = (uint16_t)half;
@@ -77,7 +82,8 @@ static void open_gates(drive_t *drive, drive_out_t *out)
  * the gates are enabled at once, but the compare values of the last tick still act for one period.
  * They are the values of the control, or three equal ones, which short the motor too.
  */
-NEVER_INLINED static void rest(drive_t *drive, sample_t sample, drive_out_t *out)
+NEVER_INLINED static void rest(safe_state_t *safe_state, const drive_t *drive, sample_t sample,
+                               drive_out_t *out)
 {
     const safe_state_in_t measured = {
         .current = transforms_clarke(sample.phase_a, sample.phase_b),
@@ -86,7 +92,7 @@ NEVER_INLINED static void rest(drive_t *drive, sample_t sample, drive_out_t *out
     };
 
     open_gates(drive, out);
-    if (safe_state_step(&drive->safe_state, &drive->cfg->safe_state, &measured)) {
+    if (safe_state_step(safe_state, &drive->cfg->safe_state, &measured)) {
         *out = (drive_out_t){.compare = {.phase = {0U, 0U, 0U}}, .gate_enable = true};
     }
 }
@@ -105,42 +111,43 @@ static dq_t aligning_voltage(const drive_t *drive)
     };
 }
 
-static dq_t imposed_voltage(drive_t *drive, const frame_t *frame, int32_t bus)
+static dq_t imposed_voltage(control_t *control, const drive_t *drive, const frame_t *frame,
+                            int32_t bus)
 {
     const bool aligning = (drive->state == DRIVE_STATE_ALIGN) &&
                           align_holds_voltage(&drive->start.align, &drive->cfg->startup.align);
 
-    return aligning ? aligning_voltage(drive) : frame_impose_current(drive, frame, bus);
+    return aligning ? aligning_voltage(drive) : frame_impose_current(control, drive, frame, bus);
 }
 
 /* Returns the voltage to demand, Q15 of U_b. */
-static dq_t control_voltage(drive_t *drive, const frame_t *frame, int32_t bus)
+static dq_t control_voltage(control_t *control, voltage_drive_t *vd, const drive_t *drive,
+                            const frame_t *frame, int32_t bus)
 {
     dq_t voltage;
 
     if (frame->imposed) {
-        voltage = imposed_voltage(drive, frame, bus);
+        voltage = imposed_voltage(control, drive, frame, bus);
     } else if (drive->voltage_drive.active) {
-        voltage = voltage_drive_step(drive, frame->current, bus);
+        voltage = voltage_drive_step(vd, drive, frame->current, bus);
     } else {
-        voltage = frame_control_current(drive, frame->loop, frame->current, bus);
+        voltage = frame_control_current(control, drive, frame->loop, frame->current, bus);
     }
     return voltage;
 }
 
 /* Computes the compare values from the currents, and θ̂ of the next instant. */
-static void control(drive_t *drive, const frame_t *frame, int32_t bus, bool trained,
+static void actuate(drive_t *drive, const frame_t *frame, int32_t bus, bool trained,
                     drive_out_t *out)
 {
-    const dq_t voltage = control_voltage(drive, frame, bus);
+    const dq_t voltage = control_voltage(&drive->control, &drive->voltage_drive, drive, frame, bus);
 
-    drive->control.voltage = voltage;
-    frame_modulate(drive, frame, voltage, &out->compare);
+    frame_modulate(&drive->control, drive, frame, voltage, &out->compare);
     out->gate_enable = true;
     if (frame->imposed) {
-        rotor_position_step(&drive->vector.position, drive->vector.step);
+        vector_advance(&drive->vector);
     }
-    estimate_advance(drive, trained);
+    estimate_advance(&drive->rotor, drive, trained);
 }
 
 /*
@@ -154,9 +161,9 @@ static void act(drive_t *drive, const instant_t *now, bool trained, drive_out_t 
                                   ? frame_of_rotor(drive, now->along_rotor)
                                   : frame_of_vector(drive, now->along_vector);
 
-        control(drive, &frame, now->sample.bus, trained, out);
+        actuate(drive, &frame, now->sample.bus, trained, out);
     } else {
-        rest(drive, now->sample, out);
+        rest(&drive->safe_state, drive, now->sample, out);
     }
 }
 
@@ -179,17 +186,32 @@ INLINES_ALL static void run_tick(drive_t *drive, const drive_in_t *in, sample_t 
                                  uint32_t left, drive_out_t *out)
 {
     const instant_t now = {.sample = sample,
-                           .along_rotor = estimate_step(drive, sample, true),
+                           .along_rotor = estimate_step(&drive->rotor, drive, sample, true),
                            .along_vector = {0, 0}};
 
     take_slot(drive, in, &now, left, true);
     if (drive->state == DRIVE_STATE_RUN) {
         const frame_t frame = frame_of_rotor(drive, now.along_rotor);
 
-        control(drive, &frame, sample.bus, true, out);
+        actuate(drive, &frame, sample.bus, true, out);
     } else {
         finish_left_run(drive, now, out);
     }
+}
+
+/* Sets the imposed current of this tick. Returns the event that follows in ALIGN. */
+static drive_event_t impose(start_t *start, control_t *control, const drive_t *drive,
+                            dq_t along_vector, fault_t *fault)
+{
+    drive_event_t event = DRIVE_EVENT_NONE;
+
+    if (drive->state == DRIVE_STATE_ALIGN) {
+        event = open_loop_align(start, drive, along_vector, fault);
+        frame_ask(control, (dq_t){.d = start->align.current_ref, .q = 0});
+    } else {
+        frame_ask_d(control, open_loop_current(drive));
+    }
+    return event;
 }
 
 /* A tick of ALIGN to HANDOVER, in which the drive imposes a current vector. */
@@ -197,13 +219,19 @@ static void vector_tick(drive_t *drive, const drive_in_t *in, sample_t sample, u
                         drive_out_t *out)
 {
     const bool trained = estimate_is_trained(drive);
-    const dq_t along_rotor = estimate_step(drive, sample, trained);
-    const instant_t now = {
-        .sample = sample, .along_rotor = along_rotor, .along_vector = frame_measure(drive, sample)};
+    const dq_t along_rotor = estimate_step(&drive->rotor, drive, sample, trained);
+    const instant_t now = {.sample = sample,
+                           .along_rotor = along_rotor,
+                           .along_vector = vector_measure(&drive->vector, sample)};
+    drive_event_t event;
     fault_t fault;
 
     fault_clear(&fault);
-    life_follow_or_fail(drive, open_loop_step(drive, &now, &fault), &fault, &sample);
+    event = impose(&drive->start, &drive->control, drive, now.along_vector, &fault);
+    if (drive->state == DRIVE_STATE_ALIGN) {
+        vector_move(&drive->vector, drive->start.align.frame_speed);
+    }
+    life_follow_or_fail(drive, event, &fault, &now);
     take_slot(drive, in, &now, left, true);
     act(drive, &now, trained, out);
 }
@@ -218,7 +246,7 @@ static void probe_tick(drive_t *drive, const drive_in_t *in, sample_t sample, ui
     out->gate_enable = true;
     take_slot(drive, in, &now, left, false);
     if (drive->state != DRIVE_STATE_PROBE) {
-        rest(drive, sample, out);
+        rest(&drive->safe_state, drive, sample, out);
     }
 }
 
@@ -233,12 +261,12 @@ static void idle_tick(drive_t *drive, const drive_in_t *in, sample_t sample, uin
         fault_t fault;
 
         fault_clear(&fault);
-        life_follow_or_fail(drive, open_loop_flying_start(drive, in, sample, out, &fault), &fault,
-                            &sample);
+        life_follow_or_fail(drive, open_loop_search(&drive->start, drive, in, sample, out, &fault),
+                            &fault, &now);
     }
     take_slot(drive, in, &now, left, false);
     if (!drive_is_driving(drive->state)) {
-        rest(drive, sample, out);
+        rest(&drive->safe_state, drive, sample, out);
     }
 }
 
@@ -261,7 +289,7 @@ NEVER_INLINED static void other_tick(drive_t *drive, const drive_in_t *in, sampl
 void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out)
 {
     /*@ split drive->slow_count == 1; */
-    const uint32_t left = count_slow(drive);
+    const uint32_t left = count_slow(&drive->slow_count);
     const sample_t sample = instant_sample(drive, in);
     bool controlled = true;
 

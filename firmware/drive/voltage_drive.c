@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "voltage_drive.h"
 
-#include "frame.h"
-
 #include "trig.h"
 
 #define QUARTER_TURN_STEP (0x40000000)
@@ -30,32 +28,13 @@ static int32_t half_error(const drive_t *drive, step_t reference)
         fx_asr(reference - drive->rotor.observer.speed, drive->cfg->speed_loop.error_shift));
 }
 
-/*
- * Starts the voltage drive with this magnitude and lead, and with the present speed reference. The
- * first output of the PI contains the proportional part of the speed error. So the integral begins
- * smaller by that part; otherwise the voltage would jump by more than R·i.
- */
-static void take_over(drive_t *drive, int32_t magnitude, int32_t lead)
+void voltage_drive_reset(voltage_drive_t *vd)
 {
-    voltage_drive_t *const vd = &drive->voltage_drive;
-    const step_t reference = drive->motion.speed_loop.reference;
-    const int32_t proportional =
-        pi_sum(&drive->cfg->voltage_drive.pi, half_error(drive, reference), 0);
-    const int32_t integral = magnitude - emf(drive, reference) - proportional;
-
-    phase_compensator_start(&vd->compensator,
-                            rotor_position_angle(&drive->rotor.position) + fx_unsigned(lead));
-    pi_reset(&vd->pi, fx_sat16(integral));
-    vd->magnitude = magnitude;
-    virtual_resistance_start(&vd->damping, drive->control.current_ref);
-    drive->control.current_ref = (dq_t){0, 0}; /* the voltage drive has no current reference */
-    vd->end_periods = 0U;
-    vd->active = true;
+    *vd = (voltage_drive_t){.active = false};
 }
 
-dq_t voltage_drive_step(drive_t *drive, dq_t current, int32_t bus)
+dq_t voltage_drive_step(voltage_drive_t *vd, const drive_t *drive, dq_t current, int32_t bus)
 {
-    voltage_drive_t *const vd = &drive->voltage_drive;
     const dq_t damping = /* Q30 */
         virtual_resistance_step(&vd->damping, &drive->cfg->voltage_drive.damping, current);
     const int32_t limit = modulator_limit(&drive->cfg->modulator, bus);
@@ -73,39 +52,13 @@ dq_t voltage_drive_step(drive_t *drive, dq_t current, int32_t bus)
     };
 }
 
-/*
- * i_d* begins at 0. The compensator has kept i_d near 0, and a configuration without start-up may
- * have no slope that would bring another i_d* to 0.
- */
-void voltage_drive_end(drive_t *drive)
-{
-    const dq_t mean = virtual_resistance_mean(&drive->voltage_drive.damping);
-    dq_t modelled;
-
-    drive->control.current_ref = (dq_t){.d = 0, .q = mean.q};
-    frame_plan_rotor(drive);
-    modelled = current_loop_model(&drive->control.current_loop, mean);
-
-    pi_reset(&drive->control.current_loop.pi_d, fx_sat16(drive->control.voltage.d - modelled.d));
-    pi_reset(&drive->control.current_loop.pi_q, fx_sat16(drive->control.voltage.q - modelled.q));
-    speed_loop_start(&drive->motion.speed_loop, drive->motion.speed_loop.reference,
-                     drive->control.current_ref.q);
-    torque_filter_start(&drive->motion.torque_filter, drive->control.current_ref.q);
-    weakening_reset(&drive->motion.weakening); /* it was not updated during the voltage drive */
-    drive->voltage_drive.active = false;
-    drive->voltage_drive.calm_periods = 0U;
-}
-
-static void set_magnitude(drive_t *drive, int32_t bus)
+void voltage_drive_set_magnitude(voltage_drive_t *vd, const drive_t *drive, int32_t bus)
 {
     const drive_cfg_t *const cfg = drive->cfg;
-    const step_t speed_max = cfg->speed_loop.speed_max;
-    const step_t reference = fx_clamp(drive->motion.speed_reference, -speed_max, speed_max);
+    const step_t reference = drive->motion.speed_loop.reference;
 
-    drive->motion.speed_loop.reference = reference;
-    drive->voltage_drive.magnitude =
-        pi_step(&drive->voltage_drive.pi, &cfg->voltage_drive.pi, half_error(drive, reference),
-                emf(drive, reference), modulator_limit(&cfg->modulator, bus));
+    vd->magnitude = pi_step(&vd->pi, &cfg->voltage_drive.pi, half_error(drive, reference),
+                            emf(drive, reference), modulator_limit(&cfg->modulator, bus));
 }
 
 /*
@@ -161,19 +114,15 @@ static bool is_at_end(const drive_t *drive)
            (fx_abs(mean.q) < (floor - fx_asr(floor, HYSTERESIS_SHIFT)));
 }
 
-void voltage_drive_motion(drive_t *drive, const drive_command_t *command, int32_t bus)
+bool voltage_drive_count_end(voltage_drive_t *vd, const drive_t *drive,
+                             const drive_command_t *command)
 {
     const voltage_drive_cfg_t *const cfg = &drive->cfg->voltage_drive;
     const step_t leave = cfg->speed_min - fx_asr(cfg->speed_min, HYSTERESIS_SHIFT);
-    voltage_drive_t *const vd = &drive->voltage_drive;
 
     vd->end_periods = is_at_end(drive) ? (vd->end_periods + 1U) : 0U;
-    if (!is_wanted(drive, command, leave) || is_overloaded(drive) ||
-        (vd->end_periods >= cfg->settle_periods)) {
-        voltage_drive_end(drive);
-    } else {
-        set_magnitude(drive, bus);
-    }
+    return !is_wanted(drive, command, leave) || is_overloaded(drive) ||
+           (vd->end_periods >= cfg->settle_periods);
 }
 
 /*
@@ -209,25 +158,41 @@ static dq_t settled_voltage(const drive_t *drive)
     };
 }
 
-void voltage_drive_offer(drive_t *drive, const drive_command_t *command, dq_t current)
+bool voltage_drive_count_calm(voltage_drive_t *vd, const drive_t *drive,
+                              const drive_command_t *command, dq_t current)
 {
     const voltage_drive_cfg_t *const cfg = &drive->cfg->voltage_drive;
-    uint32_t calm_periods = 0U;
+    const bool wanted = is_wanted(drive, command, cfg->speed_min);
 
-    if (is_wanted(drive, command, cfg->speed_min)) {
-        const dq_t voltage = settled_voltage(drive);
-        const int32_t lead = present_lead(voltage);
-
-        if (is_calm(drive, command->target, current, lead)) {
-            calm_periods = drive->voltage_drive.calm_periods + 1U;
-        }
-        if (calm_periods >= cfg->settle_periods) {
-            const int32_t length = (int32_t)trig_sqrt(transforms_square(voltage));
-            const int32_t magnitude = fx_min(length, FX_Q15_MAX);
-            const bool forwards = voltage.q >= 0;
-
-            take_over(drive, forwards ? magnitude : -magnitude, forwards ? lead : -lead);
-        }
+    if (wanted && is_calm(drive, command->target, current, present_lead(settled_voltage(drive)))) {
+        vd->calm_periods++;
+    } else {
+        vd->calm_periods = 0U;
     }
-    drive->voltage_drive.calm_periods = calm_periods;
+    return wanted && (vd->calm_periods >= cfg->settle_periods);
+}
+
+/*
+ * The first output of the PI contains the proportional part of the speed error. So the integral
+ * begins smaller by that part; otherwise the voltage would jump by more than R·i.
+ */
+void voltage_drive_begin(voltage_drive_t *vd, const drive_t *drive)
+{
+    const dq_t voltage = settled_voltage(drive);
+    const int32_t length = fx_min((int32_t)trig_sqrt(transforms_square(voltage)), FX_Q15_MAX);
+    const bool forwards = voltage.q >= 0;
+    const int32_t magnitude = forwards ? length : -length;
+    const int32_t lead = forwards ? present_lead(voltage) : -present_lead(voltage);
+    const step_t reference = drive->motion.speed_loop.reference;
+    const int32_t proportional =
+        pi_sum(&drive->cfg->voltage_drive.pi, half_error(drive, reference), 0);
+    const int32_t integral = magnitude - emf(drive, reference) - proportional;
+
+    phase_compensator_start(&vd->compensator,
+                            rotor_position_angle(&drive->rotor.position) + fx_unsigned(lead));
+    pi_reset(&vd->pi, fx_sat16(integral));
+    vd->magnitude = magnitude;
+    virtual_resistance_start(&vd->damping, drive->control.current_ref);
+    vd->end_periods = 0U;
+    vd->active = true;
 }

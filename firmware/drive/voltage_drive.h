@@ -28,7 +28,7 @@
  * limit of current control, when the command is not a speed, or when the speed is below 3/4 of
  * speed_min. It also changes back when lead or current has been at its lower limit for
  * settle_periods. Both changes begin with the voltage that acts, without its noise, so nothing
- * jumps.
+ * jumps. schedule.c makes them.
  *
  * Part of the drive; called from drive_step only.
  */
@@ -38,25 +38,33 @@
 #include "io.h"
 #include "state.h"
 
+/* Current control, until the conditions above have held anew. */
+void voltage_drive_reset(voltage_drive_t *vd);
+
 /*
  * Each tick: returns the voltage to apply, Q15 of U_b. There is no current reference; the mean
  * current of the virtual resistance takes its place. current: measured current in the frame of θ̂.
  */
-dq_t voltage_drive_step(drive_t *drive, dq_t current, int32_t bus);
-
-/* Once per slow period: speed PI, or the change back to current control. */
-void voltage_drive_motion(drive_t *drive, const drive_command_t *command, int32_t bus);
+dq_t voltage_drive_step(voltage_drive_t *vd, const drive_t *drive, dq_t current, int32_t bus);
 
 /*
- * Changes back to current control. Sets the integrals to the present voltage minus the voltage of
- * the model, i_q* to the present mean of i_q, and i_d* to 0.
+ * Once per slow period under current control: counts the periods in which the conditions above
+ * hold. Returns whether the drive changes to voltage control.
  */
-void voltage_drive_end(drive_t *drive);
+bool voltage_drive_count_calm(voltage_drive_t *vd, const drive_t *drive,
+                              const drive_command_t *command, dq_t current);
+
+/* Begins with the voltage that acts, without its noise, and with the present speed reference. */
+void voltage_drive_begin(voltage_drive_t *vd, const drive_t *drive);
 
 /*
- * Once per slow period under current control: checks the conditions above and changes to voltage
- * control.
+ * Once per slow period: counts the periods at a lower limit. Returns whether the drive changes back
+ * to current control.
  */
-void voltage_drive_offer(drive_t *drive, const drive_command_t *command, dq_t current);
+bool voltage_drive_count_end(voltage_drive_t *vd, const drive_t *drive,
+                             const drive_command_t *command);
+
+/* Once per slow period that does not end it: the speed PI. bus: Q15 of U_b. */
+void voltage_drive_set_magnitude(voltage_drive_t *vd, const drive_t *drive, int32_t bus);
 
 #endif

@@ -40,6 +40,16 @@ static int32_t heat_shifted_up(uint32_t top, uint32_t rest, uint32_t up)
     return (int32_t)((heat < HEAT_MAX) ? heat : HEAT_MAX);
 }
 
+void derating_start(derating_t *derating)
+{
+    derating->voltage = (dq_t){0, 0};
+}
+
+void derating_warm(derating_t *derating, int32_t heat_q24)
+{
+    derating->heat_q24 = heat_q24;
+}
+
 /*
  * Converts the heat to the other scale: heat · ratio · 2^(shift − SPLIT_BITS), with a ratio below
  * 2^15. The product heat · ratio is computed as two products of 32 bits, because a Cortex-M0+ has

@@ -114,6 +114,12 @@ static inline int32_t derating_limit_q24(const derating_cfg_t *cfg)
 /* Heat 0, no derating. */
 void derating_reset(derating_t *derating, const derating_cfg_t *cfg);
 
+/* A start begins: the mean of the voltage demand is 0. The heat stays. */
+void derating_start(derating_t *derating);
+
+/* Set the heat, Q24, 0…DERATING_HEAT_MAX_Q24. */
+void derating_warm(derating_t *derating, int32_t heat_q24);
+
 /*
  * Convert the heat from the scale of one configuration to the scale of another, so that it stands
  * for the same squared current. Relative error 2^-14, saturated. Control interrupt only.

@@ -16,7 +16,7 @@ namespace
 const std::vector<Stage> STAGES = {
     {"raw ADC", {"in.adc_ia", "in.adc_ib", "in.adc_bus"}},
     {"angle sensor, speed and angle that follow it",
-     {"in.angle", "drive.angle_sensor.speed", "angle_estimated_el_deg"},
+     {"in.angle", "drive.rotor.angle_sensor.speed", "angle_estimated_el_deg"},
      "cfg.sampling.sensor_pole_pairs"},
     {"per unit, offset removed", {"i_a_measured_a", "i_b_measured_a", "drive.bus"}},
     {"Clarke: stationary frame", {"i_alpha_a", "i_beta_a"}},

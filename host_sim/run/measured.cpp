@@ -29,7 +29,7 @@ angle_t rotor_angle(const Tick &tick)
         return vector_angle(drive);
     }
     return drive_has_sensor(&drive)
-               ? rotor_position_angle(&drive.angle_sensor.position)
+               ? rotor_position_angle(&drive.rotor.angle_sensor.position)
                : static_cast<angle_t>(static_cast<uint64_t>(tick.position_estimate_q32));
 }
 
@@ -39,7 +39,7 @@ angle_t control_angle(const drive_t &drive)
     if (drive.state != DRIVE_STATE_RUN) {
         return vector_angle(drive);
     }
-    return drive_has_sensor(&drive) ? rotor_position_angle(&drive.angle_sensor.position)
+    return drive_has_sensor(&drive) ? rotor_position_angle(&drive.rotor.angle_sensor.position)
                                     : rotor_position_angle(&drive.rotor.position) -
                                           fx_unsigned(drive.rotor.observer.speed_out);
 }

@@ -55,8 +55,8 @@ BACKGROUND = {  # of the recorder
 CASES = {
     DRIVE: {
         "fx_leading_zeros": 100, "trig_sqrt": 100, "root_of_normalised": 300, "whole_root": 0, "trig_sincos": 1100,
-        "estimate_step": 300, "frame_measure": 200, "frame_modulate": 2000, "frame_modulate_plain": 2000, "judge": 50,
-        "fx_approach": 20, "average": 20, "share_of": 100, "bits_beyond_15": 20, "heat_up": 60, "observer_rho": 10, "drive_step": 4, "watch": 20,
+        "estimate_step": 300, "vector_measure": 200, "frame_modulate": 2000, "frame_modulate_plain": 2000, "judge": 50,
+        "fx_approach": 20, "average": 20, "share_of": 100, "bits_beyond_15": 20, "heat_up": 60, "observer_rho": 10, "drive_step": 4, "check_samples": 20,
     },
     RECORDER: {"recorder_step": 20, "turn_over": 20, "room_for_tick": 20, "is_within": 10, "ring_is_within": 10},
     CURRENT_SUM: {"sum_of": 10, "current_sum_step": 20},

@@ -101,7 +101,7 @@ static void choose_state(void)
 #undef FIELD
     drive.rotor.position.turns_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
     drive.vector.position.turns_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
-    drive.angle_sensor.position.turns_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
+    drive.rotor.angle_sensor.position.turns_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
     drive.motion.position_loop.profile_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
     drive.motion.position_loop.zero_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
     drive.state = any_state(0U, DRIVE_STATES - 1U);

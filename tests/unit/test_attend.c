@@ -50,7 +50,7 @@ static void make_ordinary(drive_t *drive, drive_in_t *in)
     drive->limits = protection_limits(&cfg.protection, true);
     drive->sensors.offset_a = 16384;
     drive->sensors.offset_b = 16384;
-    state_guard_keep_measured(drive);
+    state_guard_keep_measured(&drive->state_guard, drive);
     in->command.request = DRIVE_REQUEST_RUN;
     in->flags = 0U;
     in->adc_ia = (uint16_t)seeded_in(&seed, 1400, 2700);

@@ -31,13 +31,13 @@ static drive_out_t out;
 static void seal(void)
 {
     cfg.crc = config_guard_crc(&cfg);
-    state_guard_keep_config(&drive);
+    state_guard_keep_config(&drive.state_guard, drive.cfg);
 }
 
 static void supervise_nothing(void)
 {
     example_supervise_nothing(&cfg);
-    state_guard_keep_config(&drive);
+    state_guard_keep_config(&drive.state_guard, drive.cfg);
 }
 
 static void quiet_frame(void)

@@ -8,7 +8,7 @@
 #include "config_check.h"
 #include "drive_words.h"
 #include "driven_motor.h"
-#include "model.h"
+#include "motor.h"
 #include "seeded.h"
 #include "state_guard.h"
 #include "testing.h"
@@ -163,9 +163,7 @@ static const model_measured_t MEASURED = {
 
 static void measure_model(void)
 {
-    const model_nominal_t nominal = drive_nominal(&drive);
-
-    model_set(&drive.motor.model, &cfg.model, &nominal, &MEASURED);
+    motor_set(&drive.motor, &cfg, &MEASURED);
     drive.motor.model.flux_q30 = 0x3C000000; /* 15/16, within the limits of ±1/4 */
 }
 
@@ -227,7 +225,7 @@ TEST(test_every_part_takes_the_change_over)
     drive_t before;
 
     drive.derating.heat_q24 = 8000000;
-    state_guard_keep_heat(&drive);
+    state_guard_keep_heat(&drive.state_guard, &drive.derating);
     drive.motion.speed_loop.inertia_q17 = 500000;
     before = drive;
     other.current_loop.pi_d.kp /= 2;
@@ -429,9 +427,9 @@ TEST(test_a_setting_of_rest_makes_a_drive_at_rest_calibrate_again)
     const uint32_t left = drive.slow_count;
 
     drive.derating.heat_q24 = 1234567;
-    state_guard_keep_heat(&drive);
+    state_guard_keep_heat(&drive.state_guard, &drive.derating);
     drive.motor.identified = true;
-    state_guard_keep_measured(&drive);
+    state_guard_keep_measured(&drive.state_guard, &drive);
     other.sampling.offset_log2 = 4U;
     TEST_ASSERT_NOT_NULL(config_change_refused(&cfg, &other));
     change();

@@ -9,12 +9,11 @@
 #include "example_cfg.h"
 #include "frame.h"
 #include "instant.h"
+#include "life.h"
 #include "open_loop.h"
-#include "run.h"
 #include "schedule.h"
 #include "state_guard.h"
 #include "testing.h"
-#include "transitions.h"
 
 #include <math.h>
 #include <string.h>
@@ -38,9 +37,11 @@ static void enter(drive_state_t state)
     drive.limits = protection_limits(&cfg.protection, drive_is_driving(state));
 }
 
-static void take(drive_event_t event)
+/* A start begins. */
+static void start(void)
 {
-    enter(transitions_next(drive.state, event));
+    enter(DRIVE_STATE_READY);
+    life_follow(&drive, DRIVE_EVENT_SEARCH, &now);
 }
 
 /* The work of one slot of the slow schedule, and what follows from it. */
@@ -48,10 +49,7 @@ static void slot(slot_t which)
 {
     const drive_event_t event = schedule_step(&drive, &in, &now, which, true, &fault);
 
-    if (event == DRIVE_EVENT_FAULT) {
-        drive.fault = fault;
-    }
-    take(event);
+    life_follow_or_fail(&drive, event, &fault, &now);
 }
 
 /* A drive that has measured its offsets, and a frame without current at 310 V. */
@@ -60,7 +58,7 @@ static void calibrate(drive_command_t command)
     in = (drive_in_t){.adc_ia = 2048U, .adc_ib = 2048U, .adc_bus = 2822U, .command = command};
     drive.sensors.offset_a = 16384;
     drive.sensors.offset_b = 16384;
-    state_guard_keep_measured(&drive);
+    state_guard_keep_measured(&drive.state_guard, &drive);
 }
 
 /* RUN at a speed that is asked for, with the whole torque allowed. */
@@ -81,7 +79,7 @@ void setUp(void)
     TEST_ASSERT_NULL(drive_init(&drive, &cfg));
     drive.bus = NOMINAL_BUS;
     now = (instant_t){.sample = {.bus = NOMINAL_BUS}};
-    run_reset(&drive);
+    start();
     supervision_reset(&drive.watch.supervision);
 }
 
@@ -110,7 +108,7 @@ TEST(test_a_reset_forgets_all_that_a_run_has_left_and_is_at_rest_at_angle_0)
     drive.rotor.observer.speed = 1;
     speed_loop_reset(&drive.motion.speed_loop, 1);
     position_loop_reset(&drive.motion.position_loop, QUARTER, 1);
-    run_reset(&drive);
+    start();
     TEST_ASSERT_EQUAL_MEMORY(&fresh, &drive, sizeof drive);
     TEST_ASSERT_EQUAL_INT64(0, drive.rotor.position.turns_q32);
     TEST_ASSERT_EQUAL_INT64(0, drive.vector.position.turns_q32);
@@ -211,7 +209,7 @@ static void assert_imposed(int32_t expected, int32_t thermal, step_t reference)
     for (int32_t k = 0; k <= (cfg.startup.current_move / cfg.startup.current_slope); k++) {
         const int32_t before = drive.control.current_ref.d;
 
-        (void)open_loop_step(&drive, &now, &fault);
+        frame_ask_d(&drive.control, open_loop_current(&drive));
         TEST_ASSERT_INT32_WITHIN(cfg.startup.current_slope, before, drive.control.current_ref.d);
     }
     TEST_ASSERT_EQUAL_INT32(expected, drive.control.current_ref.d);
@@ -248,7 +246,7 @@ TEST(test_a_hand_over_takes_its_time_to_settle)
     cfg.startup.settle_periods = 3U;
     enter(DRIVE_STATE_IF_RAMP);
     drive.motor.identified = true;
-    state_guard_keep_measured(&drive);
+    state_guard_keep_measured(&drive.state_guard, &drive);
     drag(cfg.startup.handover_speed);
     for (uint32_t k = 0U; k < 3U; k++) {
         drag_with(cfg.startup.handover_speed);
@@ -316,7 +314,7 @@ TEST(test_failed_starts_are_forgotten_when_run_has_lasted_and_not_before)
 
     enter(DRIVE_STATE_HANDOVER);
     drive.motor.identified = true;
-    state_guard_keep_measured(&drive);
+    state_guard_keep_measured(&drive.state_guard, &drive);
     drive.start.attempts = cfg.startup.attempts - 1U;
     drive.rotor.residual = cfg.startup.residual_max - 1;
     drag_with(cfg.startup.handover_speed);
@@ -333,7 +331,7 @@ TEST(test_a_start_that_fails_counts_the_time_of_run_anew)
 {
     enter(DRIVE_STATE_HANDOVER);
     drive.motor.identified = true;
-    state_guard_keep_measured(&drive);
+    state_guard_keep_measured(&drive.state_guard, &drive);
     drive.start.held_periods = STALE;
     drive.start.handover_periods = cfg.startup.handover_periods;
     drive.rotor.residual = cfg.startup.residual_max;
@@ -382,7 +380,7 @@ TEST(test_the_last_attempt_that_fails_is_a_fault)
 {
     enter(DRIVE_STATE_HANDOVER);
     drive.motor.identified = true;
-    state_guard_keep_measured(&drive);
+    state_guard_keep_measured(&drive.state_guard, &drive);
     drive.start.attempts = cfg.startup.attempts - 1U;
     drive.start.handover_periods = cfg.startup.handover_periods;
     drive.rotor.residual = cfg.startup.residual_max;
@@ -397,7 +395,7 @@ TEST(test_a_rotor_is_lost_when_periods_above_the_limit_outweigh_those_below)
 {
     enter(DRIVE_STATE_HOLD);
     drive.motor.identified = true;
-    state_guard_keep_measured(&drive);
+    state_guard_keep_measured(&drive.state_guard, &drive);
     drive.rotor.residual = cfg.startup.residual_lost + 1;
     for (uint32_t k = 1U; k < cfg.startup.lost_periods; k++) {
         drag(0);
@@ -467,7 +465,7 @@ static int32_t residual_in(drive_state_t state, step_t vector_speed)
     drive.vector.step = vector_speed;
     drive.rotor.observer.rotated_error = (dq_t){.d = -800, .q = 1600};
     drive.rotor.residual = 0;
-    estimate_refine(&drive);
+    slot(SLOT_REFINE);
     return drive.rotor.residual;
 }
 
@@ -491,7 +489,7 @@ static void assert_rho_follows(step_t own, step_t speed)
     enter(DRIVE_STATE_RUN);
     drive.rotor.observer.speed = own;
     speed_loop_reset(&drive.motion.speed_loop, -own);
-    estimate_refine(&drive);
+    slot(SLOT_REFINE);
     TEST_ASSERT_TRUE(drive.rotor.observer.rho_q13 != 0);
     TEST_ASSERT_EQUAL((speed > 0), (drive.rotor.observer.rho_q13 > 0));
 }
@@ -650,7 +648,7 @@ static int32_t current_d_after(int32_t d, int32_t q)
     cfg.current_reference.slope = 64;
     cfg.current_reference.slope_down = 2;
     drive.control.current_ref = (dq_t){d, q};
-    run_limit(&drive, &now);
+    slot(SLOT_LIMITS);
     return drive.control.current_ref.d;
 }
 
@@ -687,7 +685,7 @@ static int32_t current_d_beyond_base_speed(dq_t demand)
     drive.control.current_ref = (dq_t){0, 0};
     drive.rotor.observer.speed = speed_q15 * 2048; /* 2^speed_shift */
     drive.motion.speed_reference = drive.rotor.observer.speed;
-    run_limit(&drive, &now);
+    slot(SLOT_LIMITS);
     return drive.control.current_ref.d;
 }
 
@@ -712,6 +710,13 @@ TEST(test_the_voltage_drive_leaves_the_current_reference_alone)
 
 /* ---- the alignment ---- */
 
+static void align(void)
+{
+    const drive_event_t event = open_loop_align(&drive.start, &drive, now.along_vector, &fault);
+
+    life_follow_or_fail(&drive, event, &fault, &now);
+}
+
 /* The tick that ends a measurement of the alignment, with a largest current across the vector. */
 static void end_measurement(align_phase_t phase, int32_t swing, int32_t step_fall)
 {
@@ -733,7 +738,7 @@ static void end_measurement(align_phase_t phase, int32_t swing, int32_t step_fal
     }
     now.along_vector = (dq_t){first ? 2500 : 1500, 0};
     drive.control.voltage.d = first ? 1000 : 800;
-    take(open_loop_step(&drive, &now, &fault));
+    align();
 }
 
 /* The next tick evaluates what was measured, and the one after it acts on that. */
@@ -741,7 +746,7 @@ static void end_alignment(int32_t swing, int32_t step_fall)
 {
     end_measurement(ALIGN_MEASURE_LOW, swing, step_fall);
     for (uint32_t k = 0U; (k < 2U) && (drive.state == DRIVE_STATE_ALIGN); k++) {
-        take(open_loop_step(&drive, &now, &fault));
+        align();
     }
 }
 
@@ -796,11 +801,11 @@ static step_t reference_from(step_t present, uint32_t attempts, bool identified)
     enter(DRIVE_STATE_IF_RAMP);
     drive.start.attempts = attempts;
     drive.motor.identified = identified;
-    state_guard_keep_measured(&drive);
+    state_guard_keep_measured(&drive.state_guard, &drive);
     drive.vector.step = present;
     drive.motion.speed_loop.reference = present;
     in.command.target = cfg.speed_loop.speed_max;
-    open_loop_plan(&drive, &in.command);
+    slot(SLOT_PLAN);
     return drive.motion.speed_reference;
 }
 
@@ -821,11 +826,11 @@ static drive_state_t state_of_fast_vector(uint32_t attempts, bool identified)
     enter(DRIVE_STATE_IF_RAMP);
     drive.start.attempts = attempts;
     drive.motor.identified = identified;
-    state_guard_keep_measured(&drive);
+    state_guard_keep_measured(&drive.state_guard, &drive);
     drive.vector.step = cfg.startup.handover_speed;
     drive.motion.speed_loop.reference = cfg.startup.handover_speed;
     drive.motion.speed_reference = cfg.startup.handover_speed;
-    take(open_loop_drag(&drive, &fault));
+    slot(SLOT_SPEED);
     return drive.state;
 }
 
@@ -846,7 +851,7 @@ static dq_t voltage_of_imposed(dq_t current)
     current_loop_reset(&drive.control.current_loop);
     drive.control.current_ref = (dq_t){0, 0};
     frame = frame_of_vector(&drive, current);
-    return frame_impose_current(&drive, &frame, 22576); /* 310 V */
+    return frame_impose_current(&drive.control, &drive, &frame, 22576); /* 310 V */
 }
 
 /* What K_p of RUN makes of 500 beyond each limit, on top of the soft control; roundings of both. */
@@ -890,7 +895,7 @@ static int32_t torque_beside(int32_t current_d, int32_t sign)
     run_at(speed, sign * cfg.derating.current_max);
     drive.rotor.observer.speed -= sign * (speed / 2);
     drive.control.current_ref = (dq_t){current_d, 0};
-    run_limit(&drive, &now);
+    slot(SLOT_LIMITS);
     slot(SLOT_SPEED);
     return drive.control.current_ref.q;
 }
@@ -940,7 +945,10 @@ static bool sweeps_backwards(uint32_t attempts)
     drive.start.attempts = attempts;
     drive.start.align.backwards = false;
     for (int32_t k = 0; (k < 100000) && (drive.state == DRIVE_STATE_FLYING_START); k++) {
-        take(open_loop_flying_start(&drive, &in, now.sample, &out, &fault));
+        const drive_event_t event =
+            open_loop_search(&drive.start, &drive, &in, now.sample, &out, &fault);
+
+        life_follow_or_fail(&drive, event, &fault, &now);
     }
     TEST_ASSERT_EQUAL(DRIVE_STATE_ALIGN, drive.state);
     return drive.start.align.backwards;
@@ -972,7 +980,7 @@ static int32_t compensated_a(int32_t reference, int32_t mean)
     drive.control.current_ref = (dq_t){reference, 0};
     drive.vector.current_mean = (dq_t){mean, 0};
     frame = frame_of_vector(&drive, (dq_t){0, 0});
-    frame_modulate(&drive, &frame, (dq_t){0, 0}, &compare);
+    frame_modulate(&drive.control, &drive, &frame, (dq_t){0, 0}, &compare);
     return (int32_t)compare.phase[0] - (cfg.modulator.timer_counts / 2);
 }
 
@@ -1019,7 +1027,7 @@ static drive_state_t after_a_period_at(step_t reference, int32_t load)
 {
     run_at(reference, load);
     drive.control.current_ref = (dq_t){cfg.startup.current_hold, 0};
-    run_limit(&drive, &now);
+    slot(SLOT_LIMITS);
     slot(SLOT_SPEED);
     return drive.state;
 }
@@ -1285,7 +1293,7 @@ static int32_t heat_after_one_look(drive_state_t state)
 {
     enter(state);
     drive.derating.heat_q24 = 1000000;
-    state_guard_keep_heat(&drive);
+    state_guard_keep_heat(&drive.state_guard, &drive.derating);
     drive.watch.supervision.step = 0U;
     now.along_rotor = (dq_t){STALE_CURRENT, 0};
     now.sample.phase_a = 0;
@@ -1299,7 +1307,7 @@ static int32_t heat_of_phases(drive_state_t state, int32_t a, int32_t b)
 {
     enter(state);
     drive.derating.heat_q24 = 1000000;
-    state_guard_keep_heat(&drive);
+    state_guard_keep_heat(&drive.state_guard, &drive.derating);
     drive.watch.supervision.step = 0U;
     now.along_rotor = (dq_t){0, 0};
     now.sample.phase_a = a;
@@ -1345,7 +1353,7 @@ TEST(test_a_current_that_nothing_controls_heats_as_one_that_is_controlled)
     calibrate((drive_command_t){0});
     enter(DRIVE_STATE_RUN);
     drive.derating.heat_q24 = 1000000;
-    state_guard_keep_heat(&drive);
+    state_guard_keep_heat(&drive.state_guard, &drive.derating);
     drive.watch.supervision.step = 0U;
     now.along_rotor = (dq_t){0, 8000};
     slot(SLOT_CHECKS);

@@ -20,10 +20,10 @@
 #define END(member) (offsetof(drive_t, member) + sizeof(((drive_t *)NULL)->member))
 #define BETWEEN(member, next) (offsetof(drive_t, next) - END(member))
 #define ALIGNMENT \
-    (BETWEEN(sensors, rotor) + BETWEEN(rotor.residual, modulator) + \
-     BETWEEN(voltage_drive, motion) + BETWEEN(motion.torque_loop, motor) + \
-     BETWEEN(motor, vector) + BETWEEN(vector.current_mean, angle_sensor) + \
-     BETWEEN(angle_sensor.speed, start) + (sizeof(drive_t) - END(scene)))
+    (BETWEEN(control, rotor) + BETWEEN(rotor.residual, rotor.angle_sensor) + \
+     BETWEEN(rotor.angle_sensor.speed, sensors) + BETWEEN(voltage_drive, motion) + \
+     BETWEEN(motion.torque_loop, motor) + BETWEEN(motor, vector) + \
+     BETWEEN(vector.current_mean, start) + (sizeof(drive_t) - END(scene)))
 #define MACHINE_BYTES (sizeof(void *) + BYTE_PADDING + ALIGNMENT)
 
 /* A field that is added to the state and not to its words is found here. */

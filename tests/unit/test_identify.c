@@ -256,7 +256,7 @@ TEST(test_a_drive_that_leaves_probe_by_another_command_ends_it)
 TEST(test_it_waits_until_a_winding_that_may_be_warm_has_cooled)
 {
     app.drive.derating.heat_q24 = 0xE66666; /* 0.9 */
-    state_guard_keep_heat(&app.drive);
+    state_guard_keep_heat(&app.drive.state_guard, &app.drive.derating);
     start();
     TEST_ASSERT_EQUAL_STRING(
         "the winding may be at 90 % of its continuous heat; waiting until it is at 38 %\r\n",
@@ -268,7 +268,7 @@ TEST(test_it_waits_until_a_winding_that_may_be_warm_has_cooled)
         TEST_ASSERT_EQUAL_UINT8(0U, app.in.command.request);
     }
     app.drive.derating.heat_q24 = 0x400000;
-    state_guard_keep_heat(&app.drive);
+    state_guard_keep_heat(&app.drive.state_guard, &app.drive.derating);
     TEST_ASSERT_EQUAL_STRING_LEN("identify 2", next_line(), 10);
     (void)next_line();
     TEST_ASSERT_EQUAL(DRIVE_STATE_PROBE, app.drive.state);
@@ -277,7 +277,7 @@ TEST(test_it_waits_until_a_winding_that_may_be_warm_has_cooled)
 TEST(test_a_stop_ends_the_wait_for_a_winding)
 {
     app.drive.derating.heat_q24 = 0xE66666;
-    state_guard_keep_heat(&app.drive);
+    state_guard_keep_heat(&app.drive.state_guard, &app.drive.derating);
     start();
     (void)next_line();
     identify_stop(&identify);
@@ -289,9 +289,9 @@ TEST(test_a_winding_with_a_long_time_constant_is_not_waited_for)
 {
     cfg.derating.heat_rate_shift += 5U;
     cfg.crc = config_guard_crc(&cfg);
-    state_guard_keep_config(&app.drive);
+    state_guard_keep_config(&app.drive.state_guard, app.drive.cfg);
     app.drive.derating.heat_q24 = 0xE66666;
-    state_guard_keep_heat(&app.drive);
+    state_guard_keep_heat(&app.drive.state_guard, &app.drive.derating);
     begin();
 }
 
@@ -299,7 +299,7 @@ TEST(test_a_winding_with_a_long_time_constant_is_not_waited_for)
 TEST(test_the_wait_for_a_winding_is_part_of_the_two_minutes)
 {
     app.drive.derating.heat_q24 = 0xE66666;
-    state_guard_keep_heat(&app.drive);
+    state_guard_keep_heat(&app.drive.state_guard, &app.drive.derating);
     start();
     (void)next_line();
     app.drive.tick += 2U * 60U * 1000U * (uint32_t)MS;

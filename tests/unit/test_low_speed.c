@@ -793,11 +793,11 @@ TEST(test_heat_takes_from_an_imposed_current_too)
     go_to(DRIVE_STATE_HOLD);
     cfg.derating.current_continuous = cfg.startup.current_hold / 2;
     drive.derating.heat_q24 = (1 << 24) + (1 << 20); /* beyond all derating, below the fault */
-    state_guard_keep_heat(&drive);
+    state_guard_keep_heat(&drive.state_guard, &drive.derating);
     cfg.derating.heat_rate = 0;
     cfg.crc = config_guard_crc(&cfg);
     config_guard_reset(&drive.guard);
-    state_guard_keep_config(&drive);
+    state_guard_keep_config(&drive.state_guard, drive.cfg);
     ticks(20U * SUPERVISION_TICKS);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_HOLD, drive.state);
     TEST_ASSERT_EQUAL_INT32(cfg.startup.current_hold / 2, drive.control.current_ref.d);
@@ -814,7 +814,7 @@ TEST(test_a_winding_at_rest_cools_whatever_the_last_current_was)
         in.command.request = 0U;
         tick();
         before = drive.derating.heat_q24 = 1 << 24;
-        state_guard_keep_heat(&drive);
+        state_guard_keep_heat(&drive.state_guard, &drive.derating);
         ticks(SUPERVISION_TICKS);
         TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
         TEST_ASSERT_LESS_THAN_INT32(before, drive.derating.heat_q24);

@@ -4,7 +4,7 @@
  * that the fault names. test_state_guard flips each bit of a running drive.
  */
 #include "driven_motor.h"
-#include "open_loop.h"
+#include "schedule.h"
 #include "state_guard.h"
 #include "transitions.h"
 
@@ -23,13 +23,19 @@ void tearDown(void)
 {
 }
 
+/* Looks at the next part. */
+static fault_id_t look(void)
+{
+    return state_guard_step(&drive.state_guard, &drive.motor, &drive, &fault);
+}
+
 /* Looks at each part once, or until one is found. */
 static fault_id_t look_at_all(void)
 {
     fault_id_t id = FAULT_NONE;
 
     for (uint32_t k = 0U; (k < (uint32_t)STATE_GUARD_PARTS) && (id == FAULT_NONE); k++) {
-        id = state_guard_step(&drive, &fault);
+        id = look();
     }
     return id;
 }
@@ -177,11 +183,11 @@ TEST(test_a_way_at_the_speed_that_the_rotor_had_is_none_that_no_rotor_goes)
 
     begin_in(DRIVE_STATE_RUN, DRIVE_MODE_POSITION);
     drive.rotor.observer.speed = 0x10000000; /* 1/16 turn a tick */
-    TEST_ASSERT_EQUAL_INT(FAULT_NONE, state_guard_step(&drive, &fault));
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, look());
     drive.rotor.position.turns_q32 += ticks_of_a_look * drive.rotor.observer.speed;
-    TEST_ASSERT_EQUAL_INT(FAULT_NONE, state_guard_step(&drive, &fault));
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, look());
     drive.rotor.position.turns_q32 += ticks_of_a_look * 2 * drive.rotor.observer.speed;
-    TEST_ASSERT_EQUAL_INT(FAULT_MEMORY, state_guard_step(&drive, &fault));
+    TEST_ASSERT_EQUAL_INT(FAULT_MEMORY, look());
     TEST_ASSERT_EQUAL_INT32(STATE_GUARD_TURNS, fault.value);
 }
 
@@ -217,9 +223,12 @@ TEST(test_a_vector_moves_by_the_step_that_it_was_given)
 /* In the tick that moves it. */
 TEST(test_a_drive_with_a_vector_of_another_step_stops)
 {
+    const instant_t now = {.sample = {.bus = drive.bus}};
+
     begin_in(DRIVE_STATE_IF_RAMP, DRIVE_MODE_SPEED);
     drive.vector.step ^= 1;
-    TEST_ASSERT_EQUAL_INT(DRIVE_EVENT_FAULT, open_loop_drag(&drive, &fault));
+    TEST_ASSERT_EQUAL_INT(DRIVE_EVENT_FAULT,
+                          schedule_step(&drive, &in, &now, SLOT_SPEED, true, &fault));
     TEST_ASSERT_EQUAL_INT(FAULT_MEMORY, fault.id);
     TEST_ASSERT_EQUAL_INT32(STATE_GUARD_VECTOR, fault.value);
 }

@@ -345,7 +345,7 @@ TEST(test_a_current_that_falls_below_its_floor_is_given_back_and_then_kept)
     cfg.current_reference.floor_shift = 0U;
     cfg.current_reference.slope = 65;
     cfg.crc = config_guard_crc(&cfg);
-    state_guard_keep_config(&drive);
+    state_guard_keep_config(&drive.state_guard, drive.cfg);
     run_at(600.0);
     loaded_ticks(PATIENCE_TICKS, 2.0);
     TEST_ASSERT_TRUE(drive.voltage_drive.active);

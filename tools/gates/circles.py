@@ -10,7 +10,8 @@ In the simulator the includes alone are looked at, and in the bench of the brows
 A call through a pointer counts as a call of each function of this type whose address is taken anywhere in the firmware: a
 pointer that is handed down may call back up, and no include shows it.
 
-One function writes drive_t.state; to take its address is to write it. Those that write all of a drive_t are listed.
+One function writes drive_t.state; to take its address is to write it. Those that write all of a drive_t are listed. Each
+group of the state (state.h) is written by the functions of one module; others hand the whole group to one of these.
 
 libclang parses each source and each header by itself, as for an Armv7E-M, and once with the headers of each port.
 """
@@ -33,9 +34,15 @@ CORE = ("-target", "thumbv7em-none-eabi", "-ffreestanding")  # has what the port
 DRIVE, STATE = "drive_t", "state"
 LIFE_FILE, RECORDER_FILE = Path("firmware/drive/life.c"), Path("firmware/record/recorder.c")
 WRITERS = {  # the recorder writes copies that nobody steps
-    f"{DRIVE}.{STATE}": [(LIFE_FILE, "enter")],
+    f"{DRIVE}.{STATE}": [(LIFE_FILE, "set_state")],
     DRIVE: [(LIFE_FILE, "initialise"), (RECORDER_FILE, "offer"), (RECORDER_FILE, "recorder_keep_state")],
 }
+GROUPS = {  # type of a group → stem of the module that writes it
+    "control_t": "frame", "current_vector_t": "vector", "motion_t": "run", "motor_t": "motor", "rotor_t": "estimate",
+    "sensors_t": "calibration", "start_t": "open_loop", "state_guard_t": "state_guard", "voltage_drive_t": "voltage_drive",
+    "watch_t": "monitor",
+}
+WITHIN = (Kind.MEMBER_REF_EXPR, Kind.ARRAY_SUBSCRIPT_EXPR, Kind.PAREN_EXPR)  # what leads to a part of a value
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*"([^"]+)"', re.MULTILINE)
 FIRMWARE = ("firmware/*.c", "firmware/*.h", "firmware/*.def")
 SIMULATOR = ("host_sim/*.c", "host_sim/*.cpp", "host_sim/*.h")
@@ -45,6 +52,38 @@ IMPORT = re.compile(r'^(?:import|export)\b[^;"]*"(\.[^"]+)"', re.MULTILINE)
 
 def module(path):
     return path.parent, path.stem
+
+
+def is_const_pointer(cursor):
+    return cursor.type.get_canonical().get_pointee().is_const_qualified()
+
+
+def is_written(chain):
+    """Whether a part of a value is written: assigned, or its address goes to a pointer that may write.
+
+    chain: the part and the expressions around it, the outermost first.
+    """
+    inner = len(chain) - 1
+    while chain[inner - 1].kind in WITHIN or chain[inner - 2].kind == Kind.ARRAY_SUBSCRIPT_EXPR:  # an array decays first
+        inner -= 1
+    around, part = chain[inner - 1], chain[inner]
+    if around.kind == Kind.UNARY_OPERATOR:
+        tokens = [token.spelling for token in around.get_tokens()]
+        if tokens[0] == "&":
+            return not (is_const_pointer(around) or is_const_pointer(chain[inner - 2]))
+        return "++" in (tokens[0], tokens[-1]) or "--" in (tokens[0], tokens[-1])
+    return around.kind in (Kind.BINARY_OPERATOR, Kind.COMPOUND_ASSIGNMENT_OPERATOR) and next(around.get_children()) == part
+
+
+def group_writes(cursor, chain):
+    """(type of the group, line) of each write within this function."""
+    chain = [*chain, cursor]
+    target = cursor.referenced if cursor.kind == Kind.MEMBER_REF_EXPR else None
+    group = target and target.semantic_parent.type.spelling
+    if group in GROUPS and is_written(chain):
+        yield group, cursor.location.line
+    for child in cursor.get_children():
+        yield from group_writes(child, chain)
 
 
 def dependences(root, patterns, form, word, named):
@@ -76,6 +115,7 @@ class Code:
         self.root = root
         self.calls = {}  # (caller, callee) → first place
         self.writes = {}  # (what of the drive, function) → first place
+        self.foreign = {}  # place → group that another module writes
         self.errors = {}  # place → what the parser says
         self.external = {}  # name → function
         self.undefined = []  # calls of what another file defines: caller, name, place
@@ -117,6 +157,9 @@ class Code:
                 if cursor.kind == Kind.FUNCTION_DECL and cursor.linkage == LinkageKind.EXTERNAL and cursor.is_definition():
                     self.external[cursor.spelling] = function
                 self.visit(cursor, None, function)
+                for group, line in group_writes(cursor, []):
+                    if GROUPS[group] != path.stem:
+                        self.foreign[path, line] = group
 
     def visit(self, cursor, parent, function):
         """parent: without brackets."""
@@ -209,3 +252,5 @@ def findings(root):
         yield from (f"{circle}: modules in a circle" for circle in circles(edges))
     yield from (f"{circle}: a recursion" for circle in circles(within))
     yield from foreign_writes(root, code.writes)
+    for (path, line), group in sorted(code.foreign.items()):
+        yield f"{path}:{line}: writes a {group}, which is for {GROUPS[group]}.c alone"

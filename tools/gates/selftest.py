@@ -67,9 +67,9 @@ CIRCLES = {
 }
 DRIVE = {
     "firmware/drive/state.h": "typedef struct {\n    int state;\n    int tick;\n} drive_t;\n",
-    "firmware/drive/life.c": '#include "state.h"\nstatic void enter(drive_t *drive) { drive->state = 1; }\n'
+    "firmware/drive/life.c": '#include "state.h"\nstatic void set_state(drive_t *drive) { drive->state = 1; }\n'
                               "void initialise(drive_t *drive)\n{\n    *drive = (drive_t){.state = 2};\n"
-                              "    enter(drive);\n}\n",
+                              "    set_state(drive);\n}\n",
 }
 
 CLEAN = {
@@ -232,10 +232,30 @@ class GatesCanFail(unittest.TestCase):
         self.append("firmware/drive/life.c", "void drive_step(drive_t *drive)\n{\n    drive->state = 3;\n}\n")
         self.assert_fails("floors", "firmware/drive/life.c:10: drive_step writes drive_t.state", "1 finding(s)")
 
+    def test_a_group_of_the_state_is_written_by_one_module(self):
+        self.write("firmware/drive/run.h", "typedef struct {\n    int mode;\n    int way[2];\n} motion_t;\n"
+                                           "typedef struct {\n    motion_t motion;\n    int tick;\n} machine_t;\n"
+                                           "void run_plan(motion_t *motion);\nint run_of(const int *mode);\n"
+                                           "void run_set(int *mode);\n")
+        self.write("firmware/drive/run.c", '#include "run.h"\nvoid run_plan(motion_t *motion)\n{\n    motion->mode = 1;\n}\n')
+        head = '#include "run.h"\nint f(machine_t *machine)\n{\n'
+        for line in ("machine->motion.mode = 1;", "machine->motion.mode++;", "machine->motion.way[1] |= 2;",
+                     "(machine->motion.way)[0] = 2;", "run_set(&machine->motion.mode);",
+                     "int *const mode = &machine->motion.mode; *mode = 1;"):
+            with self.subTest(line):
+                self.write("firmware/drive/tick.c", head + line + "\nreturn 0;\n}\n")
+                self.assert_fails("floors", "firmware/drive/tick.c:4: writes a motion_t, which is for run.c alone",
+                                  "1 finding(s)")
+        self.write("firmware/drive/tick.c", head + "const int *const mode = &machine->motion.mode;\n"
+                                                   "machine->tick = machine->motion.mode + machine->motion.way[1];\n"
+                                                   "run_plan(&machine->motion);\n"
+                                                   "return run_of(&machine->motion.mode) + *mode;\n}\n")
+        self.assert_passes("floors")
+
     def test_who_writes_the_state_is_there(self):
         for path, text in DRIVE.items():
             self.write(path, text.replace("drive_t", "machine_t"))
-        self.assert_fails("floors", "enter of firmware/drive/life.c does not write drive_t.state",
+        self.assert_fails("floors", "set_state of firmware/drive/life.c does not write drive_t.state",
                           "initialise of firmware/drive/life.c does not write drive_t", "2 finding(s)")
 
     def test_registers_are_touched_in_target_bindings_only(self):
