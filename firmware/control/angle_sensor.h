@@ -16,10 +16,23 @@
 
 #include "rotor_position.h"
 
+#include <stdbool.h>
+
 typedef struct {
     rotor_position_t position; /* θ̂ at this instant */
     step_t speed;              /* ω̂ from this instant to the next, within ±speed_limit */
+    uint32_t check;            /* check word of the fields above, see angle_sensor_holds() */
 } angle_sensor_t;
+
+/* Start at this position, at rest. */
+void angle_sensor_start(angle_sensor_t *sensor, int64_t turns_q32);
+
+/*
+ * Whether the fields are as a function here has written them last. A bit that has flipped by itself
+ * makes it false: half a turn more would reverse the torque for some ticks. A sensor whose words
+ * are all zero holds.
+ */
+bool angle_sensor_holds(const angle_sensor_t *sensor);
 
 /*
  * One tick of the loop. measured: electrical angle, any value. |ω̂| saturates at speed_limit,

@@ -132,6 +132,17 @@ static fault_id_t check_state(drive_state_t state, fault_t *fault)
     return sound ? FAULT_NONE : FAULT_MEMORY;
 }
 
+/* A bit of the tracked angle has flipped, if its words do not agree. */
+static fault_id_t check_sensor(const angle_sensor_t *sensor, fault_t *fault)
+{
+    const bool sound = angle_sensor_holds(sensor);
+
+    if (!sound) {
+        *fault = (fault_t){.id = FAULT_MEMORY, .value = (int32_t)STATE_GUARD_TURNS, .limit = 0};
+    }
+    return sound ? FAULT_NONE : FAULT_MEMORY;
+}
+
 /* A late tick is a fault only while the motor is driven. Zero voltage acts in place of its demand.
  */
 static fault_id_t count_late(control_t *control, watch_t *watch, const drive_t *drive,
@@ -159,6 +170,7 @@ bool attend_step(drive_t *drive, const drive_in_t *in, sample_t sample)
     fault_clear(&fault);
     fail_if(drive, check_state(drive->state, &fault), &fault, &now);
     if (drive_has_sensor(drive)) {
+        fail_if(drive, check_sensor(&drive->rotor.angle_sensor, &fault), &fault, &now);
         estimate_sense(&drive->rotor, drive, in->angle);
     }
     fail_if(drive, check_told(&in->command, &fault), &fault, &now);

@@ -48,8 +48,8 @@ void estimate_sense(rotor_t *rotor, const drive_t *drive, uint16_t count)
     const angle_t shaft = (angle_t)count * COUNT_TO_ANGLE;
 
     if (drive->state == DRIVE_STATE_INIT) {
-        rotor->angle_sensor.position.turns_q32 =
-            turns_of(count, drive->cfg->sampling.sensor_pole_pairs);
+        angle_sensor_start(&rotor->angle_sensor,
+                           turns_of(count, drive->cfg->sampling.sensor_pole_pairs));
     }
     angle_sensor_step(&rotor->angle_sensor, shaft * drive->cfg->sampling.sensor_pole_pairs,
                       drive->motor.model.observer.speed_limit);

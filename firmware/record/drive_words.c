@@ -26,7 +26,7 @@ static const piece_t pieces[] = {
     WORDS(control, control.voltage.q),
     LONG(rotor.position),
     WORDS(rotor.observer, rotor.residual),
-    WORDS(rotor.angle_sensor, rotor.angle_sensor.speed),
+    WORDS(rotor.angle_sensor, rotor.angle_sensor.check),
     WORDS(sensors, sensors.sums.noise),
     BYTE(voltage_drive.active),
     WORDS(voltage_drive.calm_periods, voltage_drive.damping.mean_q30.q),

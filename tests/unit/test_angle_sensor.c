@@ -82,3 +82,24 @@ TEST(test_at_constant_acceleration_the_angle_lags_by_256_changes_of_the_speed)
     }
     TEST_ASSERT_UINT32_WITHIN(256U, 256U * (uint32_t)RAMP, ahead);
 }
+
+/* The words of the position and of the speed; the last of a negative position at a negative speed.
+ */
+TEST(test_a_flip_of_any_bit_is_seen_until_the_next_tick_and_none_else)
+{
+    TEST_ASSERT_TRUE(angle_sensor_holds(&sensor));
+    angle_sensor_start(&sensor, -0x123456789ALL);
+    TEST_ASSERT_TRUE(angle_sensor_holds(&sensor));
+    for (uint32_t bit = 0U; bit < 64U; bit++) {
+        const uint64_t flip = (uint64_t)1U << bit;
+
+        angle_sensor_step(&sensor, QUARTER, LIMIT);
+        TEST_ASSERT_TRUE(angle_sensor_holds(&sensor));
+        sensor.position.turns_q32 ^= (int64_t)flip;
+        TEST_ASSERT_FALSE(angle_sensor_holds(&sensor));
+        sensor.position.turns_q32 ^= (int64_t)flip;
+        sensor.speed ^= (step_t)(1U << (bit % 32U));
+        TEST_ASSERT_FALSE(angle_sensor_holds(&sensor));
+        sensor.speed ^= (step_t)(1U << (bit % 32U));
+    }
+}

@@ -21,7 +21,7 @@
 #define BETWEEN(member, next) (offsetof(drive_t, next) - END(member))
 #define ALIGNMENT \
     (BETWEEN(control, rotor) + BETWEEN(rotor.residual, rotor.angle_sensor) + \
-     BETWEEN(rotor.angle_sensor.speed, sensors) + BETWEEN(voltage_drive, motion) + \
+     BETWEEN(rotor.angle_sensor.check, sensors) + BETWEEN(voltage_drive, motion) + \
      BETWEEN(motion.torque_loop, motor) + BETWEEN(motor, vector) + \
      BETWEEN(vector.current_mean, start) + (sizeof(drive_t) - END(scene)))
 #define MACHINE_BYTES (sizeof(void *) + BYTE_PADDING + ALIGNMENT)
