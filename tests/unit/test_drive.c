@@ -129,12 +129,17 @@ static void assert_ab(ab_t expected, ab_t value)
 
 TEST(test_init_starts_in_init_whatever_was_there_before)
 {
+    fault_t fault;
+
     memset(&drive, 0x77, sizeof drive);
     TEST_ASSERT_NULL(drive_init(&drive, &cfg));
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_INIT, drive.state);
     TEST_ASSERT_EQUAL_INT(FAULT_NONE, drive.fault.id);
     TEST_ASSERT_EQUAL_UINT32(0U, drive.tick);
     TEST_ASSERT_EQUAL_INT32(4096, drive.modulator.inverse_bus_q12);
+    TEST_ASSERT_EQUAL_INT32(131072, drive.motion.speed_loop.inertia_q17); /* that of the file */
+    TEST_ASSERT_EQUAL_INT32(cfg.derating.current_max, drive.derating.motoring);
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, state_guard_check_vector(&drive, &fault));
 }
 
 TEST(test_init_names_a_refused_field)
@@ -185,22 +190,6 @@ TEST(test_run_command_enables_the_gates_in_the_next_tick_and_stop_opens_them_in_
     assert_gates_open();
 }
 
-/* A run that leaves both ratios, both integrals and all motion behind. */
-static void run_and_stop(void)
-{
-    in.command.request = DRIVE_REQUEST_RUN;
-    in.command.target = 10000000;
-    in.adc_ia = MID_COUNTS + 300U;
-    ticks(20U); /* later the d axis would have the whole voltage circle */
-    TEST_ASSERT_TRUE(drive.motion.speed_loop.reference != 0);
-    TEST_ASSERT_TRUE((drive.control.ratio_next.alpha != 0) && (drive.control.ratio_next.beta != 0));
-    TEST_ASSERT_TRUE((drive.control.ratio_acting.alpha != 0) &&
-                     (drive.control.ratio_acting.beta != 0));
-    quiet_frame();
-    tick();
-    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
-}
-
 TEST(test_a_fault_told_that_is_none_ends_a_run_as_a_stop_does)
 {
     static const uint8_t none[] = {(uint8_t)FAULT_NONE, (uint8_t)FAULT_COUNT, 0xFFU};
@@ -213,39 +202,6 @@ TEST(test_a_fault_told_that_is_none_ends_a_run_as_a_stop_does)
         TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
         assert_gates_open();
     }
-}
-
-/* The drive after each of the first two ticks of a run, of which the second controls a current. */
-static void begin_run(drive_t after[2])
-{
-    await_slow_period();
-    in.command.request = DRIVE_REQUEST_RUN;
-    for (uint32_t k = 0U; k < 2U; k++) {
-        tick();
-        after[k] = drive;
-        after[k].tick = 0U;
-        memset(&after[k].guard, 0, sizeof drive.guard); /* goes round for ever */
-        memset(&after[k].state_guard, 0, sizeof drive.state_guard);
-        memset(&after[k].derating, 0, sizeof drive.derating); /* the winding remembers */
-    }
-}
-
-TEST(test_a_second_run_starts_afresh)
-{
-    static drive_t first[2];
-    static drive_t second[2];
-
-    go_to(DRIVE_STATE_READY);
-    begin_run(first);
-    run_and_stop();
-    begin_run(second);
-    TEST_ASSERT_EQUAL_MEMORY(&first[1], &second[1], sizeof second[1]);
-    TEST_ASSERT_EQUAL_INT32(0, second[0].motion.speed_loop.reference);
-    TEST_ASSERT_EQUAL_INT32(0, second[0].control.current_ref.q);
-    assert_ab((ab_t){0, 0}, second[0].control.ratio_acting);
-    assert_ab((ab_t){0, 0}, second[0].control.ratio_next);
-    TEST_ASSERT_EQUAL_INT64(0, drive_position_q32(&second[0]));
-    TEST_ASSERT_EQUAL_INT32(0, drive_speed(&second[0]));
 }
 
 /* ---- calibration ---- */

@@ -125,25 +125,33 @@ TEST(test_a_standing_rotor_is_looked_at_then_aligned_then_held)
     }
 }
 
-/* The vector comes from where its sweep begins: from the side it then turns to. */
-TEST(test_a_rotor_is_pulled_in_backwards_for_a_speed_below_zero_only)
+/*
+ * The vector comes from where its sweep begins: from the side it then turns to. Each further
+ * attempt sweeps the other way.
+ */
+TEST(test_a_rotor_is_pulled_in_backwards_for_a_speed_below_zero_and_at_every_other_attempt)
 {
     static const struct {
         uint8_t mode;
         int32_t target;
+        uint32_t attempts;
         bool backwards;
-    } commands[] = {{DRIVE_MODE_SPEED, 0, false},
-                    {DRIVE_MODE_SPEED, 1, false},
-                    {DRIVE_MODE_SPEED, -1, true},
-                    {DRIVE_MODE_POSITION, -1, false}};
+    } rows[] = {
+        {DRIVE_MODE_SPEED, 0, 0U, false},  {DRIVE_MODE_SPEED, 1, 0U, false},
+        {DRIVE_MODE_SPEED, -1, 0U, true},  {DRIVE_MODE_POSITION, -1, 0U, false},
+        {DRIVE_MODE_SPEED, 1, 1U, true},   {DRIVE_MODE_SPEED, 1, 2U, false},
+        {DRIVE_MODE_SPEED, -1, 1U, false},
+    };
 
-    for (uint32_t k = 0U; k < (sizeof commands / sizeof commands[0]); k++) {
+    for (uint32_t k = 0U; k < COUNT(rows); k++) {
         begin();
         in.command = (drive_command_t){
-            .request = DRIVE_REQUEST_RUN, .mode = commands[k].mode, .target = commands[k].target};
-        expect_start_to(DRIVE_STATE_ALIGN);
-        TEST_ASSERT_EQUAL(commands[k].backwards, drive.start.align.backwards);
-        TEST_ASSERT_EQUAL(commands[k].backwards, drive.vector.position.turns_q32 > 0);
+            .request = DRIVE_REQUEST_RUN, .mode = rows[k].mode, .target = rows[k].target};
+        tick();
+        drive.start.attempts = rows[k].attempts;
+        expect_next(DRIVE_STATE_FLYING_START, DRIVE_STATE_ALIGN);
+        TEST_ASSERT_EQUAL(rows[k].backwards, drive.start.align.backwards);
+        TEST_ASSERT_EQUAL(rows[k].backwards, drive.vector.position.turns_q32 > 0);
     }
 }
 
@@ -771,22 +779,6 @@ TEST(test_any_frame_keeps_the_most_extreme_configuration_in_range)
 /* ---- what acts on an imposed current ---- */
 
 #define SUPERVISION_TICKS (cfg.slow_ticks * SUPERVISION_STEPS)
-
-TEST(test_a_hot_power_stage_takes_from_an_imposed_current_too)
-{
-    static const drive_state_t imposing[] = {DRIVE_STATE_HOLD, DRIVE_STATE_IF_RAMP};
-
-    for (uint32_t k = 0U; k < 2U; k++) {
-        setUp();
-        go_to(imposing[k]);
-        run_at((imposing[k] == DRIVE_STATE_HOLD) ? 0.0 : SLOW_RPM);
-        in.adc_temperature = 1966U; /* a fifth is left: 82 of 409.6 counts */
-        ticks(20U * SUPERVISION_TICKS);
-        TEST_ASSERT_EQUAL_INT(imposing[k], drive.state);
-        TEST_ASSERT_LESS_THAN_INT32(cfg.startup.current_hold, drive.derating.thermal);
-        TEST_ASSERT_EQUAL_INT32(drive.derating.thermal, drive.control.current_ref.d);
-    }
-}
 
 TEST(test_heat_takes_from_an_imposed_current_too)
 {

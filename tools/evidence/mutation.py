@@ -114,7 +114,8 @@ AREAS = (
                    "firmware/math/port/fx_armv7.h",  # of other cores
                    "firmware/math/barrier.h")),  # computes nothing
     Area("drive", (*(f"{room}/*.c" for room in DRIVE[:4]), *SAMPLED), DRIVE, (137, 154), sample=60, looked_at=180,
-         tests=("test_drive_steps", "test_drive", "test_voltage_drive", "test_low_speed"), left_out=CROSS_CHECKED),
+         tests=("test_drive_steps", "test_open_loop", "test_run", "test_monitor", "test_drive", "test_voltage_drive",
+                                         "test_low_speed"), left_out=CROSS_CHECKED),
     Area("cross-checks", CROSS_CHECKED, APP, (95, 100)),
     Area("app", tuple(f"firmware/app/{name}.c" for name in ("command_mailbox", "control_isr", "units")), APP, (72, 84),
          sample=52, looked_at=112, tests=("test_control_isr",)),
