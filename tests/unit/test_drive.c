@@ -26,6 +26,7 @@ static drive_cfg_t cfg;
 static drive_t drive;
 static drive_in_t in;
 static drive_out_t out;
+static example_motor_t motor;
 
 /* The configuration was changed on purpose. */
 static void seal(void)
@@ -52,6 +53,7 @@ void setUp(void)
     TEST_ASSERT_NULL(drive_init(&drive, &cfg));
     quiet_frame();
     memset(&out, 0xA5, sizeof out);
+    motor = example_motor_at(0.0, 0.0);
 }
 
 static drive_t was; /* the drive before the tick */
@@ -1001,14 +1003,30 @@ TEST(test_wild_but_allowed_measurements_keep_a_running_drive_in_range)
 
 /* ---- closed loop ---- */
 
-static void run_motor(example_motor_t *m, uint32_t count, double load_nm)
+static void run_motor(uint32_t count, double load_nm)
 {
     for (uint32_t k = 0U; k < count; k++) {
-        example_motor_measure(m, &in);
+        example_motor_measure(&motor, &in);
         tick();
         TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
-        example_motor_tick(m, &out, load_nm);
+        example_motor_tick(&motor, &out, load_nm);
     }
+}
+
+/* Of the shaft, which has two pole pairs. */
+static double shaft_turns(void)
+{
+    return motor.angle / 2.0 / (2.0 * EXAMPLE_PI);
+}
+
+static double estimated_turns(int64_t position_q32)
+{
+    return (double)position_q32 / 4294967296.0 / 2.0;
+}
+
+static double shaft_rpm(void)
+{
+    return motor.speed / 2.0 * 30.0 / EXAMPLE_PI;
 }
 
 /* Speeds in tests below hold to 1 % of rated speed: 18 rpm, half the specified 2 % band. */
@@ -1017,14 +1035,11 @@ static void run_motor(example_motor_t *m, uint32_t count, double load_nm)
 TEST(test_speed_command_is_followed_by_a_motor_in_both_directions_and_under_load)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
-        example_motor_t m = example_motor_at(0.0, 0.0);
-
         setUp();
         ask_to_run((int32_t)lround(sign * 1000.0 * STEPS_PER_RPM));
         for (int32_t loaded = 0; loaded <= 1; loaded++) {
-            run_motor(&m, 5000U, loaded * sign * 3.0);
-            TEST_ASSERT_DOUBLE_WITHIN(SPEED_TOLERANCE_RPM, sign * 1000.0,
-                                      m.speed / 2.0 * 30.0 / EXAMPLE_PI);
+            run_motor(5000U, loaded * sign * 3.0);
+            TEST_ASSERT_DOUBLE_WITHIN(SPEED_TOLERANCE_RPM, sign * 1000.0, shaft_rpm());
         }
         TEST_ASSERT_DOUBLE_WITHIN(SPEED_TOLERANCE_RPM, sign * 1000.0,
                                   drive_speed(&drive) / STEPS_PER_RPM);
@@ -1036,17 +1051,14 @@ TEST(test_speed_command_is_followed_by_a_motor_in_both_directions_and_under_load
 
 TEST(test_position_command_is_reached_by_a_motor_in_both_directions)
 {
-    example_motor_t m = example_motor_at(0.0, 0.0);
-
     ask_to_run(0);
     in.command.mode = DRIVE_MODE_POSITION;
     for (int32_t sign = 1; sign >= -1; sign -= 2) {
         in.command.target = sign * 3 * 65536; /* electrical turns: 1.5 mechanical */
-        run_motor(&m, 10000U, 0.0);
+        run_motor(10000U, 0.0);
+        TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, sign * 1.5, shaft_turns());
         TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, sign * 1.5,
-                                  m.angle / 2.0 / (2.0 * EXAMPLE_PI));
-        TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, sign * 1.5,
-                                  (double)drive_position_q32(&drive) / 4294967296.0 / 2.0);
+                                  estimated_turns(drive_position_q32(&drive)));
     }
 }
 
@@ -1056,13 +1068,13 @@ TEST(test_position_command_is_reached_by_a_motor_in_both_directions)
  * three periods to the torque of the ramp: until then the rotor falls back by 1, 2/3 and 1/3 of a
  * ramp, two in all.
  */
-static void run_without_bump(example_motor_t *m)
+static void run_without_bump(void)
 {
     const step_t reference = drive.motion.speed_loop.reference;
     const bool changes = drive.motion.mode != (uint8_t)DRIVE_MODE_POSITION;
     const step_t profile = changes ? reference : drive.motion.position_loop.profile_speed;
 
-    run_motor(m, cfg.slow_ticks, 0.0);
+    run_motor(cfg.slow_ticks, 0.0);
     TEST_ASSERT_TRUE(abs(drive.motion.position_loop.profile_speed - profile) <=
                      cfg.position_loop.ramp);
     TEST_ASSERT_TRUE((100 * (int64_t)abs(drive.motion.speed_loop.reference - reference)) <=
@@ -1075,26 +1087,25 @@ TEST(test_change_to_position_mode_at_speed_has_no_bump_and_comes_back_to_the_tar
     static const double speeds_rpm[] = {-1950.0, -1200.0, -300.0, 600.0, 900.0, 1500.0, 1800.0};
 
     for (uint32_t i = 0U; i < (sizeof speeds_rpm / sizeof speeds_rpm[0]); i++) {
-        example_motor_t m = example_motor_at(0.0, 0.0);
         int64_t before = 0;
         int64_t target = 0;
 
         setUp();
         ask_to_run((int32_t)lround(speeds_rpm[i] * STEPS_PER_RPM));
-        run_motor(&m, 6000U, 0.0);
+        run_motor(6000U, 0.0);
         in.command.mode = DRIVE_MODE_POSITION;
         in.command.target = 0;
         before = drive_position_q32(&drive);
         for (uint32_t k = 0U; k < 1500U; k++) {
-            run_without_bump(&m);
+            run_without_bump();
         }
         target = drive.motion.position_loop.zero_q32;
         TEST_ASSERT_EQUAL_INT64(0, target % (2 * TURN_Q32)); /* where it started, in this turn */
         TEST_ASSERT_TRUE(llabs(target - before) <= (TURN_Q32 + (TURN_Q32 / 10)));
         TEST_ASSERT_EQUAL_INT64(target, drive.motion.position_loop.profile_q32);
         TEST_ASSERT_EQUAL_INT32(0, drive.motion.position_loop.profile_speed);
-        TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, (double)target / 4294967296.0 / 2.0,
-                                  (double)drive_position_q32(&drive) / 4294967296.0 / 2.0);
+        TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, estimated_turns(target),
+                                  estimated_turns(drive_position_q32(&drive)));
     }
 }
 
@@ -1107,96 +1118,86 @@ TEST(test_a_change_to_position_mode_unwinds_no_turn_that_speed_control_has_made)
     static const int64_t turns[] = {1000000, -1000000, 1000000001};
 
     for (uint32_t i = 0U; i < (sizeof turns / sizeof turns[0]); i++) {
-        example_motor_t m = example_motor_at(0.0, 0.0);
         double start = 0.0;
 
         setUp();
         ask_to_run((int32_t)lround(60.0 * STEPS_PER_RPM));
-        run_motor(&m, 6000U, 0.0);
+        run_motor(6000U, 0.0);
         in.command.target = 0;
-        run_motor(&m, 2000U, 0.0);
+        run_motor(2000U, 0.0);
         drive.rotor.position.turns_q32 += turns[i] * 2 * TURN_Q32;
-        start = m.angle;
+        start = motor.angle;
         in.command.mode = DRIVE_MODE_POSITION;
-        run_motor(&m, 10000U, 0.0);
-        TEST_ASSERT_TRUE(fabs(m.angle - start) < (2.0 * EXAMPLE_PI * 1.02));
-        TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, 0.0,
-                                  remainder(m.angle / 2.0 / (2.0 * EXAMPLE_PI), 1.0));
+        run_motor(10000U, 0.0);
+        TEST_ASSERT_TRUE(fabs(motor.angle - start) < (2.0 * EXAMPLE_PI * 1.02));
+        TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, 0.0, remainder(shaft_turns(), 1.0));
         TEST_ASSERT_EQUAL_INT64(0, drive.motion.position_loop.profile_q32 -
                                        drive.motion.position_loop.zero_q32);
     }
 }
 
-static double shaft_turns(const example_motor_t *m)
-{
-    return m->angle / 2.0 / (2.0 * EXAMPLE_PI);
-}
-
 /* The request stays for so long as the drive takes to be told of another one. */
-static void zero_here(example_motor_t *m)
+static void zero_here(void)
 {
     in.command.request = DRIVE_REQUEST_RUN | DRIVE_REQUEST_ZERO;
-    run_motor(m, 2U * cfg.slow_ticks, 0.0);
+    run_motor(2U * cfg.slow_ticks, 0.0);
     in.command.request = DRIVE_REQUEST_RUN;
 }
 
 TEST(test_a_zero_at_rest_in_position_mode_moves_nothing_and_targets_count_from_it)
 {
-    example_motor_t m = example_motor_at(0.0, 0.0);
     int64_t profile = 0;
 
     ask_to_run(0);
     in.command.mode = DRIVE_MODE_POSITION;
     in.command.target = (int32_t)lround(1.3 * 2.0 * 65536.0);
-    run_motor(&m, 10000U, 0.0);
+    run_motor(10000U, 0.0);
     profile = drive.motion.position_loop.profile_q32;
-    zero_here(&m);
+    zero_here();
     TEST_ASSERT_EQUAL_INT64(profile, drive.motion.position_loop.profile_q32);
     in.command.target = 0;
-    run_motor(&m, 2000U, 0.0);
+    run_motor(2000U, 0.0);
     TEST_ASSERT_EQUAL_INT64(profile, drive.motion.position_loop.profile_q32);
-    TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, 1.3, shaft_turns(&m));
+    TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, 1.3, shaft_turns());
     in.command.target = -2 * 65536;
-    run_motor(&m, 10000U, 0.0);
-    TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, 0.3, shaft_turns(&m));
+    run_motor(10000U, 0.0);
+    TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, 0.3, shaft_turns());
     TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, -1.0,
-                              (double)drive_position_from_zero_q32(&drive) / 4294967296.0 / 2.0);
+                              estimated_turns(drive_position_from_zero_q32(&drive)));
 }
 
 /* The profile brakes along its ramp, and comes back to where it was when the request ended. */
 TEST(test_a_zero_on_the_way_has_no_jump_and_the_rotor_comes_back_to_it)
 {
-    example_motor_t m = example_motor_at(0.0, 0.0);
     double there = 0.0;
 
     ask_to_run(0);
     in.command.mode = DRIVE_MODE_POSITION;
     in.command.target = 20 * 65536;
-    run_motor(&m, 3000U, 0.0);
+    run_motor(3000U, 0.0);
     TEST_ASSERT_TRUE(abs(drive.motion.position_loop.profile_speed) > (10 * cfg.position_loop.ramp));
     in.command.request = DRIVE_REQUEST_RUN | DRIVE_REQUEST_ZERO;
     in.command.target = 0;
-    run_without_bump(&m);
-    run_without_bump(&m);
+    run_without_bump();
+    run_without_bump();
     in.command.request = DRIVE_REQUEST_RUN;
-    there = shaft_turns(&m);
+    there = shaft_turns();
     for (uint32_t k = 0U; k < 1000U; k++) {
-        run_without_bump(&m);
+        run_without_bump();
     }
     TEST_ASSERT_EQUAL_INT64(drive.motion.position_loop.zero_q32,
                             drive.motion.position_loop.profile_q32);
-    TEST_ASSERT_DOUBLE_WITHIN(0.02, there, shaft_turns(&m));
+    TEST_ASSERT_DOUBLE_WITHIN(0.02, there, shaft_turns());
 }
 
 TEST(test_a_zero_in_speed_mode_is_where_the_rotor_is_and_changes_nothing_else)
 {
-    example_motor_t m = example_motor_at(0.0, 0.0);
     step_t before = 0;
 
     ask_to_run((int32_t)lround(600.0 * STEPS_PER_RPM));
-    run_motor(&m, 6000U, 0.0);
+    run_motor(6000U, 0.0);
     before = drive.motion.speed_loop.reference;
-    zero_here(&m);
+    zero_here();
     TEST_ASSERT_EQUAL_INT32(before, drive.motion.speed_loop.reference);
     TEST_ASSERT_TRUE(drive.motion.position_loop.zero_q32 != 0);
     TEST_ASSERT_TRUE(llabs(drive_position_from_zero_q32(&drive)) < (TURN_Q32 / 10));
@@ -1214,10 +1215,8 @@ TEST(test_without_a_sensor_a_zero_at_rest_is_none)
 
 TEST(test_a_late_tick_leaves_the_observer_without_voltage)
 {
-    example_motor_t m = example_motor_at(0.0, 0.0);
-
     ask_to_run(20000000);
-    run_motor(&m, 500U, 0.0);
+    run_motor(500U, 0.0);
     TEST_ASSERT_TRUE(applied_voltage().alpha != 0);
     in.flags = DRIVE_FLAG_LATE; /* of the tick before */
     tick();
@@ -1233,7 +1232,6 @@ TEST(test_a_late_tick_leaves_the_observer_without_voltage)
 /* Up to 1800 rpm, a tick at a time, with a bus that changes in every tick by up to 3 %. */
 static void run_beside(int32_t sign, void (*check)(void))
 {
-    example_motor_t m = example_motor_at(0.0, 0.0);
     seeded_t seed = {0xB5B5U};
 
     setUp();
@@ -1243,10 +1241,10 @@ static void run_beside(int32_t sign, void (*check)(void))
     in.command.target = (int32_t)lround(sign * 1800.0 * STEPS_PER_RPM);
     for (uint32_t k = 0U; k < 4000U; k++) {
         in.adc_bus = (uint16_t)seeded_in(&seed, 2780, 2864);
-        run_motor(&m, 1U, 0.0);
+        run_motor(1U, 0.0);
         check();
     }
-    TEST_ASSERT_DOUBLE_WITHIN(18.0, sign * 1800.0, m.speed / 2.0 * 30.0 / EXAMPLE_PI);
+    TEST_ASSERT_DOUBLE_WITHIN(18.0, sign * 1800.0, shaft_rpm());
 }
 
 static uint32_t telling; /* ticks in which the speed without its proportional part would show */
