@@ -4,7 +4,7 @@
 #define ANGLE_SHIFT (3U)
 #define SPEED_SHIFT (8U)
 
-static uint32_t word_of(const angle_sensor_t *sensor)
+static uint32_t word_of_sensor(const angle_sensor_t *sensor)
 {
     const uint64_t turns = fx_unsigned64(sensor->position.turns_q32);
 
@@ -16,12 +16,12 @@ void angle_sensor_start(angle_sensor_t *sensor, int64_t turns_q32)
 {
     sensor->position.turns_q32 = turns_q32;
     sensor->speed = 0;
-    sensor->check = word_of(sensor);
+    sensor->check = word_of_sensor(sensor);
 }
 
 bool angle_sensor_holds(const angle_sensor_t *sensor)
 {
-    return word_of(sensor) == sensor->check;
+    return word_of_sensor(sensor) == sensor->check;
 }
 
 void angle_sensor_step(angle_sensor_t *sensor, angle_t measured, step_t speed_limit)
@@ -34,5 +34,5 @@ void angle_sensor_step(angle_sensor_t *sensor, angle_t measured, step_t speed_li
     error = fx_signed(ahead);
     rotor_position_step(&sensor->position, fx_asr(error, ANGLE_SHIFT));
     sensor->speed = fx_clamp(sensor->speed + fx_asr(error, SPEED_SHIFT), -speed_limit, speed_limit);
-    sensor->check = word_of(sensor);
+    sensor->check = word_of_sensor(sensor);
 }

@@ -89,7 +89,7 @@ int32_t current_reference_d(const current_reference_cfg_t *cfg, const current_lo
 
 /*
  * Returns i_d* within the limit of the voltage, and the largest |i_q*| that the voltage then
- * leaves. Call it where weakening_is_near() is true. next_d: result of current_reference_d().
+ * leaves. Call it where weakening_follow_bus() is true. next_d: result of current_reference_d().
  */
 current_reference_t current_reference_weakened(weakening_t *weakening, const weakening_in_t *in,
                                                int32_t next_d);

@@ -43,4 +43,12 @@ static inline angle_t rotor_position_angle(const rotor_position_t *position)
     return (angle_t)(fx_unsigned64(position->turns_q32) & 0xFFFFFFFFU);
 }
 
+/* Returns the position in Q16 electrical turns; it wraps after 2^15 turns. */
+static inline int32_t rotor_position_turns_q16(const rotor_position_t *position)
+{
+    const uint64_t turns_q16 = fx_unsigned64(position->turns_q32) >> 16U;
+
+    return fx_signed((uint32_t)(turns_q16 & 0xFFFFFFFFU));
+}
+
 #endif

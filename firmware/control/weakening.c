@@ -75,7 +75,7 @@ static bool is_demanding(dq_t demand, int32_t circle)
     return transforms_square(demand) > (uint32_t)square;
 }
 
-bool weakening_is_near(weakening_t *weakening, dq_t demand, int32_t voltage_max)
+bool weakening_follow_bus(weakening_t *weakening, dq_t demand, int32_t voltage_max)
 {
     bool near;
 

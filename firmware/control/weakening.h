@@ -81,7 +81,7 @@ bool weakening_holds(const weakening_t *weakening);
  * recent radius. Otherwise the integral moves towards 0, which it reaches within some 100 slow
  * periods.
  */
-bool weakening_is_near(weakening_t *weakening, dq_t demand, int32_t voltage_max);
+bool weakening_follow_bus(weakening_t *weakening, dq_t demand, int32_t voltage_max);
 
 /*
  * One slow period near the circle. wanted: i_d* without the limit of the voltage. Rounded towards

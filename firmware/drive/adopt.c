@@ -35,7 +35,7 @@ static void adopt_parts(drive_t *drive, const drive_cfg_t *cfg)
     state_guard_forget(&drive->state_guard);
     open_loop_change(&drive->start, drive);
     run_change(&drive->motion, drive, before);
-    drive->limits = protection_limits(&cfg->protection, drive_is_driving(drive->state));
+    life_set_limits(drive);
     monitor_forget_flux(&drive->watch);
     config_guard_reset(&drive->guard);
 }

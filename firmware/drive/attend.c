@@ -133,7 +133,7 @@ static fault_id_t check_state(drive_state_t state, fault_t *fault)
 }
 
 /* A bit of the tracked angle has flipped, if its words do not agree. */
-static fault_id_t check_sensor(const angle_sensor_t *sensor, fault_t *fault)
+static fault_id_t check_tracked_angle(const angle_sensor_t *sensor, fault_t *fault)
 {
     const bool sound = angle_sensor_holds(sensor);
 
@@ -170,7 +170,7 @@ bool attend_step(drive_t *drive, const drive_in_t *in, sample_t sample)
     fault_clear(&fault);
     fail_if(drive, check_state(drive->state, &fault), &fault, &now);
     if (drive_has_sensor(drive)) {
-        fail_if(drive, check_sensor(&drive->rotor.angle_sensor, &fault), &fault, &now);
+        fail_if(drive, check_tracked_angle(&drive->rotor.angle_sensor, &fault), &fault, &now);
         estimate_sense(&drive->rotor, drive, in->angle);
     }
     fail_if(drive, check_told(&in->command, &fault), &fault, &now);

@@ -59,3 +59,9 @@ void calibration_begin(sensors_t *sensors)
 {
     sensors->sums = (calibration_t){.sum_a = 0};
 }
+
+void calibration_keep(sensors_t *sensors, const sensors_t *before)
+{
+    sensors->offset_a = before->offset_a;
+    sensors->offset_b = before->offset_b;
+}

@@ -19,6 +19,9 @@
 /* Call before the first tick of OFFSET_CAL. The zeros in force stay until the calibration ends. */
 void calibration_begin(sensors_t *sensors);
 
+/* Another configuration begins: the zeros hold in any scale, so those of `before` stay in force. */
+void calibration_keep(sensors_t *sensors, const sensors_t *before);
+
 /*
  * One tick of OFFSET_CAL. CALIBRATED: both zeros are known, each the mean of 2^offset_log2 samples.
  * FAULT: a zero is too far from mid-scale.

@@ -80,7 +80,7 @@ void drive_change(drive_t *drive, const drive_cfg_t *cfg);
  */
 static inline bool drive_reads_slow_inputs(const drive_t *drive)
 {
-    return drive->slow_count == ((uint32_t)SLOT_CHECKS + 1U);
+    return schedule_next(drive) == (uint32_t)SLOT_CHECKS;
 }
 
 /* Whether the tick that has just ended has read them. Call after drive_step(). */

@@ -26,33 +26,40 @@ static void start_estimate(rotor_t *rotor, motor_t *motor, const drive_cfg_t *cf
 }
 
 /*
- * A start begins: all that the last run has left is forgotten. Without a sensor the rotor counts as
- * at rest at angle 0. The model of the motor stays.
+ * A start begins: all that the last run has left is forgotten. The model of the motor stays. What
+ * the estimate begins with follows.
  */
 NEVER_INLINED static void begin_start(drive_t *drive)
 {
+    vector_reset(&drive->vector);
     voltage_drive_reset(&drive->voltage_drive);
     frame_reset(&drive->control);
     derating_start(&drive->derating);
     estimate_reset(&drive->rotor);
-    start_estimate(&drive->rotor, &drive->motor, drive->cfg, 0, (dq_t){0, 0});
     run_reset(&drive->motion, drive);
 }
 
-/* With a sensor a start begins at the angle and the speed that it gives. */
-static void begin_sensed(drive_t *drive)
+/*
+ * RUN begins where a sensor says that the rotor is. Without a sensor and without a start-up the
+ * rotor counts as at rest at angle 0.
+ */
+static void begin_known(drive_t *drive)
 {
-    motor_pace(&drive->motor, drive->cfg, drive->rotor.angle_sensor.speed);
-    estimate_start_sensed(&drive->rotor, &drive->motor.model.observer);
-    run_catch_sensed(&drive->motion, drive);
+    if (drive_has_sensor(drive)) {
+        motor_pace(&drive->motor, drive->cfg, drive->rotor.angle_sensor.speed);
+        estimate_start_sensed(&drive->rotor, &drive->motor.model.observer);
+        run_catch_sensed(&drive->motion, drive);
+    } else {
+        start_estimate(&drive->rotor, &drive->motor, drive->cfg, 0, (dq_t){0, 0});
+    }
 }
 
 /* FLYING_START begins, the first time or once more. */
 static void begin_search(drive_t *drive)
 {
     open_loop_reset(&drive->start);
-    vector_reset(&drive->vector);
     begin_start(drive);
+    start_estimate(&drive->rotor, &drive->motor, drive->cfg, 0, (dq_t){0, 0});
 }
 
 /* Begins with no current, and with no word in force. */
@@ -160,7 +167,7 @@ static void leave_rest_to_integral(control_t *control, const drive_t *drive, int
     const int32_t model = fx_asr(resistance * fx_sat15(drive->vector.current_mean.d), 13U);
     const int32_t added = fx_asr(compensated * bus, 15U);
 
-    frame_take_from_integral_d(control, model + added);
+    frame_rest_to_integral_d(control, model + added);
 }
 
 /* ALIGN has ended: R and L are used from now on, if they were found. */
@@ -225,9 +232,7 @@ NEVER_INLINED static void begin_run(drive_t *drive, drive_state_t from, const in
 {
     if (from == DRIVE_STATE_READY) {
         begin_start(drive);
-        if (drive_has_sensor(drive)) {
-            begin_sensed(drive);
-        }
+        begin_known(drive);
     } else if (from == DRIVE_STATE_FLYING_START) {
         begin_turning(drive, now->sample);
     } else { /* HANDOVER */

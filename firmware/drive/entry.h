@@ -11,10 +11,7 @@
 #include "instant.h"
 #include "state.h"
 
-/*
- * The state has just changed from `from` to drive->state. now: this tick's instant. A state that
- * goes on has no entry.
- */
+/* Call when the state has just changed from `from` to drive->state. now: this tick's instant. */
 void entry_begin(drive_t *drive, drive_state_t from, const instant_t *now);
 
 #endif

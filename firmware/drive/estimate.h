@@ -19,7 +19,9 @@
 
 #include "state.h"
 
-/* Nothing is known of the rotor but what the sensor has tracked: θ̂ is 0. estimate_start() follows.
+/*
+ * Forgets the rotor, but not what the sensor has tracked. θ̂ is 0. estimate_start() has to follow,
+ * which begins the observer anew.
  */
 void estimate_reset(rotor_t *rotor);
 

@@ -191,6 +191,17 @@ void frame_turn(control_t *control, angle_t angle)
     current_loop_turn(&control->current_loop, turn);
 }
 
+/* The integral takes the part of this voltage that the model does not supply. */
+static void rest_to_integral(pi_t *pi, int32_t voltage, int32_t modelled)
+{
+    pi_reset(pi, fx_sat16(voltage - modelled));
+}
+
+void frame_rest_to_integral_d(control_t *control, int32_t modelled)
+{
+    rest_to_integral(&control->current_loop.pi_d, control->voltage.d, modelled);
+}
+
 void frame_resume(control_t *control, const drive_t *drive, dq_t mean)
 {
     dq_t modelled;
@@ -198,13 +209,8 @@ void frame_resume(control_t *control, const drive_t *drive, dq_t mean)
     control->current_ref = (dq_t){.d = 0, .q = mean.q};
     frame_plan_rotor(control, drive);
     modelled = current_loop_model(&control->current_loop, mean);
-    pi_reset(&control->current_loop.pi_d, fx_sat16(control->voltage.d - modelled.d));
-    pi_reset(&control->current_loop.pi_q, fx_sat16(control->voltage.q - modelled.q));
-}
-
-void frame_take_from_integral_d(control_t *control, int32_t voltage)
-{
-    pi_reset(&control->current_loop.pi_d, fx_sat16(control->voltage.d - voltage));
+    rest_to_integral(&control->current_loop.pi_d, control->voltage.d, modelled.d);
+    rest_to_integral(&control->current_loop.pi_q, control->voltage.q, modelled.q);
 }
 
 void frame_take_over(control_t *control, dq_t voltage)

@@ -31,7 +31,7 @@ static inline frame_t frame_of_rotor(const drive_t *drive, dq_t current)
     };
 }
 
-/* Returns the frame of the imposed vector. current: as frame_measure() returns it. */
+/* Returns the frame of the imposed vector. current: as vector_measure() returns it. */
 static inline frame_t frame_of_vector(const drive_t *drive, dq_t current)
 {
     return (frame_t){
@@ -122,8 +122,11 @@ void frame_turn(control_t *control, angle_t angle);
  */
 void frame_resume(control_t *control, const drive_t *drive, dq_t mean);
 
-/* From now on `voltage` is supplied along d by the model; the integral keeps the rest. */
-void frame_take_from_integral_d(control_t *control, int32_t voltage);
+/*
+ * Sets the integral along d to the present voltage minus `modelled`: the voltage along d that the
+ * model and the compensation supply from now on.
+ */
+void frame_rest_to_integral_d(control_t *control, int32_t modelled);
 
 /* Adds `voltage` to the integrals, because the model no longer gives it. */
 void frame_take_over(control_t *control, dq_t voltage);

@@ -49,14 +49,19 @@ RARE static void leave(safe_state_t *safe_state, const drive_t *drive, drive_sta
     safe_state_leave(safe_state, &drive->cfg->safe_state, fastest_known(drive, next));
 }
 
+void life_set_limits(drive_t *drive)
+{
+    drive->limits = protection_limits(&drive->cfg->protection, drive_is_driving(drive->state));
+}
+
 /* Sets the state. The protection limits of the new state apply from now on. */
 static void set_state(drive_t *drive, drive_state_t state)
 {
     drive->state = state;
-    drive->limits = protection_limits(&drive->cfg->protection, drive_is_driving(state));
+    life_set_limits(drive);
 }
 
-/* Changes the state. What the new one begins with is entry.c's. */
+/* Changes the state. entry.c sets what the new state begins with. */
 static void change_state(drive_t *drive, drive_state_t state)
 {
     if (drive_is_driving(drive->state) && !drive_is_driving(state)) {
@@ -167,7 +172,7 @@ void life_restart(drive_t *drive, const drive_cfg_t *cfg)
     safe_state = drive->safe_state;
     initialise(drive, cfg);
     drive->safe_state = safe_state;
-    drive->sensors = sensors;
+    calibration_keep(&drive->sensors, &sensors);
     state_guard_keep_measured(&drive->state_guard, drive);
     drive->fault = fault;
     drive->scene = scene;

@@ -36,6 +36,9 @@ static inline void life_follow_or_fail(drive_t *drive, drive_event_t event, cons
     }
 }
 
+/* Puts the limits of protection in force that the configuration has for the present state. */
+void life_set_limits(drive_t *drive);
+
 /*
  * The drive begins anew with this configuration, in which some words of the state have another
  * meaning, and calibrates. It keeps its tick count, a latched fault with its scene, and the heat,

@@ -15,11 +15,10 @@ static fault_id_t check_phases(watch_t *watch, const drive_t *drive, const sampl
     const bool running = drive->state == DRIVE_STATE_RUN;
     const rotor_position_t *const frame =
         running ? &drive->rotor.position : &drive->vector.position;
-    const uint64_t turns_q16 = fx_unsigned64(frame->turns_q32) >> 16U;
     const supervision_phases_t measured = {
         .a = sample->phase_a,
         .b = sample->phase_b,
-        .turns_q16 = fx_signed((uint32_t)(turns_q16 & 0xFFFFFFFFU)),
+        .turns_q16 = rotor_position_turns_q16(frame),
         .speed = drive_speed(drive),
     };
 
@@ -346,7 +345,7 @@ fault_id_t monitor_phases(watch_t *watch, const drive_t *drive, const sample_t *
     return id;
 }
 
-torque_range_t monitor_limits(derating_t *derating, const drive_t *drive, int32_t bus)
+torque_range_t monitor_derate(derating_t *derating, const drive_t *drive, int32_t bus)
 {
     const derating_motion_t motion = {
         .bus = bus,

@@ -41,7 +41,7 @@ fault_id_t monitor_next_check(drive_t *drive, const drive_in_t *in, const instan
 bool monitor_is_saturated(const drive_t *drive, const drive_in_t *in);
 
 /* Returns the limits of the torque current in the next slow period. bus: Q15 of U_b. */
-torque_range_t monitor_limits(derating_t *derating, const drive_t *drive, int32_t bus);
+torque_range_t monitor_derate(derating_t *derating, const drive_t *drive, int32_t bus);
 
 /* Counts a late tick; a fault when they are too many. */
 fault_id_t monitor_late(watch_t *watch, const drive_t *drive, fault_t *fault);

@@ -42,11 +42,6 @@ void open_loop_change(start_t *start, const drive_t *drive)
     }
 }
 
-/*
- * Whether the rotor has to be brought to rest before another hand-over: a start has failed before R
- * was measured. The rotor has slipped, its load drives it, and an observer with a wrong R would
- * lose it.
- */
 bool open_loop_has_to_stand(const drive_t *drive)
 {
     return (drive->start.attempts > 0U) && !drive->motor.identified;
@@ -186,10 +181,6 @@ drive_event_t open_loop_align(start_t *start, const drive_t *drive, dq_t current
     return event;
 }
 
-/*
- * Returns the next imposed current. It is larger while the vector moves, because it has to
- * accelerate the rotor too.
- */
 int32_t open_loop_current(const drive_t *drive)
 {
     const startup_cfg_t *const cfg = &drive->cfg->startup;
@@ -201,7 +192,6 @@ int32_t open_loop_current(const drive_t *drive)
     return fx_towards(present, wanted, cfg->current_slope);
 }
 
-/* Returns the angle by which the vector is ahead of the rotor. */
 angle_t open_loop_load_angle(const drive_t *drive)
 {
     return rotor_position_angle(&drive->vector.position) -

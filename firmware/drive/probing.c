@@ -6,13 +6,6 @@
 #include "frame.h"
 #include "vector.h"
 
-static int32_t turns_q16(const drive_t *drive)
-{
-    const uint64_t turns = fx_unsigned64(drive->vector.position.turns_q32) >> 16U;
-
-    return fx_signed((uint32_t)(turns & 0xFFFFFFFFU));
-}
-
 static void note_sample(probe_t *probe, const drive_t *drive, sample_t measured, dq_t current,
                         dq_t e)
 {
@@ -22,7 +15,7 @@ static void note_sample(probe_t *probe, const drive_t *drive, sample_t measured,
         .current = current,
         .voltage = drive->control.voltage,
         .bus = measured.bus,
-        .turns_q16 = turns_q16(drive),
+        .turns_q16 = rotor_position_turns_q16(&drive->vector.position),
         .emf = e,
         .speed_q15 = drive_speed_q15(drive, drive->vector.step),
     };

@@ -332,7 +332,7 @@ void run_allow(motion_t *motion, torque_range_t range)
  * can still bear (derating.thermal). So a motor that is too hot keeps the i_d that its speed needs,
  * and loses torque.
  */
-INLINES_ALL int32_t run_limit(motion_t *motion, const drive_t *drive, const instant_t *now)
+INLINES_ALL int32_t run_plan_current_d(motion_t *motion, const drive_t *drive, const instant_t *now)
 {
     const current_reference_cfg_t *const cfg = &drive->cfg->current_reference;
     const current_reference_in_t point = operating_point(drive);
@@ -340,7 +340,7 @@ INLINES_ALL int32_t run_limit(motion_t *motion, const drive_t *drive, const inst
     current_reference_t next = {.reach = CURRENT_REFERENCE_ALL};
 
     next.d = current_reference_d(cfg, &drive->motor.model.run_loop, &point);
-    if (weakening_is_near(&motion->weakening, drive->control.voltage, circle)) {
+    if (weakening_follow_bus(&motion->weakening, drive->control.voltage, circle)) {
         weaken(&motion->weakening, drive, now->along_rotor, &next);
     }
     motion->torque_range =
@@ -437,7 +437,7 @@ static int32_t filter_torque(motion_t *motion, const drive_t *drive, int32_t ask
 }
 
 /* Returns i_q* after the torque filter, if there is one. */
-static int32_t filtered(motion_t *motion, const drive_t *drive, int32_t asked)
+static int32_t filter_reference(motion_t *motion, const drive_t *drive, int32_t asked)
 {
     return torque_filter_acts(&drive->cfg->torque_filter) ? filter_torque(motion, drive, asked)
                                                           : asked;
@@ -481,7 +481,7 @@ static int32_t control_rotor_speed(motion_t *motion, const drive_t *drive, torqu
 }
 
 /* Returns i_q* of the torque loop or the speed loop. */
-static int32_t chosen_torque(motion_t *motion, const drive_t *drive, torque_range_t range)
+static int32_t choose_torque(motion_t *motion, const drive_t *drive, torque_range_t range)
 {
     return drive_torque_is_free(drive) ? control_free_torque(motion, drive, range)
                                        : control_rotor_speed(motion, drive, range);
@@ -506,25 +506,25 @@ static void follow_ramp(motion_t *motion, const drive_t *drive, int32_t torque, 
 /*
  * Returns i_q* after a change of the mode, while the torque goes on a slope. Until the slope has
  * ended, the ramp of the speed does not wait and J is not learned. The function is separate from
- * run_torque() to keep its code out of a tick without a bridge.
+ * run_step_torque() to keep its code out of a tick without a bridge.
  */
-RARE static int32_t bridged_torque(motion_t *motion, const drive_t *drive)
+RARE static int32_t step_bridged_torque(motion_t *motion, const drive_t *drive)
 {
     const torque_range_t range =
         torque_loop_bridged(&drive->cfg->torque_loop, drive_flux(drive),
                             drive->control.current_ref.q, motion->torque_range);
-    const int32_t torque = chosen_torque(motion, drive, range);
+    const int32_t torque = choose_torque(motion, drive, range);
 
     torque_loop_arrive(&motion->torque_loop, torque, range);
-    return filtered(motion, drive, torque);
+    return filter_reference(motion, drive, torque);
 }
 
-static int32_t plain_torque(motion_t *motion, const drive_t *drive)
+static int32_t step_plain_torque(motion_t *motion, const drive_t *drive)
 {
     const step_t before = motion->speed_loop.reference;
     const int32_t integral_before = motion->speed_loop.pi.integral_q26;
-    const int32_t asked = chosen_torque(motion, drive, motion->torque_range);
-    const int32_t torque = filtered(motion, drive, asked);
+    const int32_t asked = choose_torque(motion, drive, motion->torque_range);
+    const int32_t torque = filter_reference(motion, drive, asked);
 
     if (!drive_torque_is_free(drive)) {
         follow_ramp(motion, drive, torque, before, integral_before);
@@ -532,10 +532,10 @@ static int32_t plain_torque(motion_t *motion, const drive_t *drive)
     return torque;
 }
 
-INLINES_ALL int32_t run_torque(motion_t *motion, const drive_t *drive)
+INLINES_ALL int32_t run_step_torque(motion_t *motion, const drive_t *drive)
 {
-    return motion->torque_loop.bridging ? bridged_torque(motion, drive)
-                                        : plain_torque(motion, drive);
+    return motion->torque_loop.bridging ? step_bridged_torque(motion, drive)
+                                        : step_plain_torque(motion, drive);
 }
 
 int32_t run_accelerate(motion_t *motion, const drive_t *drive)

@@ -85,14 +85,14 @@ void run_allow(motion_t *motion, torque_range_t range);
  * In RUN under current control, after run_allow(): returns i_d* of the next slow period, and
  * narrows the range of i_q* to what it leaves.
  */
-int32_t run_limit(motion_t *motion, const drive_t *drive, const instant_t *now);
+int32_t run_plan_current_d(motion_t *motion, const drive_t *drive, const instant_t *now);
 
 /* In RUN under current control: runs the speed loop or the torque loop. Returns i_q*. */
-int32_t run_torque(motion_t *motion, const drive_t *drive);
+int32_t run_step_torque(motion_t *motion, const drive_t *drive);
 
 /*
  * Returns the change of speed that is expected in this slow period, when i_q* has been set. before:
- * the speed reference before run_torque().
+ * the speed reference before run_step_torque().
  */
 step_t run_expected_change(const drive_t *drive, step_t before);
 

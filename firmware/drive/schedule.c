@@ -54,7 +54,7 @@ static void step_current_control(drive_t *drive, const drive_command_t *command,
 {
     const step_t before = drive->motion.speed_loop.reference;
 
-    frame_ask_q(&drive->control, run_torque(&drive->motion, drive));
+    frame_ask_q(&drive->control, run_step_torque(&drive->motion, drive));
     if (drive->cfg->run.acceleration_q14 != 0) {
         estimate_accelerate(&drive->rotor, drive, run_expected_change(drive, before));
     }
@@ -69,16 +69,16 @@ static void step_current_control(drive_t *drive, const drive_command_t *command,
 static drive_event_t control_rotor(drive_t *drive, const drive_command_t *command,
                                    const instant_t *now)
 {
-    bool held = false;
+    bool slow = false;
 
     open_loop_count_run(&drive->start, &drive->cfg->startup);
     if (drive->voltage_drive.active) {
         step_voltage_drive(drive, command, now->sample.bus);
     } else {
         step_current_control(drive, command, now->along_rotor);
-        held = run_is_to_be_held(drive);
+        slow = run_is_to_be_held(drive);
     }
-    return held ? DRIVE_EVENT_HELD : DRIVE_EVENT_NONE;
+    return slow ? DRIVE_EVENT_SLOW : DRIVE_EVENT_NONE;
 }
 
 /* SPEED from HOLD to HANDOVER. */
@@ -139,7 +139,7 @@ static void limit(motion_t *motion, control_t *control, const drive_t *drive, co
 {
     run_allow(motion, range);
     if ((drive->state == DRIVE_STATE_RUN) && !drive->voltage_drive.active) {
-        frame_ask_d(control, run_limit(motion, drive, now));
+        frame_ask_d(control, run_plan_current_d(motion, drive, now));
     }
 }
 
@@ -174,7 +174,7 @@ drive_event_t schedule_step(drive_t *drive, const drive_in_t *in, const instant_
         break;
     case SLOT_LIMITS:
         limit(&drive->motion, &drive->control, drive, now,
-              monitor_limits(&drive->derating, drive, now->sample.bus));
+              monitor_derate(&drive->derating, drive, now->sample.bus));
         break;
     case SLOT_REFINE:
         if (moving && (drive->state > DRIVE_STATE_ALIGN)) {

@@ -4,12 +4,12 @@
  * make the longest tick shorter. The number of a slot is the number of ticks left in the period.
  *
  *     slot     who                                              in which states  how often
- *     REFINE   estimate_refine                                  HOLD to RUN      each period
- *     PHASES   monitor_phases                                   PROBE to RUN     each period
+ *     REFINE   motor_refine, estimate_refine                    HOLD to RUN      each period
+ *     PHASES   monitor_phases; monitor_swing                    PROBE to RUN     each period
  *     CHECKS   monitor_next_check: four take turns              any              every fourth
- *     LIMITS   monitor_limits; run_limit                        any; RUN         each period
- *     PLAN     open_loop_plan, in RUN run_plan                  HOLD to RUN      each period
- *     SPEED    open_loop_drag, in RUN run_control_speed         HOLD to RUN      each period
+ *     LIMITS   monitor_derate; run_plan_current_d               any; RUN         each period
+ *     PLAN     run_plan, below RUN run_plan_vector too          HOLD to RUN      each period
+ *     SPEED    the vector, in RUN the torque or the voltage     HOLD to RUN      each period
  *
  * Part of the drive; schedule_step() is called from drive_step only. control_isr() and the recorder
  * find the tick of the slot CHECKS with drive_reads_slow_inputs() (drive.h).
@@ -30,6 +30,12 @@ typedef enum {
     SLOT_REFINE,
     SLOTS /* number of slots, not a slot */
 } slot_t;
+
+/* Returns the number of the slot that the next tick has; SLOTS or more: it has none. */
+static inline uint32_t schedule_next(const drive_t *drive)
+{
+    return (uint32_t)drive->slow_count - 1U;
+}
 
 /*
  * Does the work of one slot. moving: this tick controls a current and may run REFINE, PLAN and

@@ -64,6 +64,7 @@ typedef enum {
     DRIVE_EVENT_PROBE,      /* the user asks to measure the motor */
     DRIVE_EVENT_STANDS,  /* an alignment begins: the rotor is slow, or R and L are not measured */
     DRIVE_EVENT_HELD,    /* the imposed vector is at rest */
+    DRIVE_EVENT_SLOW,    /* RUN is so slow that a current has to be imposed */
     DRIVE_EVENT_DRAGGED, /* the imposed vector turns, more slowly than handover_speed */
     DRIVE_EVENT_FAST,    /* the imposed vector has reached handover_speed */
     DRIVE_EVENT_TRACKED, /* the angle is known, or taken to be 0 where nothing can find it */
@@ -129,8 +130,8 @@ typedef struct {
 } voltage_drive_t;
 
 /*
- * The groups of the state. Each begins anew by one assignment, which names what is kept. Only the
- * functions of one file write a group; the others read it.
+ * The groups of the state. Each names the file whose functions begin it anew and write it; the
+ * others read it.
  */
 
 /* calibration.c: the current sensors. A calibration begins them anew. */

@@ -285,7 +285,7 @@ static bool holds_start(const drive_t *drive)
     return drive->start.attempts <= drive->cfg->startup.attempts;
 }
 
-static bool holds(motor_t *motor, const drive_t *drive, uint32_t part)
+static bool check_part(motor_t *motor, const drive_t *drive, uint32_t part)
 {
     bool sound;
 
@@ -326,7 +326,7 @@ fault_id_t state_guard_step(state_guard_t *guard, motor_t *motor, const drive_t 
     fault_id_t id = look(guard, drive, fault);
 
     guard->at = (part + 1U) % (uint32_t)STATE_GUARD_PARTS;
-    if ((id == FAULT_NONE) && !holds(motor, drive, part)) {
+    if ((id == FAULT_NONE) && !check_part(motor, drive, part)) {
         id = found_part(drive, part, fault);
     }
     return id;

@@ -17,8 +17,8 @@ void vector_reset(current_vector_t *vector);
 void vector_place(current_vector_t *vector, rotor_position_t position, step_t step, dq_t current);
 
 /*
- * Place the vector one sweep away from angle 0, at rest, so that a sweep of the alignment ends at
- * angle 0. sweep: 2^32 = one turn; backwards: the sweep turns backwards.
+ * After vector_reset(): place the vector one sweep away from angle 0, so that a sweep of the
+ * alignment ends at angle 0. sweep: 2^32 = one turn; backwards: the sweep turns backwards.
  */
 void vector_draw_back(current_vector_t *vector, angle_t sweep, bool backwards);
 

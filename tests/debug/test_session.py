@@ -58,8 +58,8 @@ class FindsAFault(SessionTest):
 
     def test_a_stuck_result_is_found_by_its_word(self):
         stages, verdict = self.three_ticks_before_the_fault("force drive.rotor.position.turns_q32 = 0.25")
-        self.assertRegex(stages, r"drive\.position\.turns_q32 +0\.25 turns el")
-        departure = re.fullmatch(r"first departure: state, drive\.position\.turns_q32: drive 0\.25, "
+        self.assertRegex(stages, r"drive\.rotor\.position\.turns_q32 +0\.25 turns el")
+        departure = re.fullmatch(r"first departure: state, drive\.rotor\.position\.turns_q32: drive 0\.25, "
                                  r"reference (\S+) turns el, tolerance 0", verdict)
         self.assertIsNotNone(departure, verdict)
         self.assertGreater(abs(float(departure[1]) - 0.25), 1 / 360)

@@ -43,10 +43,10 @@ class OnTheHost(support.GdbTest):
         self.assert_same_stages(shown, TICK)
 
     def test_words_of_each_format_are_shown_in_their_units(self):
-        names = ("current_ref.q", "bus", "observer.alpha_q27", "observer.gradient",
-                 "observer.rho_q13", "position.turns_q32", "modulator.inverse_bus_q12",
-                 "current_loop.pi_q.integral_q26", "speed_loop.pi.integral_q26", "model.flux_q30",
-                 "model.resistance_q14", "ratio_acting.alpha")
+        names = ("control.current_ref.q", "bus", "rotor.observer.alpha_q27", "rotor.observer.gradient",
+                 "rotor.observer.rho_q13", "rotor.position.turns_q32", "modulator.inverse_bus_q12",
+                 "control.current_loop.pi_q.integral_q26", "motion.speed_loop.pi.integral_q26", "motor.model.flux_q30",
+                 "motor.model.resistance_q14", "control.ratio_acting.alpha")
         for name, shown in zip(names, self.gdb([STEP, *(f"print app->drive.{name}" for name in names)])[1:]):
             with self.subTest(name):
                 self.assert_shows(shown, f"drive.{name}", TICK)

@@ -281,7 +281,7 @@ static current_reference_t weakened(int32_t present, int32_t next, int32_t deepe
     motor.reactance_d_q13 = 16384;
     motor.reactance_q_q13 = 16384;
     weakening_reset(&weakening);
-    (void)weakening_is_near(&weakening, (dq_t){0, 12600}, 12800);
+    (void)weakening_follow_bus(&weakening, (dq_t){0, 12600}, 12800);
     return current_reference_weakened(&weakening, &point, next);
 }
 

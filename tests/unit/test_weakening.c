@@ -42,7 +42,7 @@ static void see_bus(int32_t radius)
 {
     bus = radius;
     weakening_reset(&weakening);
-    (void)weakening_is_near(&weakening, (dq_t){0, 0}, radius);
+    (void)weakening_follow_bus(&weakening, (dq_t){0, 0}, radius);
 }
 
 static void set_motor(int32_t emf, int32_t reactance_d, int32_t reactance_q)
@@ -471,7 +471,7 @@ TEST(test_what_is_wanted_deeper_than_weakening_may_ask_for_stays_and_has_its_i_q
 
 static bool is_near(int32_t d, int32_t q, int32_t radius)
 {
-    return weakening_is_near(&weakening, (dq_t){d, q}, radius);
+    return weakening_follow_bus(&weakening, (dq_t){d, q}, radius);
 }
 
 TEST(test_it_is_near_above_fifteen_sixteenths_of_the_circle)
@@ -587,7 +587,7 @@ static void step_often(void)
 {
     for (int32_t k = 0; k < 50; k++) {
         in.voltage.q = 12000 + (50 * k);
-        (void)weakening_is_near(&weakening, in.voltage, 12800 - (20 * (k % 7)));
+        (void)weakening_follow_bus(&weakening, in.voltage, 12800 - (20 * (k % 7)));
         (void)weakening_step(&weakening, &in, (k < 49) ? CURRENT_END : -CURRENT_END);
     }
 }
@@ -605,7 +605,7 @@ TEST(test_each_flip_of_voltage_and_valley_is_seen_and_stays_seen)
         bytes[bit / 8U] ^= (uint8_t)(1U << (bit % 8U));
         TEST_ASSERT_FALSE(weakening_holds(&weakening));
         if ((bit % 32U) != 31U) { /* else the distance is no word: a core wraps, C leaves it open */
-            (void)weakening_is_near(&weakening, (dq_t){0, 0}, 12800);
+            (void)weakening_follow_bus(&weakening, (dq_t){0, 0}, 12800);
             TEST_ASSERT_FALSE(weakening_holds(&weakening));
         }
     }

@@ -54,6 +54,11 @@ def module(path):
     return path.parent, path.stem
 
 
+def leads_on(around, part):
+    """Whether `around` is a part of the same value: of what an index is for, not of the index."""
+    return around.kind in WITHIN and next(around.get_children()) == part
+
+
 def is_const_pointer(cursor):
     return cursor.type.get_canonical().get_pointee().is_const_qualified()
 
@@ -64,8 +69,9 @@ def is_written(chain):
     chain: the part and the expressions around it, the outermost first.
     """
     inner = len(chain) - 1
-    while chain[inner - 1].kind in WITHIN or chain[inner - 2].kind == Kind.ARRAY_SUBSCRIPT_EXPR:  # an array decays first
-        inner -= 1
+    while leads_on(chain[inner - 1], chain[inner]) or (
+            chain[inner - 2].kind == Kind.ARRAY_SUBSCRIPT_EXPR and leads_on(chain[inner - 2], chain[inner - 1])):
+        inner -= 1  # where an array decays, by two
     around, part = chain[inner - 1], chain[inner]
     if around.kind == Kind.UNARY_OPERATOR:
         tokens = [token.spelling for token in around.get_tokens()]
@@ -82,6 +88,9 @@ def group_writes(cursor, chain):
     group = target and target.semantic_parent.type.spelling
     if group in GROUPS and is_written(chain):
         yield group, cursor.location.line
+    whole = cursor.type.spelling if cursor.kind == Kind.BINARY_OPERATOR else ""  # only an assignment has such a type
+    if whole in GROUPS:
+        yield whole, cursor.location.line
     for child in cursor.get_children():
         yield from group_writes(child, chain)
 
@@ -158,7 +167,7 @@ class Code:
                     self.external[cursor.spelling] = function
                 self.visit(cursor, None, function)
                 for group, line in group_writes(cursor, []):
-                    if GROUPS[group] != path.stem:
+                    if module(path) != (LIFE_FILE.parent, GROUPS[group]):
                         self.foreign[path, line] = group
 
     def visit(self, cursor, parent, function):

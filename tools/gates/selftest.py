@@ -241,13 +241,15 @@ class GatesCanFail(unittest.TestCase):
         head = '#include "run.h"\nint f(machine_t *machine)\n{\n'
         for line in ("machine->motion.mode = 1;", "machine->motion.mode++;", "machine->motion.way[1] |= 2;",
                      "(machine->motion.way)[0] = 2;", "run_set(&machine->motion.mode);",
-                     "int *const mode = &machine->motion.mode; *mode = 1;"):
+                     "int *const mode = &machine->motion.mode; *mode = 1;",
+                     "machine->motion = (motion_t){.mode = 1};", "motion_t *const motion = &machine->motion; motion->mode = 1;"):
             with self.subTest(line):
                 self.write("firmware/drive/tick.c", head + line + "\nreturn 0;\n}\n")
                 self.assert_fails("floors", "firmware/drive/tick.c:4: writes a motion_t, which is for run.c alone",
                                   "1 finding(s)")
         self.write("firmware/drive/tick.c", head + "const int *const mode = &machine->motion.mode;\n"
                                                    "machine->tick = machine->motion.mode + machine->motion.way[1];\n"
+                                                   "int table[3];\ntable[machine->motion.mode] = 5;\n"
                                                    "run_plan(&machine->motion);\n"
                                                    "return run_of(&machine->motion.mode) + *mode;\n}\n")
         self.assert_passes("floors")
