@@ -9,14 +9,6 @@
  */
 #define REACTANCE_BITS (14U)
 
-void current_loop_reset(current_loop_t *loop)
-{
-    pi_reset(&loop->pi_d, 0);
-    pi_reset(&loop->pi_q, 0);
-    loop->reactance_q14 = (dq_t){0, 0};
-    loop->constant = (dq_t){0, 0};
-}
-
 void current_loop_turn(current_loop_t *loop, sincos_t angle)
 {
     const ab_t integral = {pi_output(&loop->pi_d), pi_output(&loop->pi_q)};

@@ -35,15 +35,13 @@ typedef struct {
     int32_t resistance_q13;  /* R·I_b/U_b */
 } current_loop_cfg_t;
 
+/* A loop of zeros begins without integrals and plan. */
 typedef struct {
     pi_t pi_d;
     pi_t pi_q;
     dq_t reactance_q14; /* ω·L_d, ω·L_q of the last plan, Q14 of U_b/I_b */
     dq_t constant;      /* R·i_d* and R·i_q* + ω·φ of the last plan, Q15 of U_b */
 } current_loop_t;
-
-/* Set both integrals and the plan to zero. */
-void current_loop_reset(current_loop_t *loop);
 
 /*
  * Change to a frame that is turned by `angle` against the present one. The integrals are turned

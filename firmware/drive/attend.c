@@ -108,19 +108,18 @@ static fault_id_t check_told(const drive_command_t *command, fault_t *fault)
     const uint32_t numbers = fx_unsigned(command->target);
     const uint32_t value = numbers & 0xFFFFU;
     const uint32_t limit = numbers >> 16U;
-    const bool told = (command->request == DRIVE_REQUEST_FAIL) &&
-                      (command->mode > (uint8_t)FAULT_NONE) &&
-                      (command->mode < (uint8_t)FAULT_COUNT);
+    fault_id_t id = FAULT_NONE;
 
-    if (told) {
-        *fault = (fault_t){
-            .id = (fault_id_t)command->mode, .value = (int32_t)value, .limit = (int32_t)limit};
+    if ((command->request == DRIVE_REQUEST_FAIL) && (command->mode > (uint8_t)FAULT_NONE) &&
+        (command->mode < (uint8_t)FAULT_COUNT)) {
+        id = (fault_id_t)command->mode;
+        *fault = (fault_t){.id = id, .value = (int32_t)value, .limit = (int32_t)limit};
     }
-    return told ? fault->id : FAULT_NONE;
+    return id;
 }
 
 /* A bit of drive->state has flipped, if its code is not a state. */
-static fault_id_t check_state(drive_state_t state, fault_t *fault)
+static fault_id_t find_flipped_state(drive_state_t state, fault_t *fault)
 {
     const bool sound = transitions_is_state(state);
 
@@ -168,7 +167,7 @@ bool attend_step(drive_t *drive, const drive_in_t *in, sample_t sample)
     fault_t fault;
 
     fault_clear(&fault);
-    fail_if(drive, check_state(drive->state, &fault), &fault, &now);
+    fail_if(drive, find_flipped_state(drive->state, &fault), &fault, &now);
     if (drive_has_sensor(drive)) {
         fail_if(drive, check_tracked_angle(&drive->rotor.angle_sensor, &fault), &fault, &now);
         estimate_sense(&drive->rotor, drive, in->angle);

@@ -332,7 +332,7 @@ void run_allow(motion_t *motion, torque_range_t range)
  * can still bear (derating.thermal). So a motor that is too hot keeps the i_d that its speed needs,
  * and loses torque.
  */
-INLINES_ALL int32_t run_plan_current_d(motion_t *motion, const drive_t *drive, const instant_t *now)
+int32_t run_plan_current_d(motion_t *motion, const drive_t *drive, const instant_t *now)
 {
     const current_reference_cfg_t *const cfg = &drive->cfg->current_reference;
     const current_reference_in_t point = operating_point(drive);
@@ -532,7 +532,7 @@ static int32_t step_plain_torque(motion_t *motion, const drive_t *drive)
     return torque;
 }
 
-INLINES_ALL int32_t run_step_torque(motion_t *motion, const drive_t *drive)
+int32_t run_step_torque(motion_t *motion, const drive_t *drive)
 {
     return motion->torque_loop.bridging ? step_bridged_torque(motion, drive)
                                         : step_plain_torque(motion, drive);

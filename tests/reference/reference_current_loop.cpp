@@ -54,7 +54,7 @@ static void compare_without_limit(const nf::MotorSettings &motor)
     nf::twin::CurrentLoop twin(nf::reference::current_loop_params(s));
     double worst = 0;
 
-    current_loop_reset(&loop);
+    loop = current_loop_t{};
     for (int k = 0; k < STEPS; k++) {
         const dq_t measured = {seeded.in(-2000, 2000), seeded.in(-8000, 8000)};
         const dq_t reference = {measured.d + seeded.in(-300, 300),
@@ -99,7 +99,7 @@ TEST(test_voltage_at_the_circle_stays_within_the_roundings_of_the_twin)
     double steepest = 0;
     int cuts = 0;
 
-    current_loop_reset(&loop);
+    loop = current_loop_t{};
     for (int k = 0; k < STEPS; k++) {
         const dq_t measured = {seeded.in(-200, 200), seeded.in(19500, 20500)};
         const int32_t push = (k / 50) % 2 == 0 ? 300 : -100;
