@@ -29,8 +29,8 @@
  * floor, ceil and sqrt are used, which are exact), so equal configurations and inputs give equal
  * bytes. Compile without floating-point contraction for that to hold between machines.
  *
- * Not modelled: thermal drift, saturation of the iron, iron loss, switching transients other than
- * the dead time, delay of the sensors, ripple of the bus within a period.
+ * Not modelled: thermal drift, iron loss, switching transients other than the dead time, ripple of
+ * the bus within a period.
  */
 #ifndef PLANT_PLANT_H
 #define PLANT_PLANT_H

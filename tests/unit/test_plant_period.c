@@ -349,8 +349,12 @@ TEST(test_random_operation_stays_within_physical_bounds)
         start();
         bool on = true;
         for (int k = 0; k < 1000; k++) {
-            write_compare(seeded_u32(&seeded) % (COUNTS + 1U), seeded_u32(&seeded) % (COUNTS + 1U),
-                          seeded_u32(&seeded) % (COUNTS + 1U));
+            const uint32_t a =
+                seeded_u32(&seeded) % (COUNTS + 1U); /* one after the other, in order */
+            const uint32_t b = seeded_u32(&seeded) % (COUNTS + 1U);
+            const uint32_t c = seeded_u32(&seeded) % (COUNTS + 1U);
+
+            write_compare(a, b, c);
             on = ((seeded_u32(&seeded) % 50U) == 0U) ? !on : on;
             plant_set_gates(&plant, on);
             run(1);
