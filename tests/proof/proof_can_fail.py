@@ -28,7 +28,7 @@ FAULTS_OF_A_TICK = {
     "a missing clamp": (
         "firmware/control/nn_observer.c",
         "fx_clamp(obs->speed - weight_step, -cfg->speed_limit, cfg->speed_limit)", "obs->speed - weight_step",
-        "FIELD(observer.speed, "),
+        "FIELD(rotor.observer.speed, "),
 }
 
 # Each alone: entry; as above. Those of the short form: one of each kind of finding.

@@ -220,6 +220,27 @@ TEST(test_a_vector_moves_by_the_step_that_it_was_given)
     assert_moves(FAULT_MEMORY);
 }
 
+/* Half a turn more would reverse the torque: it is found in its tick, also where nothing is driven.
+ */
+TEST(test_another_tracked_angle_than_the_sensor_has_led_to_is_found_in_its_tick)
+{
+    const drive_in_t frame = {.adc_ia = 2048U, .adc_ib = 2048U, .adc_bus = 2822U};
+    drive_out_t compares;
+
+    cfg = example_drive_cfg();
+    cfg.sampling.sensor_pole_pairs = 2U;
+    cfg.observer.eta = 0;
+    cfg.observer.kappa_p = 0;
+    begin_in(DRIVE_STATE_READY, DRIVE_MODE_SPEED);
+    drive_step(&drive, &frame, &compares);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
+    drive.rotor.angle_sensor.position.turns_q32 ^= 0x80000000LL;
+    drive_step(&drive, &frame, &compares);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
+    TEST_ASSERT_EQUAL_INT(FAULT_MEMORY, drive.fault.id);
+    TEST_ASSERT_EQUAL_INT32(STATE_GUARD_TURNS, drive.fault.value);
+}
+
 /* In the tick that moves it. */
 TEST(test_a_drive_with_a_vector_of_another_step_stops)
 {
