@@ -9,7 +9,6 @@
 #include "monitor.h"
 #include "run.h"
 #include "state_guard.h"
-#include "transitions.h"
 
 /*
  * Checks the samples of this tick against the limits of this state. If a current sample is at an
@@ -118,31 +117,8 @@ static fault_id_t check_told(const drive_command_t *command, fault_t *fault)
     return id;
 }
 
-/* A bit of drive->state has flipped, if its code is not a state. */
-static fault_id_t find_flipped_state(drive_state_t state, fault_t *fault)
-{
-    const bool sound = transitions_is_state(state);
-
-    if (!sound) {
-        const uint32_t code = (uint32_t)STATE_GUARD_STATE + (uint32_t)state;
-
-        *fault = (fault_t){.id = FAULT_MEMORY, .value = fx_signed(code), .limit = 0};
-    }
-    return sound ? FAULT_NONE : FAULT_MEMORY;
-}
-
-/* A bit of the tracked angle has flipped, if its words do not agree. */
-static fault_id_t check_tracked_angle(const angle_sensor_t *sensor, fault_t *fault)
-{
-    const bool sound = angle_sensor_holds(sensor);
-
-    if (!sound) {
-        *fault = (fault_t){.id = FAULT_MEMORY, .value = (int32_t)STATE_GUARD_TURNS, .limit = 0};
-    }
-    return sound ? FAULT_NONE : FAULT_MEMORY;
-}
-
-/* A late tick is a fault only while the motor is driven. Zero voltage acts in place of its demand.
+/*
+ * A late tick is a fault only while the motor is driven. Zero voltage acts in place of its demand.
  */
 static fault_id_t count_late(control_t *control, watch_t *watch, const drive_t *drive,
                              fault_t *fault)
@@ -167,9 +143,9 @@ bool attend_step(drive_t *drive, const drive_in_t *in, sample_t sample)
     fault_t fault;
 
     fault_clear(&fault);
-    fail_if(drive, find_flipped_state(drive->state, &fault), &fault, &now);
+    fail_if(drive, state_guard_check_state(drive, &fault), &fault, &now);
     if (drive_has_sensor(drive)) {
-        fail_if(drive, check_tracked_angle(&drive->rotor.angle_sensor, &fault), &fault, &now);
+        fail_if(drive, state_guard_check_sensor(drive, &fault), &fault, &now);
         estimate_sense(&drive->rotor, drive, in->angle);
     }
     fail_if(drive, check_told(&in->command, &fault), &fault, &now);

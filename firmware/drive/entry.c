@@ -274,7 +274,7 @@ static void begin_calibration(sensors_t *sensors, safe_state_t *safe_state, moti
 
 NEVER_INLINED void entry_begin(drive_t *drive, drive_state_t from, const instant_t *now)
 {
-    if ((from == DRIVE_STATE_READY) && drive_is_driving(drive->state)) {
+    if (from == DRIVE_STATE_READY) {
         begin_request(&drive->start, &drive->watch, &drive->motion);
     }
     switch (drive->state) {

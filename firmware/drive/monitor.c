@@ -12,13 +12,10 @@
 static fault_id_t check_phases(watch_t *watch, const drive_t *drive, const sample_t *sample,
                                fault_t *fault)
 {
-    const bool running = drive->state == DRIVE_STATE_RUN;
-    const rotor_position_t *const frame =
-        running ? &drive->rotor.position : &drive->vector.position;
     const supervision_phases_t measured = {
         .a = sample->phase_a,
         .b = sample->phase_b,
-        .turns_q16 = rotor_position_turns_q16(frame),
+        .turns_q16 = rotor_position_turns_q16(drive_frame_position(drive)),
         .speed = drive_speed(drive),
     };
 

@@ -139,8 +139,7 @@ static drive_event_t repeat_start(start_t *start, const startup_cfg_t *cfg, int3
 {
     drive_event_t event = DRIVE_EVENT_SEARCH;
 
-    start->attempts++;
-    start->held_periods = 0U;
+    start->attempts++; /* what else the attempt has left, open_loop_reset() forgets */
     if (start->attempts >= cfg->attempts) {
         event = DRIVE_EVENT_FAULT;
         *fault = (fault_t){.id = FAULT_STARTUP, .value = value, .limit = limit};
@@ -235,11 +234,10 @@ static drive_event_t judge_handover(start_t *start, const drive_t *drive, fault_
 
 /*
  * Counts the slow periods in which the rotor slips. Returns whether they are so many that it counts
- * as lost. The EMF of a slipping rotor
- * fits neither a model at standstill nor a model that is trained, so the residual stays large. In
- * each turn of the slip the EMF passes through zero twice, so a period with a small residual only
- * counts down by one. While the network follows the vector untrained, a load angle looks like an
- * error, so nothing is checked then.
+ * as lost. The EMF of a slipping rotor fits neither a model at standstill nor a model that is
+ * trained, so the residual stays large. In each turn of the slip the EMF passes through zero twice,
+ * so a period with a small residual only counts down by one. While the network follows the vector
+ * untrained, a load angle looks like an error, so nothing is checked then.
  */
 static bool count_lost(start_t *start, const drive_t *drive)
 {

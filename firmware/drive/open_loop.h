@@ -7,8 +7,8 @@
  * soft, so that the resistance of the windings damps the swinging of the rotor, as a short circuit
  * would. Above track_speed the observer is trained and no longer follows the vector. Above
  * handover_speed the observer takes over when its residual is small enough, that is, when it has
- * found the rotor. Otherwise the start is repeated. The functions here
- * decide; entry.c does what begins with the state that follows.
+ * found the rotor. Otherwise the start is repeated. These functions decide; entry.c sets what
+ * the next state needs.
  *
  * Part of the drive; called from drive_step only. A function that returns an event writes `fault`
  * only when that event is DRIVE_EVENT_FAULT.

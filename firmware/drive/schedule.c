@@ -112,16 +112,14 @@ static drive_event_t control_speed(drive_t *drive, const drive_command_t *comman
 static void plan(motion_t *motion, state_guard_t *guard, const drive_t *drive,
                  const drive_command_t *command)
 {
-    const bool running = drive->state == DRIVE_STATE_RUN;
-    const rotor_position_t *const position =
-        running ? &drive->rotor.position : &drive->vector.position;
+    const rotor_position_t *const position = drive_frame_position(drive);
 
     if (command->mode != motion->mode) {
         run_change_mode(motion, drive, command->mode, position);
         state_guard_forget(guard);
     }
     run_plan(motion, drive, command, position);
-    if (!running) {
+    if (drive->state != DRIVE_STATE_RUN) {
         run_plan_vector(motion, drive, open_loop_has_to_stand(drive));
     }
 }

@@ -190,8 +190,10 @@ typedef struct {
     torque_loop_t torque_loop;     /* torque control in RUN; its bridge is used in every mode */
 } motion_t;
 
-/* open_loop.c: the start of a motor without a sensor. Each attempt begins it anew, all but their
- * number. */
+/*
+ * open_loop.c: the start of a motor without a sensor. Each attempt begins it anew, all but the
+ * number of attempts.
+ */
 typedef struct {
     flying_start_t flying_start;
     align_t align;
@@ -292,6 +294,13 @@ static inline step_t drive_speed(const drive_t *drive)
     const bool known = (drive->state == DRIVE_STATE_RUN) || drive_has_sensor(drive);
 
     return known ? drive->rotor.observer.speed : drive->vector.step;
+}
+
+/* Position of the frame in which the currents are controlled: of the rotor in RUN, else the vector.
+ */
+static inline const rotor_position_t *drive_frame_position(const drive_t *drive)
+{
+    return (drive->state == DRIVE_STATE_RUN) ? &drive->rotor.position : &drive->vector.position;
 }
 
 /* Position estimate in Q32 electrical turns. */

@@ -3,6 +3,7 @@
 
 #include "inlining.h"
 #include "motor.h"
+#include "transitions.h"
 
 /* log2 of the slow periods in a supervision period, the time between two calls of look() */
 #define PERIODS_LOG2 (2U)
@@ -330,6 +331,20 @@ fault_id_t state_guard_step(state_guard_t *guard, motor_t *motor, const drive_t 
         id = found_part(drive, part, fault);
     }
     return id;
+}
+
+fault_id_t state_guard_check_state(const drive_t *drive, fault_t *fault)
+{
+    const uint32_t code = (uint32_t)STATE_GUARD_STATE + (uint32_t)drive->state;
+
+    return transitions_is_state(drive->state) ? FAULT_NONE : found(code, fault);
+}
+
+fault_id_t state_guard_check_sensor(const drive_t *drive, fault_t *fault)
+{
+    const bool sound = angle_sensor_holds(&drive->rotor.angle_sensor);
+
+    return sound ? FAULT_NONE : found((uint32_t)STATE_GUARD_TURNS, fault);
 }
 
 fault_id_t state_guard_check_heat(const drive_t *drive, fault_t *fault)

@@ -47,7 +47,7 @@ typedef enum {
     STATE_GUARD_VECTOR,
     STATE_GUARD_WEAKENING,
     STATE_GUARD_PROFILE, /* profile of position control, or its zero */
-    STATE_GUARD_TURNS,
+    STATE_GUARD_TURNS,   /* turns of the rotor, or the angle that follows a sensor */
     /*
      * this or more: STATE_GUARD_STATE + the code in drive_t.state, which is not one of
      * drive_state_t
@@ -76,6 +76,15 @@ void state_guard_keep_heat(state_guard_t *guard, const derating_t *derating);
 
 /* Call when the drive has taken over a configuration. */
 void state_guard_keep_config(state_guard_t *guard, const drive_cfg_t *cfg);
+
+/* Each tick that is not an ordinary one of RUN: finds MEMORY if the state's code is none. */
+fault_id_t state_guard_check_state(const drive_t *drive, fault_t *fault);
+
+/*
+ * Each tick of a drive with a sensor, before it is read: finds MEMORY if the angle and the speed
+ * that follow the sensor are not as they were written.
+ */
+fault_id_t state_guard_check_sensor(const drive_t *drive, fault_t *fault);
 
 /* Finds MEMORY if the heat differs from the kept one. */
 fault_id_t state_guard_check_heat(const drive_t *drive, fault_t *fault);

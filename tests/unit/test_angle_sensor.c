@@ -83,6 +83,13 @@ TEST(test_at_constant_acceleration_the_angle_lags_by_256_changes_of_the_speed)
     TEST_ASSERT_UINT32_WITHIN(256U, 256U * (uint32_t)RAMP, ahead);
 }
 
+TEST(test_start_is_at_rest_at_its_position)
+{
+    sensor.speed = 77;
+    angle_sensor_start(&sensor, -0x123456789ALL);
+    assert_is(-0x123456789ALL, 0);
+}
+
 /* The words of the position and of the speed; the last of a negative position at a negative speed.
  */
 TEST(test_a_flip_of_any_bit_is_seen_until_the_next_tick_and_none_else)

@@ -65,6 +65,14 @@ static step_t lead(int64_t target_q32, int64_t measured_q32)
 
 /* ---- speed ---- */
 
+TEST(test_another_reference_leaves_the_torque)
+{
+    pi_reset(&speed_loop.pi, 1234);
+    speed_loop_refer(&speed_loop, -7654321);
+    TEST_ASSERT_EQUAL_INT32(-7654321, speed_loop.reference);
+    TEST_ASSERT_EQUAL_INT32(1234, pi_output(&speed_loop.pi));
+}
+
 TEST(test_speed_reset_starts_at_the_present_speed_without_demand)
 {
     speed_loop.pi.integral_q26 = 12345678;

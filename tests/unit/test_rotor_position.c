@@ -89,3 +89,25 @@ TEST(test_turn_count_wraps_at_both_ends)
     rotor_position_step(&position, -1);
     TEST_ASSERT_EQUAL_INT64(INT64_MAX, position.turns_q32);
 }
+
+/* Rounded down; 2^15 turns later the word is the same. */
+TEST(test_turns_in_q16_are_rounded_down_and_wrap)
+{
+    static const struct {
+        int64_t turns_q32;
+        int32_t turns_q16;
+    } rows[] = {
+        {0x12345FFFFLL, 0x12345},
+        {-1, -1},
+        {-0x10000, -1},
+        {-0x10001, -2},
+        {0x7FFFFFFFFFFFLL, INT32_MAX},
+        {0x800000000000LL, INT32_MIN},
+        {0x1000000010000LL, 1},
+    };
+
+    for (size_t k = 0U; k < (sizeof rows / sizeof rows[0]); k++) {
+        position.turns_q32 = rows[k].turns_q32;
+        TEST_ASSERT_EQUAL_HEX32(rows[k].turns_q16, rotor_position_turns_q16(&position));
+    }
+}
