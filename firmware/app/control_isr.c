@@ -75,8 +75,9 @@ void app_fail(app_t *app, const fault_t *fault)
 
     app->fails = false;
     barrier_compiler();
-    app->failure = (drive_command_t){
-        .target = fx_signed(numbers), .mode = (uint8_t)fault->id, .request = DRIVE_REQUEST_FAIL};
+    app->failure = (drive_command_t){.target = fx_signed(numbers),
+                                     .mode = (uint8_t)(DRIVE_MODE_FAULT + (uint32_t)fault->id),
+                                     .request = DRIVE_REQUEST_FAIL};
     barrier_compiler();
     app->fails = true;
 }

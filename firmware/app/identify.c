@@ -93,7 +93,7 @@ static void ask_for_window(identify_t *identify)
     const uint32_t window = (number << PROBE_WINDOW_BITS) | fx_unsigned(identify->aim.ticks);
 
     identify->windows++;
-    *identify_aim_word(identify, PROBE_WINDOW) = fx_signed(window);
+    identify_aim_set(identify, PROBE_WINDOW, fx_signed(window));
     post(identify, IDENTIFY_WORDS - 1U);
 }
 

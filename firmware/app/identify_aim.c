@@ -19,9 +19,9 @@
 
 void identify_aim_current(identify_t *identify, int32_t current)
 {
-    *identify_aim_word(identify, PROBE_CURRENT) = current;
-    *identify_aim_word(identify, PROBE_PULSE_D) = 0;
-    *identify_aim_word(identify, PROBE_PULSE_Q) = 0;
+    identify_aim_set(identify, PROBE_CURRENT, current);
+    identify_aim_set(identify, PROBE_PULSE_D, 0);
+    identify_aim_set(identify, PROBE_PULSE_Q, 0);
 }
 
 void identify_aim_window(identify_t *identify, const char *kind, int32_t settle, int32_t ticks)
@@ -60,12 +60,12 @@ void identify_aim_gains(identify_t *identify, identify_gains_t gains)
         ((uint64_t)fx_unsigned(identify->rest.inductance_q16) << 16U) / (uint64_t)LOOP_SHARE;
     const uint64_t ki_q32 = (kp_q32 << INTEGRAL_BITS) / (uint64_t)share;
 
-    *identify_aim_word(identify, PROBE_GAIN_D) = gain_word(kp_q32);
-    *identify_aim_word(identify, PROBE_INTEGRAL_D) = gain_word(ki_q32);
-    *identify_aim_word(identify, PROBE_GAIN_Q) =
-        gain_word(soft ? (kp_q32 / (uint64_t)SOFT_GAIN_SHARE) : kp_q32);
-    *identify_aim_word(identify, PROBE_INTEGRAL_Q) =
-        gain_word(soft ? (ki_q32 / (uint64_t)SOFT_SHARE) : ki_q32);
+    identify_aim_set(identify, PROBE_GAIN_D, gain_word(kp_q32));
+    identify_aim_set(identify, PROBE_INTEGRAL_D, gain_word(ki_q32));
+    identify_aim_set(identify, PROBE_GAIN_Q,
+                     gain_word(soft ? (kp_q32 / (uint64_t)SOFT_GAIN_SHARE) : kp_q32));
+    identify_aim_set(identify, PROBE_INTEGRAL_Q,
+                     gain_word(soft ? (ki_q32 / (uint64_t)SOFT_SHARE) : ki_q32));
 }
 
 void identify_aim_phase(identify_t *identify, identify_phase_t phase)

@@ -40,22 +40,21 @@ static inline int32_t identify_aim_bounded(int64_t value, int32_t least, int32_t
     return (int32_t)bounded;
 }
 
-/*
- * Returns the current that was set last. Before the plan sets the current of the next experiment,
- * this is the current of the last one.
- */
-static inline int32_t identify_aim_asked_current(const identify_t *identify)
+/* Sets a word of the next experiment. A word that no plan sets keeps its last value. */
+static inline void identify_aim_set(identify_t *identify, probe_word_t which, int32_t value)
 {
-    return identify->aim.words[0];
+    identify->aim.words[(uint32_t)which - (uint32_t)PROBE_CURRENT] = value;
 }
 
-/*
- * Returns a pointer to a word of the next experiment. Before the plan sets the word, it has the
- * value of the last experiment.
- */
-static inline int32_t *identify_aim_word(identify_t *identify, probe_word_t which)
+/* Returns a word as it was set last: until the plan sets it anew, it is of the last experiment. */
+static inline int32_t identify_aim_word(const identify_t *identify, probe_word_t which)
 {
-    return &identify->aim.words[(uint32_t)which - (uint32_t)PROBE_CURRENT];
+    return identify->aim.words[(uint32_t)which - (uint32_t)PROBE_CURRENT];
+}
+
+static inline int32_t identify_aim_asked_current(const identify_t *identify)
+{
+    return identify_aim_word(identify, PROBE_CURRENT);
 }
 
 /* Sets the current of the next experiment, without pulses. */

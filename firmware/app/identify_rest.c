@@ -43,7 +43,7 @@ static void aim_axis(identify_t *identify)
 {
     const angle_t angle = identify->rest.axis * THIRD_TURN;
 
-    *identify_aim_word(identify, PROBE_ANGLE) = fx_signed(angle);
+    identify_aim_set(identify, PROBE_ANGLE, fx_signed(angle));
 }
 
 static void aim_pulse(identify_t *identify)
@@ -51,10 +51,10 @@ static void aim_pulse(identify_t *identify)
     const identify_rest_t *const rest = &identify->rest;
 
     identify_aim_current(identify, 0);
-    *identify_aim_word(identify, PROBE_RATE) = FASTEST;
+    identify_aim_set(identify, PROBE_RATE, FASTEST);
     aim_axis(identify);
-    *identify_aim_word(identify, PROBE_PULSE_D) = rest->pulse;
-    *identify_aim_word(identify, PROBE_PULSE_TICKS) = rest->quarter;
+    identify_aim_set(identify, PROBE_PULSE_D, rest->pulse);
+    identify_aim_set(identify, PROBE_PULSE_TICKS, rest->quarter);
     identify_aim_window(identify, "pulse", identify->ms_ticks,
                         QUARTERS * rest->quarter * PULSE_PATTERNS);
 }
@@ -365,12 +365,12 @@ static void aim_catch(identify_t *identify)
     }
     identify_aim_current(identify, (identify_aim_continuous(identify) * share) / 8);
     identify_aim_gains(identify, IDENTIFY_GAINS_SOFT);
-    *identify_aim_word(identify, PROBE_RAMP) = FASTEST;
-    *identify_aim_word(identify, PROBE_SPEED) = 0;
+    identify_aim_set(identify, PROBE_RAMP, FASTEST);
+    identify_aim_set(identify, PROBE_SPEED, 0);
     if (step >= CATCH_HALFWAY) {
-        *identify_aim_word(identify, PROBE_RATE) = turn_rate(identify, CATCH_TURN_MS);
+        identify_aim_set(identify, PROBE_RATE, turn_rate(identify, CATCH_TURN_MS));
     }
-    *identify_aim_word(identify, PROBE_ANGLE) = fx_signed(angle);
+    identify_aim_set(identify, PROBE_ANGLE, fx_signed(angle));
     if (looks) {
         identify_aim_window(identify, "catch", 0, CATCH_LOOK_MS * identify->ms_ticks);
     } else {
@@ -404,8 +404,8 @@ static void aim_try(identify_t *identify)
     const int32_t quarter = identify_aim_bounded(1 + (volts / limit), 1, PULSE_TICKS_MOST);
 
     identify_aim_current(identify, current);
-    *identify_aim_word(identify, PROBE_PULSE_D) = identify_aim_bounded(volts / quarter, 0, limit);
-    *identify_aim_word(identify, PROBE_PULSE_TICKS) = quarter;
+    identify_aim_set(identify, PROBE_PULSE_D, identify_aim_bounded(volts / quarter, 0, limit));
+    identify_aim_set(identify, PROBE_PULSE_TICKS, quarter);
     identify_aim_window(identify, "catch", TRY_MS * identify->ms_ticks,
                         TRY_PATTERNS * QUARTERS * quarter);
 }
@@ -609,7 +609,7 @@ static void aim_patterns(identify_t *identify, int32_t quarter)
 {
     const int32_t patterns = fx_max(BURST_TICKS / (QUARTERS * quarter), 1);
 
-    *identify_aim_word(identify, PROBE_PULSE_TICKS) = quarter;
+    identify_aim_set(identify, PROBE_PULSE_TICKS, quarter);
     identify_aim_window(identify, "burst", LEVEL_SETTLE_MS * identify->ms_ticks,
                         patterns * QUARTERS * quarter);
 }
@@ -617,11 +617,11 @@ static void aim_patterns(identify_t *identify, int32_t quarter)
 /* Sets up the slow burst. If the pulses cannot be made longer, they are repeated as they are. */
 static void aim_slow_burst(identify_t *identify)
 {
-    const int32_t quarter = 2 * *identify_aim_word(identify, PROBE_PULSE_TICKS);
+    const int32_t quarter = 2 * identify_aim_word(identify, PROBE_PULSE_TICKS);
 
     if (quarter <= PULSE_TICKS_MOST) {
-        *identify_aim_word(identify, PROBE_PULSE_D) /= 2;
-        *identify_aim_word(identify, PROBE_PULSE_Q) /= 2;
+        identify_aim_set(identify, PROBE_PULSE_D, identify_aim_word(identify, PROBE_PULSE_D) / 2);
+        identify_aim_set(identify, PROBE_PULSE_Q, identify_aim_word(identify, PROBE_PULSE_Q) / 2);
         aim_patterns(identify, quarter);
     }
 }
@@ -649,8 +649,8 @@ static void aim_fast_burst(identify_t *identify)
     const int32_t bias = (identify_aim_continuous(identify) * (int32_t)burst->bias) / 16;
 
     identify_aim_current(identify, along ? fx_max(fx_min(bias, most_bias), 0) : bias);
-    *identify_aim_word(identify, along ? PROBE_PULSE_D : PROBE_PULSE_Q) =
-        identify_aim_bounded(each, 0, most);
+    identify_aim_set(identify, along ? PROBE_PULSE_D : PROBE_PULSE_Q,
+                     identify_aim_bounded(each, 0, most));
     aim_patterns(identify, quarter);
 }
 
@@ -689,9 +689,9 @@ static void note_burst(identify_t *identify)
 {
     const probe_sums_t *const sums = identify_aim_sums(identify);
     const int64_t ticks_q16 = (int64_t)identify->aim.ticks * 65536;
-    const int32_t quarter = *identify_aim_word(identify, PROBE_PULSE_TICKS);
-    const int32_t along = *identify_aim_word(identify, PROBE_PULSE_D);
-    const int32_t across = *identify_aim_word(identify, PROBE_PULSE_Q);
+    const int32_t quarter = identify_aim_word(identify, PROBE_PULSE_TICKS);
+    const int32_t along = identify_aim_word(identify, PROBE_PULSE_D);
+    const int32_t across = identify_aim_word(identify, PROBE_PULSE_Q);
 
     if ((along > 0) && (sums->change.d > 0)) {
         identify->rest.along_q16 =

@@ -47,8 +47,8 @@ step_t identify_turn_speed(const identify_t *identify)
 
 static void aim_speed(identify_t *identify, step_t speed, step_t ramp)
 {
-    *identify_aim_word(identify, PROBE_SPEED) = speed;
-    *identify_aim_word(identify, PROBE_RAMP) = fx_max(ramp, 1);
+    identify_aim_set(identify, PROBE_SPEED, speed);
+    identify_aim_set(identify, PROBE_RAMP, fx_max(ramp, 1));
 }
 
 /*
@@ -176,8 +176,8 @@ static void steepen(identify_t *identify, int32_t torque)
     const int32_t ramp = (turn->ramp_ticks * (shown / 16)) / (TORQUE_ENOUGH / 16);
 
     turn->swing_ticks = fx_max(root_of(square), SWING_TICKS_LEAST);
-    *identify_aim_word(identify, PROBE_DAMPING) =
-        fx_min((2 * STEPS_PER_RADIAN) / turn->swing_ticks, DAMPING_MOST);
+    identify_aim_set(identify, PROBE_DAMPING,
+                     fx_min((2 * STEPS_PER_RADIAN) / turn->swing_ticks, DAMPING_MOST));
     take_ramp(identify, turn->low, fx_max(ramp, shortest_ramp(identify)), longest);
 }
 
@@ -227,11 +227,11 @@ static void begin_spin(identify_t *identify)
     const int32_t resistive = (rest->resistance_q13[2] * current) / 8192;
 
     identify->turn.top = identify_turn_speed(identify);
-    *identify_aim_word(identify, PROBE_RESISTANCE) = rest->resistance_q13[2];
-    *identify_aim_word(identify, PROBE_REACTANCE) = reactance_q13(identify);
-    *identify_aim_word(identify, PROBE_LOSS) = rest->loss;
-    *identify_aim_word(identify, PROBE_EMF) = fx_max(2 * rest->loss, resistive / 2);
-    *identify_aim_word(identify, PROBE_DAMPING) = DAMPING_MOST;
+    identify_aim_set(identify, PROBE_RESISTANCE, rest->resistance_q13[2]);
+    identify_aim_set(identify, PROBE_REACTANCE, reactance_q13(identify));
+    identify_aim_set(identify, PROBE_LOSS, rest->loss);
+    identify_aim_set(identify, PROBE_EMF, fx_max(2 * rest->loss, resistive / 2));
+    identify_aim_set(identify, PROBE_DAMPING, DAMPING_MOST);
     identify_aim_gains(identify, IDENTIFY_GAINS_FIRM);
     identify_aim_current(identify, current);
 }
@@ -643,8 +643,8 @@ bool identify_turn_plan_coast(identify_t *identify)
     } else {
         identify_aim_current(identify, 0);
         identify_aim_gains(identify, IDENTIFY_GAINS_QUICK);
-        *identify_aim_word(identify, PROBE_DAMPING) = DAMPING_MOST;
-        *identify_aim_word(identify, PROBE_TRACKING) = COAST_TRACKING;
+        identify_aim_set(identify, PROBE_DAMPING, DAMPING_MOST);
+        identify_aim_set(identify, PROBE_TRACKING, COAST_TRACKING);
         identify_aim_window(identify, "coast", (identify->step == 0U) ? COAST_SETTLE_TICKS : 0,
                             identify->turn.coast_ticks);
         identify->aim.rushes = true;

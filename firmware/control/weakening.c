@@ -20,11 +20,13 @@
 #define SHARE_ONE (65536)
 #define VOLTS_END (32000) /* limit of a voltage: the sum of two squares fits 32 bits */
 
-/* Voltages at the present speed, Q14 of U_b, because X·I may be up to 2·U_b. */
+/*
+ * Voltages at the present speed, Q14 of U_b, because X·I may be up to 2·U_b. The functions below
+ * take as `e` the voltage E that is left for the flux, 0…16383, Q14 of U_b too.
+ */
 typedef struct {
     dq_t reactance_q14; /* X = ω·L, 0…65534 */
     int32_t emf;        /* ω·φ, 0…VOLTS_END */
-    int32_t flux;       /* E, 0…16383 */
     int32_t reactive_d; /* X_d·I, 0…VOLTS_END */
     int32_t reactive_q; /* X_q·I, 0…VOLTS_END */
 } weakening_volts_t;
@@ -140,7 +142,7 @@ static int32_t flux_volts(int32_t flux_q15)
     return fx_asr(fx_usat15(flux_q15), 1U);
 }
 
-static weakening_volts_t volts_of(const weakening_in_t *in, int32_t flux_q15)
+static weakening_volts_t volts_of(const weakening_in_t *in)
 {
     const current_loop_cfg_t *const model = in->model;
     weakening_volts_t volts;
@@ -148,7 +150,6 @@ static weakening_volts_t volts_of(const weakening_in_t *in, int32_t flux_q15)
     volts.reactance_q14 = (dq_t){.d = fx_asr(in->speed_q15 * model->reactance_d_q13, 14U),
                                  .q = fx_asr(in->speed_q15 * model->reactance_q_q13, 14U)};
     volts.emf = fx_min(fx_asr(in->speed_q15 * model->emf_q13, 14U), VOLTS_END);
-    volts.flux = flux_volts(flux_q15);
     volts.reactive_d = reactive_volts(volts.reactance_q14.d, in->current_max);
     volts.reactive_q = reactive_volts(volts.reactance_q14.q, in->current_max);
     return volts;
@@ -172,33 +173,33 @@ static int32_t current_of_volts(int32_t volts, int32_t reactive, int32_t current
  * Returns the i_d at which the voltage ellipse has the i_q of the reference. Of the two solutions
  * it is the more positive one.
  */
-static int32_t ellipse_d(const weakening_in_t *in, const weakening_volts_t *volts)
+static int32_t ellipse_d(const weakening_in_t *in, const weakening_volts_t *volts, int32_t e)
 {
     const int32_t across = reactive_volts(volts->reactance_q14.q, in->reference.q);
-    const int32_t left = other_leg(volts->flux, across) - volts->emf;
+    const int32_t left = other_leg(e, across) - volts->emf;
     const int32_t size = current_of_volts(fx_abs(left), volts->reactive_d, in->current_max);
 
     return (left < 0) ? -size : size;
 }
 
 /* Returns the |i_q| that the voltage ellipse has at this i_d. */
-static int32_t ellipse_q(const weakening_in_t *in, const weakening_volts_t *volts,
+static int32_t ellipse_q(const weakening_in_t *in, const weakening_volts_t *volts, int32_t e,
                          int32_t current_d)
 {
     const int32_t along = volts->emf + reactive_volts(volts->reactance_q14.d, current_d);
 
-    return current_of_volts(other_leg(volts->flux, along), volts->reactive_q, in->current_max);
+    return current_of_volts(other_leg(e, along), volts->reactive_q, in->current_max);
 }
 
 /*
  * Returns the i_d at which the circle of the current meets the voltage ellipse; 0 if at i_d = 0 the
  * circle lies within the ellipse.
  */
-static int32_t circle_d(const weakening_in_t *in, const weakening_volts_t *volts)
+static int32_t circle_d(const weakening_in_t *in, const weakening_volts_t *volts, int32_t e)
 {
     const int32_t d2 = volts->reactive_d * volts->reactive_d;
     const int32_t q2 = volts->reactive_q * volts->reactive_q;
-    const int32_t lacking = (volts->emf * volts->emf) + q2 - (volts->flux * volts->flux);
+    const int32_t lacking = (volts->emf * volts->emf) + q2 - (e * e);
     const int32_t half = volts->reactive_d * volts->emf;
     int32_t depth = 0;
 
@@ -221,13 +222,14 @@ static int32_t circle_d(const weakening_in_t *in, const weakening_volts_t *volts
  * Returns the i_d with the largest torque on the ellipse, at least −I. It is −I if the centre of
  * the ellipse is not within the circle of the current.
  */
-static int32_t torque_per_volt_d(const weakening_in_t *in, const weakening_volts_t *volts)
+static int32_t torque_per_volt_d(const weakening_in_t *in, const weakening_volts_t *volts,
+                                 int32_t e)
 {
     int32_t depth = in->current_max;
 
     if (volts->emf < volts->reactive_d) {
         const uint32_t saliency =
-            (uint32_t)fx_max(volts->reactive_q - volts->reactive_d, 0) * (uint32_t)volts->flux;
+            (uint32_t)fx_max(volts->reactive_q - volts->reactive_d, 0) * (uint32_t)e;
         const uint32_t emf = (uint32_t)volts->reactive_q * (uint32_t)volts->emf;
         const uint32_t beyond = bits_beyond_15(emf | (4U * saliency));
         const uint32_t saliency_13 = saliency >> beyond;
@@ -235,7 +237,7 @@ static int32_t torque_per_volt_d(const weakening_in_t *in, const weakening_volts
         const uint32_t square = (emf_15 * emf_15) + (8U * saliency_13 * saliency_13);
         const int32_t share = share_of(saliency_13, emf_15 + trig_sqrt(square));
 
-        depth = current_of_volts(volts->emf + part_of(share, 2 * volts->flux), volts->reactive_d,
+        depth = current_of_volts(volts->emf + part_of(share, 2 * e), volts->reactive_d,
                                  in->current_max);
     }
     return -depth;
@@ -243,21 +245,21 @@ static int32_t torque_per_volt_d(const weakening_in_t *in, const weakening_volts
 
 /*
  * Call it where the voltage decides i_d*. Limits i_d* to the depth to which it is of use, and sets
- * `reach` to the i_q that is left there. The E of `volts` must contain the resistive voltage of the
- * measured current. The resistive voltage of an i_q* that the voltage does not allow would leave no
+ * `reach` to the i_q that is left there. E must contain the resistive voltage of the measured
+ * current. The resistive voltage of an i_q* that the voltage does not allow would leave no
  * i_q at all in one period, and all of it in the next.
  */
-static void end_where_useless(const weakening_in_t *in, const weakening_volts_t *volts,
+static void end_where_useless(const weakening_in_t *in, const weakening_volts_t *volts, int32_t e,
                               int32_t wanted, weakening_limits_t *limits)
 {
-    const int32_t circle = circle_d(in, volts);
-    const int32_t deepest = fx_max(torque_per_volt_d(in, volts), -in->deepest);
+    const int32_t circle = circle_d(in, volts, e);
+    const int32_t deepest = fx_max(torque_per_volt_d(in, volts, e), -in->deepest);
     const int32_t useful = fx_min(deepest, wanted); /* `wanted` may be deeper than `deepest` */
 
     limits->lower = circle;
     if (useful > circle) {
         limits->lower = useful;
-        limits->reach = ellipse_q(in, volts, useful);
+        limits->reach = ellipse_q(in, volts, e, useful);
     }
     limits->upper = fx_max(limits->upper, limits->lower);
 }
@@ -286,14 +288,16 @@ weakening_limits_t weakening_step(weakening_t *weakening, const weakening_in_t *
     const int32_t length = (int32_t)trig_sqrt(transforms_square(in->voltage));
     const int32_t available = weakening->valley - fx_asr(weakening->valley * RESERVE, 8U);
     const int32_t whole = available + weakening->voltage;
-    weakening_volts_t volts = volts_of(in, whole - resistive_volts(in, in->reference, length));
+    const int32_t e_asked = flux_volts(whole - resistive_volts(in, in->reference, length));
+    const weakening_volts_t volts = volts_of(in);
     weakening_limits_t limits = {.lower = -CURRENT_END, .reach = CURRENT_END};
 
-    limits.upper = ellipse_d(in, &volts);
+    limits.upper = ellipse_d(in, &volts, e_asked);
     weakening->acts = (limits.upper < wanted) || (in->reference.d < wanted);
     if (limits.upper < wanted) {
-        volts.flux = flux_volts(whole - resistive_volts(in, in->current, length));
-        end_where_useless(in, &volts, wanted, &limits);
+        const int32_t e_measured = flux_volts(whole - resistive_volts(in, in->current, length));
+
+        end_where_useless(in, &volts, e_measured, wanted, &limits);
         correct_voltage(weakening, &limits, available - length);
     } else {
         forget(weakening);

@@ -101,17 +101,18 @@ bool attend_is_ordinary(const drive_t *drive, const drive_in_t *in, sample_t sam
            (word == DRIVE_REQUEST_RUN) && protection_holds(&drive->limits, sample);
 }
 
-/* Finds the fault that the background has found. A mode that is not a fault id is none. */
+/* Finds the fault that the background has found. A mode that names no fault is none. */
 static fault_id_t check_told(const drive_command_t *command, fault_t *fault)
 {
     const uint32_t numbers = fx_unsigned(command->target);
     const uint32_t value = numbers & 0xFFFFU;
     const uint32_t limit = numbers >> 16U;
+    const uint32_t told = (uint32_t)command->mode - DRIVE_MODE_FAULT;
     fault_id_t id = FAULT_NONE;
 
-    if ((command->request == DRIVE_REQUEST_FAIL) && (command->mode > (uint8_t)FAULT_NONE) &&
-        (command->mode < (uint8_t)FAULT_COUNT)) {
-        id = (fault_id_t)command->mode;
+    if ((command->request == DRIVE_REQUEST_FAIL) && (told > (uint32_t)FAULT_NONE) &&
+        (told < (uint32_t)FAULT_COUNT)) {
+        id = (fault_id_t)told;
         *fault = (fault_t){.id = id, .value = (int32_t)value, .limit = (int32_t)limit};
     }
     return id;

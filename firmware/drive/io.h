@@ -11,11 +11,18 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* The loop that drives. As the mode of a command it says what the target is. */
 typedef enum {
-    DRIVE_MODE_SPEED = 0,
-    DRIVE_MODE_POSITION,
-    DRIVE_MODE_TORQUE
+    DRIVE_MODE_SPEED = 0, /* step_t, + turns α towards β */
+    DRIVE_MODE_POSITION,  /* Q16 electrical turns from the zero in force (motion_loop.h) */
+    DRIVE_MODE_TORQUE     /* Q28 of T_b (current_reference.h), + drives forwards */
 } drive_mode_t;
+
+/*
+ * Added to a fault_id_t it is the mode of a command with FAIL. The target is then the fault's value
+ * in the lower half and its limit in the upper half.
+ */
+#define DRIVE_MODE_FAULT (0x80U)
 
 #define DRIVE_REQUEST_RUN (0x01U)   /* level: run while set */
 #define DRIVE_REQUEST_CLEAR (0x02U) /* acknowledge a fault, only without RUN */
@@ -35,16 +42,11 @@ typedef enum {
 
 /* The user's command. */
 typedef struct {
+    int32_t target; /* a value of the kind that `mode` names */
     /*
-     * SPEED: step_t, + turns α towards β; POSITION: Q16 electrical turns from the zero in force
-     * (motion_loop.h); TORQUE: Q28 of T_b (current_reference.h), + drives forwards; in PROBE the
-     * value of the word in `mode`; with FAIL the fault's value in the lower half and its limit in
-     * the upper half
-     */
-    int32_t target;
-    /*
-     * drive_mode_t; any other value counts as SPEED; in PROBE a probe_word_t; with FAIL a
-     * fault_id_t
+     * Kind of the target: a drive_mode_t; a probe_word_t (probe.h, 16 and above), which PROBE takes
+     * as the value of this word; or DRIVE_MODE_FAULT and a fault_id_t. RUN takes any other value as
+     * SPEED.
      */
     uint8_t mode;
     uint8_t request;

@@ -37,7 +37,7 @@ static inline void start(void)
 
 static inline int32_t word(probe_word_t which)
 {
-    return *identify_aim_word(&identify, which);
+    return identify_aim_word(&identify, which);
 }
 
 static inline probe_sums_t *sums(void)

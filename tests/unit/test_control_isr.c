@@ -258,8 +258,8 @@ TEST(test_fault_in_a_frame_reaches_the_gates_in_the_same_interrupt)
 TEST(test_a_failure_without_its_request_is_not_told)
 {
     post(7, DRIVE_MODE_SPEED, 0U);
-    app.failure =
-        (drive_command_t){.mode = (uint8_t)FAULT_CURRENT_SUM, .request = DRIVE_REQUEST_RUN};
+    app.failure = (drive_command_t){.mode = DRIVE_MODE_FAULT + FAULT_CURRENT_SUM,
+                                    .request = DRIVE_REQUEST_RUN};
     app.fails = true;
     interrupts(300U);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, app.drive.state);
@@ -273,8 +273,8 @@ TEST(test_a_failure_without_its_request_is_not_told)
 TEST(test_a_request_alone_tells_no_failure)
 {
     interrupts(300U);
-    app.failure =
-        (drive_command_t){.mode = (uint8_t)FAULT_CURRENT_SUM, .request = DRIVE_REQUEST_FAIL};
+    app.failure = (drive_command_t){.mode = DRIVE_MODE_FAULT + FAULT_CURRENT_SUM,
+                                    .request = DRIVE_REQUEST_FAIL};
     interrupts(cfg.slow_ticks);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, app.drive.state);
 }
@@ -306,8 +306,8 @@ TEST(test_a_flag_that_has_flipped_is_taken_back)
     interrupts(300U);
     app.fails = true;
     app_forget_failure(&app);
-    app.failure =
-        (drive_command_t){.mode = (uint8_t)FAULT_CURRENT_SUM, .request = DRIVE_REQUEST_FAIL};
+    app.failure = (drive_command_t){.mode = DRIVE_MODE_FAULT + FAULT_CURRENT_SUM,
+                                    .request = DRIVE_REQUEST_FAIL};
     interrupts(cfg.slow_ticks);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, app.drive.state);
 }

@@ -194,7 +194,8 @@ TEST(test_run_command_enables_the_gates_in_the_next_tick_and_stop_opens_them_in_
 
 TEST(test_a_fault_told_that_is_none_ends_a_run_as_a_stop_does)
 {
-    static const uint8_t none[] = {(uint8_t)FAULT_NONE, (uint8_t)FAULT_COUNT, 0xFFU};
+    static const uint8_t none[] = {DRIVE_MODE_FAULT + FAULT_NONE, DRIVE_MODE_FAULT + FAULT_COUNT,
+                                   FAULT_CURRENT_SUM, 0xFFU};
 
     for (uint32_t k = 0U; k < (sizeof none / sizeof none[0]); k++) {
         setUp();

@@ -627,10 +627,10 @@ static void experiment(step_t speed, step_t ramp)
 {
     begin();
     (void)next_record();
-    *identify_aim_word(&identify, PROBE_PULSE_D) = 0;
-    *identify_aim_word(&identify, PROBE_SPEED) = speed;
-    *identify_aim_word(&identify, PROBE_RAMP) = ramp;
-    *identify_aim_word(&identify, PROBE_CURRENT) = 11;
+    identify_aim_set(&identify, PROBE_PULSE_D, 0);
+    identify_aim_set(&identify, PROBE_SPEED, speed);
+    identify_aim_set(&identify, PROBE_RAMP, ramp);
+    identify_aim_set(&identify, PROBE_CURRENT, 11);
     identify_aim_window(&identify, "spin", SETTLE, WINDOW);
 }
 
@@ -677,8 +677,8 @@ TEST(test_a_vector_on_its_way_to_a_speed_has_not_arrived_at_any_angle)
 TEST(test_a_vector_at_rest_has_arrived_at_its_angle_only)
 {
     experiment(0, 1);
-    *identify_aim_word(&identify, PROBE_RATE) = 0x100000;
-    *identify_aim_word(&identify, PROBE_ANGLE) = 0x10000000; /* 256 ticks away */
+    identify_aim_set(&identify, PROBE_RATE, 0x100000);
+    identify_aim_set(&identify, PROBE_ANGLE, 0x10000000); /* 256 ticks away */
     (void)ticks_to(IDENTIFY_MOVING);
     TEST_ASSERT_TRUE(ticks_to(IDENTIFY_SETTLING) >=
                      200U); /* its last words are asked for on the way */

@@ -11,8 +11,8 @@ void setUp(void)
 
 TEST(test_a_current_has_no_pulses)
 {
-    *identify_aim_word(&identify, PROBE_PULSE_D) = 1;
-    *identify_aim_word(&identify, PROBE_PULSE_Q) = 2;
+    identify_aim_set(&identify, PROBE_PULSE_D, 1);
+    identify_aim_set(&identify, PROBE_PULSE_Q, 2);
     identify_aim_current(&identify, 345);
     TEST_ASSERT_EQUAL_INT32(345, word(PROBE_CURRENT));
     TEST_ASSERT_EQUAL_INT32(0, word(PROBE_PULSE_D));

@@ -78,7 +78,7 @@ TEST(test_a_pulse_has_no_current_and_lies_on_the_axis_of_its_phase)
         TEST_ASSERT_EQUAL_INT32(64 * word(PROBE_PULSE_TICKS), identify.aim.ticks);
         TEST_ASSERT_EQUAL_INT32(MS, identify.aim.settle);
         TEST_ASSERT_EQUAL_STRING("pulse", identify.aim.kind);
-        *identify_aim_word(&identify, PROBE_CURRENT) = 5; /* of another experiment */
+        identify_aim_set(&identify, PROBE_CURRENT, 5); /* of another experiment */
         (void)identify_rest_plan_pulse(&identify);
     }
     app.drive.bus = 255; /* as good as none */
@@ -317,8 +317,8 @@ TEST(test_the_rotor_is_caught_half_a_turn_away_and_taken_along)
 
     identify_aim_phase(&identify, IDENTIFY_CATCH);
     identify.rest.inductance_q16 = 1441;
-    *identify_aim_word(&identify, PROBE_RATE) = 77;
-    *identify_aim_word(&identify, PROBE_SPEED) = 88;
+    identify_aim_set(&identify, PROBE_RATE, 77);
+    identify_aim_set(&identify, PROBE_SPEED, 88);
     for (uint32_t k = 0U; k < 11U; k++) {
         const bool looks = k == 10U;
 
@@ -848,9 +848,9 @@ TEST(test_the_volts_of_pulses_are_rounded_down_and_end_at_none)
 static void note_burst(int32_t ticks, int32_t quarter, dq_t pulse, dq_t change)
 {
     identify.aim.ticks = ticks;
-    *identify_aim_word(&identify, PROBE_PULSE_D) = pulse.d;
-    *identify_aim_word(&identify, PROBE_PULSE_Q) = pulse.q;
-    *identify_aim_word(&identify, PROBE_PULSE_TICKS) = quarter;
+    identify_aim_set(&identify, PROBE_PULSE_D, pulse.d);
+    identify_aim_set(&identify, PROBE_PULSE_Q, pulse.q);
+    identify_aim_set(&identify, PROBE_PULSE_TICKS, quarter);
     sums()->change = change;
     TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
 }

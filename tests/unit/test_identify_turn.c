@@ -696,7 +696,7 @@ TEST(test_a_ramp_is_not_so_short_that_a_current_across_flows)
     identify.turn.ramp_ticks = 1600;
     expect_ramp_across(-516 * 1280, true, 1600);
     begin_ramps(0.001);
-    *identify_aim_word(&identify, PROBE_CURRENT) = 0; /* each one across counts */
+    identify_aim_set(&identify, PROBE_CURRENT, 0); /* each one across counts */
     expect_ramp_across(1900, false, 1900);
 }
 
