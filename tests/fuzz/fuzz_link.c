@@ -310,6 +310,12 @@ static void link_holds(void)
           "the block in force is good");
 }
 
+/* What has come in is obeyed later while the last answer is still being sent. */
+static bool is_waiting(void)
+{
+    return (serial.question != 0U) || (line.in_at < line.in_length);
+}
+
 static void tick(void)
 {
     const drive_command_t before = command_mailbox_take(&app.mailbox);
@@ -318,7 +324,7 @@ static void tick(void)
     recorder_service(&recorder, &app.drive);
     link_step(&serial);
     command_holds(&before);
-    may_command = false;
+    may_command = is_waiting();
 }
 
 static size_t step(input_t *input)
