@@ -123,3 +123,13 @@ endfunction()
 function(nf_hal_config target)
     nf_config_file(${target} hal_config.h hal-header ${ARGN})
 endfunction()
+
+# nf_hal_memory(<target> MOTOR <file> BOARD <file> TUNING <file>)
+#
+# Lets the linker script of <target> include hal_memory.ld, the memories of the board's chip.
+function(nf_hal_memory target)
+    nf_config_file(${target} hal_memory.ld hal-memory ${ARGN})
+    target_link_options(${target} PRIVATE -L${CMAKE_CURRENT_BINARY_DIR}/${target}_config)
+    set_property(TARGET ${target} APPEND PROPERTY
+        LINK_DEPENDS ${CMAKE_CURRENT_BINARY_DIR}/${target}_config/hal_memory.ld)
+endfunction()

@@ -10,6 +10,7 @@
 #include "data_sheet.h"
 #include "describe.h"
 #include "files.h"
+#include "g4_family.h"
 #include "hal_header.h"
 #include "header.h"
 #include "output_file.h"
@@ -106,6 +107,16 @@ void show(const Choice &choice)
                                  row.in_run ? "run" : "rest", row.meaning);
     }
     print_notes(config);
+}
+
+void list_pins(const std::string &name)
+{
+    const nf::G4Chip *const chip = nf::find_g4_chip(name);
+    if (chip == nullptr) {
+        throw std::runtime_error(
+            fmt::format("CHIP: found '{}'; allowed: {}", name, nf::g4_chip_names()));
+    }
+    std::cout << nf::g4_pin_list(*chip);
 }
 
 // Of "motor.pole_pairs" "motor".
@@ -231,6 +242,16 @@ int run(int argc, char **argv)
     binding->add_option("--out", choice.out, "File to write; - is standard output")
         ->capture_default_str();
     binding->callback([&] { write_out(choice, load(choice), nf::make_hal_header); });
+    CLI::App *pins = app.add_subcommand("pins", "What each pin of an STM32G4 can do for a board");
+    std::string chip;
+    pins->add_option("CHIP", chip, "Chip, such as stm32g431cb")->required();
+    pins->callback([&] { list_pins(chip); });
+    CLI::App *memory = app.add_subcommand(
+        "hal-memory", "Write the memories of an STM32G4, for the linker script of hal/stm32g4");
+    add_choice(*memory, choice);
+    memory->add_option("--out", choice.out, "File to write; - is standard output")
+        ->capture_default_str();
+    memory->callback([&] { write_out(choice, load(choice), nf::make_hal_memory); });
     CLI::App *block = app.add_subcommand(
         "block", "Write the block of a configuration that an image of its board can store");
     add_choice(*block, choice);

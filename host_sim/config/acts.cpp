@@ -105,6 +105,11 @@ bool has_capacitor(const Config &config)
     return config.plant.bus_capacitance_f > 0;
 }
 
+bool has_low_side_shunts(const Config &config)
+{
+    return config.hal.current_position == CurrentPosition::low_side;
+}
+
 bool has_load(const Config &config)
 {
     const std::vector<TimedValue> &load = config.scenario.load;

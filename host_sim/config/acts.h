@@ -38,6 +38,7 @@ bool has_elastic_shaft(const Config &config);
 bool has_leg_loss(const Config &config);
 bool has_capacitor(const Config &config);
 bool has_load(const Config &config);
+bool has_low_side_shunts(const Config &config);
 bool has_no_model_dead_time(const Config &config);
 bool has_measured_dead_time(const Config &config);
 bool has_no_measured_knee(const Config &config);
@@ -79,6 +80,8 @@ constexpr Acting WITH_LEG_LOSS = {
     has_leg_loss};
 constexpr Acting WITH_CAPACITOR = {"only with plant.bus_capacitance_f above 0", has_capacitor};
 constexpr Acting WITH_LOAD = {"only with a load other than 0", has_load};
+constexpr Acting WITH_LOW_SIDE_SHUNTS = {"only with hal.current_position = \"low_side\"",
+                                         has_low_side_shunts};
 
 constexpr Acting RECORD = {"", nullptr, true};
 constexpr Acting WITHOUT_MODEL_DEAD_TIME = {"only without model.dead_time_s",

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "hal_header.h"
 
+#include "g4_family.h"
+#include "g4_header.h"
 #include "limit.h"
 #include "schema.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <sstream>
@@ -23,16 +26,15 @@ constexpr double PRODUCT_ERROR = 1e-9;
 constexpr double DAC_COUNTS = 4096.0;
 // Two statements of one scale, each rounded by hand, agree within this share.
 constexpr double SCALE_TOLERANCE = 0.02;
-// What the binding of hal/stm32g431 can set its chip to; its board.c asserts the same.
-constexpr double G431_CLOCK_HZ = 170e6;
-constexpr int G431_ADC_BITS = 12;
-constexpr double G431_DEAD_TIME_TICKS = 1008;
-constexpr double G431_SAMPLING_NS = 1100;
-// Its oscillator may be off by 1 % (hal/stm32g431/clock.h), and both sides of a line understand
+// What the binding of hal/stm32g4 can set its chip to; its board.c asserts the same.
+constexpr int G4_ADC_BITS = 12;
+constexpr double G4_DEAD_TIME_TICKS = 1008;
+constexpr double G4_SAMPLING_NS = 1100;
+// Its oscillator may be off by 1 % (hal/stm32g4/clock.h), and both sides of a line understand
 // each other within 2 %.
-constexpr double G431_BAUD_ERROR = 0.01;
+constexpr double G4_BAUD_ERROR = 0.01;
 // Bytes that its receiver holds. The background takes them once a tick.
-constexpr double G431_FIFO_BYTES = 8;
+constexpr double G4_FIFO_BYTES = 8;
 constexpr double LINE_BITS = 10; // of a byte
 
 // Half of the shortest time for which a low side is commanded on, around the instant of sampling:
@@ -57,21 +59,49 @@ void need(bool holds, const Config &config, const std::string &key, double value
     }
 }
 
-// The defaults of the temperature sensor are for simulated power stages, which may also do without
-// comparators; the warning follows from its limit.
-bool is_needed(const Field &field)
+bool is_g4(const Config &config)
 {
-    return (std::strcmp(field.section, "hal") == 0 && field.name() != "hal.chip") ||
-           field.name() == "board.dead_time_s" || field.name() == "board.trip_a" ||
-           (field.name().rfind("board.temperature_", 0) == 0 &&
-            field.name() != "board.temperature_warn_c");
+    return config.hal.chip != "other";
+}
+
+// With a line of the gate driver in place of comparators.
+bool has_line(const Config &config)
+{
+    return is_g4(config) && !config.hal.break_pin.empty();
+}
+
+// Keys of [hal] that each binding needs.
+const std::vector<std::string> NEEDED_BY_ALL = {
+    "hal.adc_settling_ns", "hal.adc_sampling_ns", "hal.break_polarity",
+    "hal.shunt_ohm",       "hal.amplifier_gain",  "hal.amplifier_zero_v",
+    "hal.pga_gain",        "hal.adc_reference_v", "hal.bus_divider"};
+// What hal/stm32g4 needs besides.
+const std::vector<std::string> NEEDED_BY_G4 = {"hal.gate_high_pins", "hal.shunt_pins",
+                                               "hal.bus_pin", "hal.temperature_pin",
+                                               "hal.serial_pins"};
+
+bool is_in(const std::vector<std::string> &names, const std::string &name)
+{
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+// The defaults of the temperature sensor are for simulated power stages, which may also do without
+// comparators; the warning follows from its limit. A gate driver with a fault line has a limit of
+// its own.
+bool is_needed(const Config &config, const Field &field)
+{
+    const std::string name = field.name();
+    return (is_in(NEEDED_BY_ALL, name) && field.acting.holds(config)) ||
+           (is_g4(config) && is_in(NEEDED_BY_G4, name)) || name == "board.dead_time_s" ||
+           (name == "board.trip_a" && !has_line(config)) ||
+           (name.rfind("board.temperature_", 0) == 0 && name != "board.temperature_warn_c");
 }
 
 void check_complete(const Config &config)
 {
     std::vector<const Field *> lacking;
     for (const Field &field : schema()) {
-        if (is_needed(field) && config.origins.count(field.name()) == 0) {
+        if (is_needed(config, field) && config.origins.count(field.name()) == 0) {
             lacking.push_back(&field);
         }
     }
@@ -98,39 +128,43 @@ void check_chip(const Config &config)
 {
     const BoardSettings &board = config.board;
     const HalSettings &hal = config.hal;
-    if (hal.chip == Chip::other) {
+    if (!is_g4(config)) {
         return;
     }
-    need(std::round(board.timer_clock_hz) == G431_CLOCK_HZ, config, "board.timer_clock_hz",
+    if (find_g4_chip(hal.chip) == nullptr) {
+        fail(config.origins.at("hal.chip"), "hal.chip", '"' + hal.chip + '"',
+             "is no chip that hal/stm32g4 serves", g4_chip_names() + ", or other");
+    }
+    need(std::round(board.timer_clock_hz) == G4_CLOCK_HZ, config, "board.timer_clock_hz",
          board.timer_clock_hz, "is not the clock of this chip's timer",
-         fmt::format("{:.0f} Hz", G431_CLOCK_HZ));
-    need(board.adc_bits == G431_ADC_BITS, config, "board.adc_bits", board.adc_bits,
-         "is not what this chip's converters have", fmt::format("{} bit", G431_ADC_BITS));
-    need(dead_time_ticks(board) <= G431_DEAD_TIME_TICKS, config, "board.dead_time_s",
+         fmt::format("{:.0f} Hz", G4_CLOCK_HZ));
+    need(board.adc_bits == G4_ADC_BITS, config, "board.adc_bits", board.adc_bits,
+         "is not what this chip's converters have", fmt::format("{} bit", G4_ADC_BITS));
+    need(dead_time_ticks(board) <= G4_DEAD_TIME_TICKS, config, "board.dead_time_s",
          board.dead_time_s, "is longer than this chip's timer makes",
-         fmt::format("at most {} s", limit_number({true, G431_DEAD_TIME_TICKS / G431_CLOCK_HZ})));
-    need(std::ceil(hal.adc_sampling_ns) <= G431_SAMPLING_NS, config, "hal.adc_sampling_ns",
+         fmt::format("at most {} s", limit_number({true, G4_DEAD_TIME_TICKS / G4_CLOCK_HZ})));
+    need(std::ceil(hal.adc_sampling_ns) <= G4_SAMPLING_NS, config, "hal.adc_sampling_ns",
          hal.adc_sampling_ns, "is longer than this chip samples",
-         fmt::format("at most {:g} ns, 47.5 cycles of its converters", G431_SAMPLING_NS));
+         fmt::format("at most {:g} ns, 47.5 cycles of its converters", G4_SAMPLING_NS));
 }
 
 // The rate of a whole number of the chip's cycles per bit, over the rate that is asked for, less
 // one.
 double baud_error(double baud)
 {
-    return G431_CLOCK_HZ / std::round(G431_CLOCK_HZ / baud) / baud - 1;
+    return G4_CLOCK_HZ / std::round(G4_CLOCK_HZ / baud) / baud - 1;
 }
 
 void check_line(const Config &config)
 {
     const double baud = config.board.baud;
-    const double most = G431_FIFO_BYTES * LINE_BITS * config.board.pwm_frequency_hz;
-    if (config.hal.chip == Chip::other) {
+    const double most = G4_FIFO_BYTES * LINE_BITS * config.board.pwm_frequency_hz;
+    if (!is_g4(config)) {
         return;
     }
-    need(std::fabs(baud_error(baud)) <= G431_BAUD_ERROR, config, "board.baud", baud,
+    need(std::fabs(baud_error(baud)) <= G4_BAUD_ERROR, config, "board.baud", baud,
          fmt::format("is missed by {:.2g} % by this chip's divider", 100 * baud_error(baud)),
-         fmt::format("170e6/n bit/s, within {:g} %", 100 * G431_BAUD_ERROR));
+         fmt::format("170e6/n bit/s, within {:g} %", 100 * G4_BAUD_ERROR));
     need(baud <= most, config, "board.baud", baud,
          "brings more bytes in a control tick than the receiver of this chip holds",
          fmt::format("at most {:.0f} bit/s at board.pwm_frequency_hz = {:g}", std::floor(most),
@@ -150,6 +184,9 @@ void check_timing(const Config &config)
          "lets both switches of a leg conduct", fmt::format("at least {:g} ns", DEAD_TIME_MIN_NS));
     need(dead_ns < half, config, "board.dead_time_s", config.board.dead_time_s,
          "is longer than the PWM period allows", "below " + window);
+    if (hal.current_position == CurrentPosition::in_line) {
+        return; // its current can be sampled at any time
+    }
     need(dead_ns + hal.adc_settling_ns <= half, config, "hal.adc_settling_ns", hal.adc_settling_ns,
          "does not fit into the low-side on-time",
          fmt::format("at most {:.0f} ns: with board.dead_time_s = {:g} it has to end within {}",
@@ -193,9 +230,9 @@ void check_scales(const Config &config)
 
 // What hysteresis and offset of the comparator together may come to, with a margin of two.
 constexpr double RISE_MIN_V = 0.025;
-// A comparator of the STM32G431 trips within this distance of its level: DS12589, offset.
-constexpr double G431_TRIP_EARLY_V = 0.003;
-constexpr double G431_TRIP_LATE_V = 0.009;
+// A comparator of an STM32G4 trips within this distance of its level: DS12589, offset.
+constexpr double G4_TRIP_EARLY_V = 0.003;
+constexpr double G4_TRIP_LATE_V = 0.009;
 
 // The comparators look at the pin before the programmable amplifier.
 double trip_level_v(const Config &config)
@@ -203,7 +240,7 @@ double trip_level_v(const Config &config)
     const HalSettings &hal = config.hal;
     const double rise = volts_per_ampere(hal) * config.board.trip_a;
     const double output =
-        hal.amplifier_zero_v + (hal.break_polarity == BreakPolarity::active_low ? -rise : rise);
+        hal.amplifier_zero_v + (hal.break_polarity == Polarity::active_low ? -rise : rise);
     return output / hal.pga_gain;
 }
 
@@ -231,12 +268,28 @@ void check_early_trip(const Config &config)
 {
     const double trip_a = config.board.trip_a;
     const double max_a = config.motor.max_current_a;
-    const double early_a = G431_TRIP_EARLY_V / rise_per_ampere_v(config.hal);
-    need(config.hal.chip == Chip::other || trip_a >= max_a + early_a, config, "board.trip_a",
-         trip_a, "lets a comparator trip while the motor takes what it may",
+    const double early_a = G4_TRIP_EARLY_V / rise_per_ampere_v(config.hal);
+    need(!is_g4(config) || trip_a >= max_a + early_a, config, "board.trip_a", trip_a,
+         "lets a comparator trip while the motor takes what it may",
          fmt::format("at least {} A: motor.max_current_a = {:g}, and {:.3g} A for the "
                      "comparator's offset",
                      limit_number({false, max_a + early_a}), max_a, early_a));
+}
+
+// A shoot-through, or a short circuit to the bus, sends a current from the phase through the shunt
+// to ground: a current out of the motor. The comparators have to be on that side.
+void check_side(const Config &config)
+{
+    const HalSettings &hal = config.hal;
+    const bool rises = hal.amplifier_gain < 0;
+    const bool above = hal.break_polarity == Polarity::active_high;
+    if (is_g4(config) && hal.current_position == CurrentPosition::low_side && rises != above) {
+        fail(config.origins.at("hal.break_polarity"), "hal.break_polarity",
+             above ? "\"active_high\"" : "\"active_low\"",
+             "lets the comparators look away from a current that a short circuit sends to ground",
+             fmt::format("\"{}\" with hal.amplifier_gain = {:g} and low-side shunts",
+                         rises ? "active_high" : "active_low", hal.amplifier_gain));
+    }
 }
 
 // Where one of many chips trips.
@@ -244,11 +297,10 @@ std::string trip_range(const Config &config)
 {
     const double trip_a = config.board.trip_a;
     const double rise_per_ampere = rise_per_ampere_v(config.hal);
-    return config.hal.chip == Chip::other
-               ? ""
-               : fmt::format(", which trips from {:.3g} to {:.3g} A",
-                             trip_a - G431_TRIP_EARLY_V / rise_per_ampere,
-                             trip_a + G431_TRIP_LATE_V / rise_per_ampere);
+    return !is_g4(config) ? ""
+                          : fmt::format(", which trips from {:.3g} to {:.3g} A",
+                                        trip_a - G4_TRIP_EARLY_V / rise_per_ampere,
+                                        trip_a + G4_TRIP_LATE_V / rise_per_ampere);
 }
 
 // One line `#define HAL_NAME (value) /* meaning */`.
@@ -291,11 +343,13 @@ std::string trip_lines(const Config &config)
 {
     const HalSettings &hal = config.hal;
     const double level = trip_level_v(config);
-    return define("TRIP_COUNT", level / hal.adc_reference_v * DAC_COUNTS, "U",
-                  fmt::format("of 4096: {:g} A is {:.4g} V at the comparator{}",
-                              config.board.trip_a, level, trip_range(config))) +
-           flag("TRIP_BELOW", hal.break_polarity == BreakPolarity::active_low,
-                "hal.break_polarity");
+    const std::string count =
+        has_line(config) ? "" // the gate driver has a limit of its own
+                         : define("TRIP_COUNT", level / hal.adc_reference_v * DAC_COUNTS, "U",
+                                  fmt::format("of 4096: {:g} A is {:.4g} V at the comparator{}",
+                                              config.board.trip_a, level, trip_range(config)));
+    return count +
+           flag("TRIP_BELOW", hal.break_polarity == Polarity::active_low, "hal.break_polarity");
 }
 
 // What a configuration has to fit.
@@ -331,16 +385,33 @@ std::string make_hal_header(const Config &config)
     check_chip(config);
     check_line(config);
     check_scales(config);
-    check_trip(config);
-    check_early_trip(config);
+    if (!has_line(config)) {
+        check_trip(config);
+        check_early_trip(config);
+        check_side(config);
+    }
     (void)build(config); // a binding is for a drive that the firmware takes
     return fmt::format(
         "/* Made by nfconfig from motor, board and tuning file. Change those and make it "
         "again. */\n"
         "#ifndef HAL_CONFIG_H\n#define HAL_CONFIG_H\n\n"
-        "{}{}"
+        "{}{}{}"
         "\n#endif\n",
-        power_stage_lines(config), line_lines(config));
+        power_stage_lines(config), line_lines(config), is_g4(config) ? g4_header(config) : "");
+}
+
+std::string make_hal_memory(const Config &config)
+{
+    (void)make_hal_header(config);
+    if (config.origins.count("hal.chip") == 0) {
+        fail(board_file(config), "hal.chip", "", "is missing, and hal/stm32g4 needs it",
+             g4_chip_names());
+    }
+    if (!is_g4(config)) {
+        fail(config.origins.at("hal.chip"), "hal.chip", "\"other\"",
+             "has a linker script of its own", g4_chip_names());
+    }
+    return g4_memory(config);
 }
 
 } // namespace nf

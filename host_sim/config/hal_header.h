@@ -15,6 +15,10 @@ namespace nf
 // level out of the converter's range, a baud rate that the chip does not make, a missing key.
 std::string make_hal_header(const Config &config);
 
+// hal_memory.ld, which the linker script of hal/stm32g4 includes: the memories of the board's chip.
+// Refuses the same, and a chip that this binding does not serve.
+std::string make_hal_memory(const Config &config);
+
 // Its macros of the power stage without their comments, and without any check; empty for a board
 // without [hal]. A configuration has to fit them.
 std::string hal_facts(const Config &config);

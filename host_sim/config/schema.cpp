@@ -44,6 +44,7 @@ using S = ScenarioSettings;
 using P = PlantSettings;
 
 constexpr double NAME_CHARS_MAX = 80;
+constexpr double PIN_CHARS_MAX = 4;
 constexpr std::size_t POINTS_MAX = 16; // of a sensor's line
 constexpr double PCT_MAX = 1000;       // of a bar: a value that is not known at all
 constexpr double SEED_MAX = 4294967295.0;
@@ -128,11 +129,29 @@ const std::vector<Field> FIELDS = {
     {"board", "recorder_entries", "", RECORDER_SEGMENTS * RECORDER_ENTRIES_MIN, 65536, OPTIONAL, board<&B::recorder_entries>, "ring of the flight recorder, 16 bytes an entry, about one a tick"},
     {"board", "baud", "bit/s", 9600, 4000000, OPTIONAL, board<&B::baud>, "of the serial line, 10 bits a byte; the sampled currents of all ticks need some 2 bytes a tick"},
 
-    {"hal", "chip", "", 0, 0, OPTIONAL, hal<&H::chip>, "whose timer and converters a binding has: stm32g431; with other nothing is checked against them"},
-    {"hal", "adc_settling_ns", "ns", 0, 100000, OPTIONAL, hal<&H::adc_settling_ns>, "low side on before its shunt can be sampled"},
+    {"hal", "chip", "", 1, NAME_CHARS_MAX, OPTIONAL, hal<&H::chip>, "chip that hal/stm32g4 serves, with the letters of package and flash, such as stm32g431cb; with other the pins below do not count, and nothing is checked against the chip"},
+    {"hal", "crystal_hz", "Hz", 0, 48e6, OPTIONAL, hal<&H::crystal_hz>, "crystal of the chip; 0: the oscillator in the chip, which is off by 1 % at most"},
+    {"hal", "gate_high_pins", "", 2, PIN_CHARS_MAX, OPTIONAL, hal<&H::gate_high_pins>, "high gates of the phases a, b, c; with gate_enable_pins the inputs of the driver"},
+    {"hal", "gate_low_pins", "", 2, PIN_CHARS_MAX, OPTIONAL, hal<&H::gate_low_pins>, "low gates of the phases a, b, c"},
+    {"hal", "gate_enable_pins", "", 2, PIN_CHARS_MAX, OPTIONAL, hal<&H::gate_enable_pins>, "in place of gate_low_pins: enables of a driver that has one input a phase and makes the dead time"},
+    {"hal", "gate_high_polarity", "", 0, 0, OPTIONAL, hal<&H::gate_high_polarity>, "level at which a high gate is on"},
+    {"hal", "gate_low_polarity", "", 0, 0, OPTIONAL, hal<&H::gate_low_polarity>, "level at which a low gate is on"},
+    {"hal", "shunt_pins", "", 2, PIN_CHARS_MAX, OPTIONAL, hal<&H::shunt_pins>, "currents of the phases a, b and, with three sensors, c: inputs of converters, or with pga_gain above 1 plus inputs of the chip's amplifiers"},
+    {"hal", "shunt_ground_pins", "", 2, PIN_CHARS_MAX, OPTIONAL, hal<&H::shunt_ground_pins>, "minus inputs of the chip's amplifiers, with pga_gain above 1"},
+    {"hal", "current_position", "", 0, 0, OPTIONAL, hal<&H::current_position>, "shunts below the low sides, which show the current while these are on, or in line with the motor"},
+    {"hal", "bus_pin", "", 2, PIN_CHARS_MAX, OPTIONAL, hal<&H::bus_pin>, "bus voltage: input of a converter"},
+    {"hal", "temperature_pin", "", 2, PIN_CHARS_MAX, OPTIONAL, hal<&H::temperature_pin>, "temperature of the power stage: input of a converter"},
+    {"hal", "break_pin", "", 0, PIN_CHARS_MAX, OPTIONAL, hal<&H::break_pin>, "line of the gate driver that opens the gates; without it the chip's comparators do, at board.trip_a"},
+    {"hal", "high_pins", "", 2, PIN_CHARS_MAX, OPTIONAL, hal<&H::high_pins>, "outputs that are high from the start on: enable or standby of a gate driver"},
+    {"hal", "low_pins", "", 2, PIN_CHARS_MAX, OPTIONAL, hal<&H::low_pins>, "outputs that are low from the start on"},
+    {"hal", "driver_wake_us", "µs", 0, 20000, OPTIONAL, hal<&H::driver_wake_us>, "the gate driver needs so long after high_pins and low_pins are set"},
+    {"hal", "serial_pins", "", 2, PIN_CHARS_MAX, OPTIONAL, hal<&H::serial_pins>, "TX and RX of the serial line"},
+    {"hal", "led_pin", "", 0, PIN_CHARS_MAX, OPTIONAL, hal<&H::led_pin>, "LED that shows the state"},
+    {"hal", "led_polarity", "", 0, 0, OPTIONAL, hal<&H::led_polarity>, "level at which the LED is on"},
+    {"hal", "adc_settling_ns", "ns", 0, 100000, OPTIONAL, hal<&H::adc_settling_ns>, "low side on before its shunt can be sampled", WITH_LOW_SIDE_SHUNTS},
     {"hal", "adc_sampling_ns", "ns", 10, 100000, OPTIONAL, hal<&H::adc_sampling_ns>, "the converter's sample switch closed at least as long"},
-    {"hal", "break_polarity", "", 0, 0, OPTIONAL, hal<&H::break_polarity>, "comparators trip above (active_high) or below (active_low) their level"},
-    {"hal", "shunt_ohm", "Ω", 1e-5, 1, OPTIONAL, hal<&H::shunt_ohm>, "low-side shunts"},
+    {"hal", "break_polarity", "", 0, 0, OPTIONAL, hal<&H::break_polarity>, "level that opens the gates: of the line at break_pin; without it comparators trip above (active_high) or below (active_low) their level"},
+    {"hal", "shunt_ohm", "Ω", 1e-5, 1, OPTIONAL, hal<&H::shunt_ohm>, "shunts"},
     {"hal", "amplifier_gain", "", -1000, 1000, OPTIONAL, hal<&H::amplifier_gain>, "shunt to converter; negative where a current into the motor counts down"},
     {"hal", "amplifier_zero_v", "V", 0, 5, OPTIONAL, hal<&H::amplifier_zero_v>, "at the converter without current"},
     {"hal", "pga_gain", "", 1, 64, OPTIONAL, hal<&H::pga_gain>, "the part of the gain behind the comparators' inputs; 1: all of it is an external amplifier's"},
@@ -319,14 +338,14 @@ Words words_of(const Wires *)
     return {"abc", "acb", "bac", "bca", "cab", "cba"};
 }
 
-Words words_of(const Chip *)
-{
-    return {"stm32g431", "other"};
-}
-
-Words words_of(const BreakPolarity *)
+Words words_of(const Polarity *)
 {
     return {"active_high", "active_low"};
+}
+
+Words words_of(const CurrentPosition *)
+{
+    return {"low_side", "in_line"};
 }
 
 template <typename... Visitors> struct Overloaded : Visitors... {
@@ -406,6 +425,18 @@ void check_string(const Field &field, const Node &value)
     }
 }
 
+// Any number of pins: what a board needs is known when all its keys are.
+void check_pins(const Field &field, const Node &value)
+{
+    if (value.kind != Node::Kind::list) {
+        wrong(field, value, std::string("is ") + kind_name(value));
+    }
+    for (Node item : value.items) {
+        item.origin = value.origin;
+        check_string(field, item);
+    }
+}
+
 void check_choice(const Field &field, const Node &value, const Words &words)
 {
     if (value.kind != Node::Kind::text) {
@@ -469,23 +500,26 @@ std::string Field::name() const
 std::string Field::allowed() const
 {
     const std::string range = range_text(min, max, unit);
-    return std::visit(Overloaded{
-                          [&](const double *) { return std::string(range); },
-                          [&](const int *) { return "a whole number, " + range; },
-                          [&](const unsigned *) { return "a whole number, " + range; },
-                          [&](const bool *) { return std::string("true or false"); },
-                          [&](const std::string *) {
-                              return fmt::format("a string of {} to {} characters", min, max);
-                          },
-                          [&](const std::array<double, 2> *) { return "[a, b], each " + range; },
-                          [&](const std::array<double, 3> *) { return "[a, b, c], each " + range; },
-                          [&](const std::vector<double> *) {
-                              return fmt::format("[a, b, …], 2 to {} of them, each {}", POINTS_MAX,
-                                                 range);
-                          },
-                          [&](const auto *choice) { return choice_text(words_of(choice)); },
-                      },
-                      type_of(*this));
+    return std::visit(
+        Overloaded{
+            [&](const double *) { return std::string(range); },
+            [&](const int *) { return "a whole number, " + range; },
+            [&](const unsigned *) { return "a whole number, " + range; },
+            [&](const bool *) { return std::string("true or false"); },
+            [&](const std::string *) {
+                return fmt::format("a string of {} to {} characters", min, max);
+            },
+            [&](const std::array<double, 2> *) { return "[a, b], each " + range; },
+            [&](const std::array<double, 3> *) { return "[a, b, c], each " + range; },
+            [&](const std::vector<double> *) {
+                return fmt::format("[a, b, …], 2 to {} of them, each {}", POINTS_MAX, range);
+            },
+            [&](const std::vector<std::string> *) {
+                return std::string(R"(a list of pins, such as ["PA8", "PA9", "PA10"])");
+            },
+            [&](const auto *choice) { return choice_text(words_of(choice)); },
+        },
+        type_of(*this));
 }
 
 std::string Field::meaning() const
@@ -525,6 +559,11 @@ std::string Field::value_text(const Config &config) const
                           },
                           [](const std::vector<double> *points) {
                               return fmt::format("[{}]", fmt::join(*points, ", "));
+                          },
+                          [](const std::vector<std::string> *pins) {
+                              return pins->empty()
+                                         ? std::string("[]")
+                                         : fmt::format(R"(["{}"])", fmt::join(*pins, R"(", ")"));
                           },
                           [](const auto *other) { return plain_text(other); },
                       },
@@ -617,6 +656,7 @@ void check_value(const Field &field, const Node &value)
                    [&](const std::array<double, 2> *) { check_list(field, value, 2, 2); },
                    [&](const std::array<double, 3> *) { check_list(field, value, 3, 3); },
                    [&](const std::vector<double> *) { check_list(field, value, 2, POINTS_MAX); },
+                   [&](const std::vector<std::string> *) { check_pins(field, value); },
                    [&](const auto *choice) { check_choice(field, value, words_of(choice)); },
                },
                type_of(field));
@@ -641,6 +681,12 @@ void apply_value(const Field &field, const Node &value, Config &config)
                        place->clear();
                        for (const Node &item : value.items) {
                            place->push_back(item.number());
+                       }
+                   },
+                   [&](std::vector<std::string> *place) {
+                       place->clear();
+                       for (const Node &item : value.items) {
+                           place->push_back(item.text);
                        }
                    },
                    [&](auto *place) { choose(place, value); },

@@ -25,10 +25,10 @@ enum class FileKind {
 
 const char *kind_name(FileKind kind);
 
-using Target =
-    std::variant<double *, int *, unsigned *, bool *, std::string *, std::array<double, 2> *,
-                 std::array<double, 3> *, std::vector<double> *, DriveMode *, ControlMethod *,
-                 AngleSource *, OscillationAct *, SafeState *, Wires *, Chip *, BreakPolarity *>;
+using Target = std::variant<double *, int *, unsigned *, bool *, std::string *,
+                            std::array<double, 2> *, std::array<double, 3> *, std::vector<double> *,
+                            std::vector<std::string> *, DriveMode *, ControlMethod *, AngleSource *,
+                            OscillationAct *, SafeState *, Wires *, Polarity *, CurrentPosition *>;
 
 struct Field {
     const char *section;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Models of the STM32G431's analogue side: amplifiers, converters, comparators and their level.
+"""Models of an STM32G4's analogue side: amplifiers, converters, comparators and their level.
 
 Facts from the reference manual RM0440 and the data sheet. Voltages are in counts of the converters,
 4096 for the reference.
@@ -7,12 +7,11 @@ Facts from the reference manual RM0440 and the data sheet. Voltages are in count
 
 import random
 
+import g4
 from core import NEVER
 from digital import Awaited, bit, cycles, need
-from registers import Block, Register, WrongAccess
+from registers import Block, Register
 
-SHUNT_PINS = {1: "PA1", 2: "PA7", 3: "PB0"}       # of the amplifiers' plus inputs
-COMPARATORS = {1: ("PA1", 1), 2: ("PA7", 2), 4: ("PB0", 2)}  # plus input, DAC3 channel at the minus
 HALF_CYCLES = (5, 13, 25, 49, 95, 185, 495, 1281)  # of sampling, by the code in SMPR
 CONVERSION_HALF_CYCLES = 25
 HALF_CYCLE = 2                                     # at a quarter of 170 MHz
@@ -23,7 +22,8 @@ READY_CYCLES = (5 + 25) * HALF_CYCLE               # the same table: a conversio
 # Data sheet DS12589 rev. 6, the longest each.
 REGULATOR_START = cycles(20e-6)  # table 60
 AMPLIFIER_START = cycles(6e-6)   # table 74, high-speed mode
-LEVEL_START = cycles(3.5e-6)     # table 70: DAC3 is one of 15 MSPS
+# Table 70 for DACs of 15 MSPS, inside the chip only; table 69 for those of 1 MSPS, whose buffer is off.
+LEVEL_START = {"DAC1": cycles(5e-6), "DAC2": cycles(5e-6), "DAC3": cycles(3.5e-6), "DAC4": cycles(3.5e-6)}
 COMPARATOR_START = cycles(5e-6)  # table 73
 
 # The same: the least, the ideal one, the most.
@@ -35,12 +35,12 @@ BIAS = (0.98, 1, 1.02)             # of a pin without current: a divider of resi
 
 
 class Parts:
-    """What the comparators and amplifiers of one chip of many do, and the resistors before them. `choose` takes a value
-    out of a tolerance: ideal, least, most or drawn()."""
+    """What the comparator and amplifier of each phase do in one board of many, and the resistors before them. `choose` takes a
+    value out of a tolerance: ideal, least, most or drawn()."""
 
     def __init__(self, choose):
         def of(tolerance, scale=1):
-            return {number: choose(tolerance) * scale for number in (1, 2, 3, 4)}
+            return [choose(tolerance) * scale for _ in range(3)]
 
         self.comparator = of(COMPARATOR_OFFSET_MV, COUNTS_PER_MV)  # most: it trips early
         self.amplifier = of(AMPLIFIER_OFFSET_MV, COUNTS_PER_MV)
@@ -66,15 +66,17 @@ def drawn(seed):
 
 
 class Amplifiers(Block):
-    """Three programmable amplifiers."""
+    """The programmable amplifiers that can have a shunt of the board at their plus input."""
 
-    def __init__(self, chip, parts, clocked):
+    def __init__(self, chip, wiring, parts, clocked):
         self.chip = chip
+        self.wiring = wiring
         self.parts = parts
-        self.ready = dict.fromkeys(SHUNT_PINS, NEVER)
-        super().__init__("OPAMP", 0x40010300, {
-            f"{number}_CSR": (4 * (number - 1), Register(0, 0x0007C1ED, on_write=self._write(number)))
-            for number in SHUNT_PINS
+        self.ready = dict.fromkeys(wiring.amplifiers, NEVER)
+        base = chip.facts.base("OPAMP1")
+        super().__init__("OPAMP", base, {
+            f"{number}_CSR": (chip.facts.base(f"OPAMP{number}") - base, Register(0, 0x0007C1ED, on_write=self._write(number)))
+            for number in wiring.amplifiers
         }, clocked)
 
     def _write(self, number):
@@ -86,26 +88,43 @@ class Amplifiers(Block):
 
     def output(self, number, inside):
         """At the output pin, or inside of the chip."""
+        need(number in self.ready, f"amplifier {number} is converted, and no shunt can be at its input")
         value = self[f"{number}_CSR"]
         need(bool(bit(value, 8)) == inside, f"amplifier {number} drives another output")
+        phase = self._phase(number, value)
         if self.chip.now < self.ready[number]:
             return 0
-        return (self.chip.pins[SHUNT_PINS[number]] + self.parts.amplifier[number]) * self._gain(number, value)
+        return (self.chip.pins[self.wiring.shunts[phase]] + self.parts.amplifier[phase]) * self._gain(number, value, phase)
 
-    def _gain(self, number, value):
-        if value & 0x6D == 0x61:  # its output is its minus input
+    def drives(self, pin):
+        number = self.chip.facts.amplifier_at(pin)
+        return number in self.ready and self[f"{number}_CSR"] & 0x101 == 1
+
+    def _phase(self, number, value):
+        """Of the shunt at its plus input."""
+        code = value >> 2 & 3  # VP_SEL
+        pin = self.chip.facts.pin_of(f"OPAMP{number}_VINP{code}")
+        need(bit(value, 0) and pin in self.wiring.shunts, f"amplifier {number} does not amplify a shunt's pin")
+        return self.wiring.shunts.index(pin)
+
+    def _gain(self, number, value, phase):
+        if value & 0x61 == 0x61:  # its output is its minus input
             return 1
-        need(value & 0x6D == 0x41, f"amplifier {number} does not amplify its pin")
+        need(value & 0x61 == 0x41, f"amplifier {number} does not amplify its pin")
         need(value >> 17 & 3 == 1, f"amplifier {number} does not refer to its minus pin")
-        return (2 << (value >> 14 & 7)) * self.parts.gain[number]
+        ground = self.chip.facts.pin_of(f"OPAMP{number}_VINM0")
+        need(ground == self.wiring.grounds[phase],
+             f"amplifier {number} refers to {ground}, and the shunt's ground is at another pin")
+        return (2 << (value >> 14 & 7)) * self.parts.gain[phase]
 
 
 class Converter(Block):
-    """One of the two converters. `inputs` gives the voltage of a channel."""
+    """One of the converters. `lengths`: how many conversions its injected sequence may have on this board."""
 
-    def __init__(self, chip, name, base, inputs, clocked):
+    def __init__(self, chip, name, lengths, clocked):
         self.chip = chip
-        self.inputs = inputs
+        self.lengths = lengths
+        self.trigger_code = chip.facts.injected_trigger(name)
         self.due = NEVER       # end of the injected sequence
         self.regulated = NEVER
         self.calibrated = NEVER
@@ -114,7 +133,7 @@ class Converter(Block):
         self.ready = Awaited(chip, READY_CYCLES)
         self.fresh = False     # enabled, and nothing was converted since
         self.results = []
-        super().__init__(name, base, {
+        super().__init__(name, chip.facts.base(name), {
             "ISR": (0x00, Register(0, 0x7FF, self._flags, self._acknowledge)),
             "IER": (0x04, Register(0, 0x40)),
             "CR": (0x08, Register(0x20000000, 0x9000000D, self._control_read, self._control)),
@@ -123,27 +142,30 @@ class Converter(Block):
             "SMPR2": (0x18, Register(0, 0x07FFFFFF, on_write=self._stopped("SMPR2"))),
             "SQR1": (0x30, Register(0, 0x7CF)),
             "DR": (0x40, Register(0, 0, self._read_regular)),
-            "JSQR": (0x4C, Register(0, 0x007FFFFF, on_write=self._stopped("JSQR"))),
+            "JSQR": (0x4C, Register(0, 0x000FBFFF, on_write=self._stopped("JSQR"))),
             "JDR1": (0x80, Register(0, 0)),
             "JDR2": (0x84, Register(0, 0)),
         }, clocked)
 
     def trigger(self):
-        """TIM1's TRGO2 has risen: both inputs of the sequence are taken, the first one now."""
+        """TIM1's TRGO2 has risen: the inputs of the sequence are taken, the first one now."""
         sequence = self["JSQR"]
         if not bit(self["CR"], 3):
             return
-        need(sequence & 0x1FF == 0xA1, f"{self.name}: not two conversions on the edge of TRGO2")
+        length = (sequence & 3) + 1
+        need(sequence >> 2 & 0x7F == 1 << 5 | self.trigger_code and length in self.lengths,
+             f"{self.name}: not {self.lengths} conversions on the edge of TRGO2")
         need(self.due == NEVER, f"{self.name} is triggered while it converts")
         need(not self.fresh, f"{self.name}: the first conversion behind its enabling is one that counts")
         need(self.chip.now >= self.converted, f"{self.name} is triggered in a regular conversion")
-        channels = (sequence >> 9 & 0x1F, sequence >> 15 & 0x1F)
+        channels = (sequence >> 9 & 0x1F, sequence >> 15 & 0x1F)[:length]
         self.results = [self._convert(channel) for channel in channels]
         self.due = self.chip.now + sum(map(self._duration, channels))
 
     def fire(self):
         self.due = NEVER
-        self["JDR1"], self["JDR2"] = self.results
+        for rank, result in enumerate(self.results, start=1):
+            self[f"JDR{rank}"] = result
         self["ISR"] |= 0x60
 
     def wants_interrupt(self):
@@ -154,16 +176,20 @@ class Converter(Block):
         return HALF_CYCLES[self[register] >> 3 * place & 7]
 
     def _duration(self, channel):
-        return HALF_CYCLE * (self._sampling(channel) + CONVERSION_HALF_CYCLES)
+        return HALF_CYCLE * (self._sampling(channel) + CONVERSION_HALF_CYCLES) * self.chip.power.cycle
+
+    def stretch(self, factor):
+        """Another speed of the clock."""
+        now = self.chip.now
+        self.due = self.due if self.due == NEVER else now + round((self.due - now) * factor)
+        self.converted = now + round((self.converted - now) * factor) if self.converted > now else self.converted
 
     def _convert(self, channel):
         """ES0431 2.5.8: the first conversion behind the enabling may be one of channel 0."""
         if self.fresh:
             self.fresh = False
             return FLOATING
-        if channel not in self.inputs:
-            raise WrongAccess(f"{self.name} converts channel {channel}, where nothing is connected")
-        return min(max(round(self.inputs[channel]()), 0), 4095)
+        return min(max(round(self.chip.input(self.name, channel)), 0), 4095)
 
     def _stopped(self, key):
         def write(value):
@@ -219,30 +245,34 @@ class Converter(Block):
 
 
 class Level(Block):
-    """DAC3, whose two channels go to the comparators."""
+    """A DAC whose channels go to the comparators."""
 
-    def __init__(self, chip, clocked):
+    def __init__(self, chip, name, clocked):
         self.chip = chip
-        self.ready = {1: NEVER, 2: NEVER}
-        super().__init__("DAC3", 0x50001000, {
-            "CR": (0x00, Register(0, 0x10001, on_write=self._enable)),
-            "DHR12R1": (0x08, Register(0, 0xFFF, on_write=self._write("DHR12R1"))),
-            "DHR12R2": (0x14, Register(0, 0xFFF, on_write=self._write("DHR12R2"))),
+        self.channels = g4.DAC_CHANNELS[name]
+        self.ready = dict.fromkeys(self.channels, NEVER)
+        super().__init__(name, chip.facts.base(name), {
+            "CR": (0x00, Register(0, self._of_each(1), on_write=self._enable)),
+            **{key: (offset, Register(0, 0xFFF, on_write=self._write(key)))
+               for key, offset, channel in (("DHR12R1", 0x08, 1), ("DHR12R2", 0x14, 2)) if channel in self.channels},
             "SR": (0x34, Register(0, 0, self._status)),
-            "MCR": (0x3C, Register(0, 0x0007C007)),
+            "MCR": (0x3C, Register(0, self._of_each(7) | 3 << 14)),
         }, clocked)
+
+    def _of_each(self, bits):
+        return sum(bits << 16 * (channel - 1) for channel in self.channels)
 
     def _write(self, key):
         def write(value):
             self[key] = value
-            self.chip.comparators_changed()
+            self.chip.break_changed()
         return write
 
     def _enable(self, value):
-        for channel in self.ready:
+        for channel in self.channels:
             place = 16 * (channel - 1)
             if bit(value, place) and not bit(self["CR"], place):
-                self.ready[channel] = self.chip.now + LEVEL_START
+                self.ready[channel] = self.chip.now + LEVEL_START[self.name]
         self._write("CR")(value)
 
     def _status(self):
@@ -251,23 +281,35 @@ class Level(Block):
     def voltage(self, channel):
         """Of an output, or None: that is anything."""
         mode = self["MCR"] >> 16 * (channel - 1) & 7
-        need(bit(self["CR"], 16 * (channel - 1)) and mode == 3, f"DAC3 channel {channel} is off")
-        need(self["MCR"] >> 14 & 3 == 2, "DAC3 is not set for this bus clock")
+        need(bit(self["CR"], 16 * (channel - 1)) and mode == 3, f"{self.name} channel {channel} is off")
+        need(self["MCR"] >> 14 & 3 == 2, f"{self.name} is not set for this bus clock")
         return self[f"DHR12R{channel}"] if self.chip.now >= self.ready[channel] else None
 
 
 class Comparators(Block):
-    """Three comparators of the shunts with the level."""
+    """The comparators at the shunts' pins, each with a level."""
 
-    def __init__(self, chip, parts, clocked):
+    INVERTED = 15  # POLARITY
+
+    def __init__(self, chip, wiring, parts, clocked):
         self.chip = chip
+        self.wiring = wiring
         self.parts = parts
+        self.numbers = wiring.comparators
+        at_pins = {pin: chip.facts.comparator_of(pin) for pin in wiring.shunts}
+        self._phases = {found[0]: phase for phase, found in enumerate(at_pins.values()) if found}
+        self._plus = {number: select << 8 for number, select in filter(None, at_pins.values())}  # INPSEL for the shunt's pin
         self.due = NEVER  # all that were enabled have started
-        self.ready = dict.fromkeys(COMPARATORS, NEVER)
-        super().__init__("COMP", 0x40010200, {
-            f"{number}_CSR": (4 * (number - 1), Register(0, 0x80070071, on_write=self._write(number)))
-            for number in COMPARATORS
+        self.ready = dict.fromkeys(self.numbers, NEVER)
+        super().__init__("COMP", chip.facts.base("COMP1"), {
+            f"{number}_CSR": (4 * (number - 1), Register(0, 0x80070071 | self._polarity(number) | self._plus[number],
+                                                         on_write=self._write(number)))
+            for number in self.numbers
         }, clocked)
+
+    def _polarity(self, number):
+        """Where the timer cannot invert, the comparator can."""
+        return 1 << self.INVERTED if g4.polarity_bit(number) is None else 0
 
     def _write(self, number):
         key = f"{number}_CSR"
@@ -277,21 +319,27 @@ class Comparators(Block):
             if bit(value, 0) and not bit(self[key], 0):
                 self.ready[number] = self.due = self.chip.now + COMPARATOR_START
             self[key] = value
-            self.chip.comparators_changed()
+            self.chip.break_changed()
         return write
 
     def fire(self):
         self.due = NEVER
-        self.chip.comparators_changed()
+        self.chip.break_changed()
 
     def output(self, number):
         """High or low, or None: that is anything."""
         value = self[f"{number}_CSR"]
         if not bit(value, 0):
-            return False
-        need(value >> 4 & 7 == 4, f"comparator {number} does not look at DAC3")
-        pin, channel = COMPARATORS[number]
-        level = self.chip.level.voltage(channel)
+            return bool(bit(value, self.INVERTED))
+        need(value & 1 << 8 == self._plus[number], f"comparator {number} does not look at the shunt's pin")
+        level = self._level(number, value >> 4 & 7)
         if level is None or self.chip.now < self.ready[number]:
             return None
-        return self.chip.pins[pin] + self.parts.comparator[number] > level
+        phase = self._phases[number]
+        is_above = self.chip.pins[self.wiring.shunts[phase]] + self.parts.comparator[phase] > level
+        return is_above != bool(bit(value, self.INVERTED))
+
+    def _level(self, number, select):
+        dac, channel = g4.MINUS[number].get(select, (None, None))
+        need(dac in self.chip.levels, f"comparator {number} does not look at a DAC")
+        return self.chip.levels[dac].voltage(channel)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""The B-G431B-ESC1: an image on an emulated Cortex-M4 with models of all that it touches.
+"""A board with an STM32G4: an image on an emulated Cortex-M4 with models of all that it touches. The board file says which chip
+it is, and what is at its pins.
 
 The models keep the time, in cycles of the 170 MHz clock: instructions (core.py) and accesses to registers take theirs, and
 the rest goes by while the core sleeps.
@@ -9,8 +10,10 @@ import tomllib
 
 import analogue
 import digital
+import g4
 from core import NEVER, THREAD, Clock, Core
-from registers import Block, Register, WrongAccess
+from registers import Block, Register, WrongAccess, bit, need
+from wiring import Wiring, port_and_number
 
 SLOW_TICKS = 10  # of every tuning
 TAKING_TICK = 6  # of a slow period: its seventh tick reads the command, see schedule.h
@@ -22,46 +25,61 @@ COLD_ROOM_COUNT = 4096 * 4.7 / (4.7 + 10)  # 25 °C: an NTC of 10 kΩ above 4.7 
 class Chip:
     """All that the core sees beside its memories. `parts` are what this one of many has for tolerances."""
 
-    def __init__(self, reset_flags, parts, baud):
+    def __init__(self, wiring, reset_flags, parts, baud, crystal_hz):
+        self.wiring = wiring
+        self.facts = wiring.facts
         self.clock = Clock()
         self.held = NEVER  # what is due then or later has to wait
-        self.pins = {"PA1": 0.0, "PA7": 0.0, "PB0": 0.0, "PA0": 0.0, "PB14": COLD_ROOM_COUNT}
-        self.power = power = digital.Power(self, reset_flags)
-        system_clock = power.enabled("APB2ENR", 0)
-        converter_clock = power.enabled("AHB2ENR", 13)
-        self.ports = {
-            "A": digital.Port("A", 0x48000000, 0xABFFFFFF, 0x64000000, 0x0C000000,
-                              power.enabled("AHB2ENR", 0)),
-            "B": digital.Port("B", 0x48000400, 0xFFFFFEBF, 0x00000100, 0,
-                              power.enabled("AHB2ENR", 1)),
-            "C": digital.Port("C", 0x48000800, 0xFFFFFFFF, 0, 0, power.enabled("AHB2ENR", 2)),
-        }
-        self.timer = digital.Timer(self, power.enabled("APB2ENR", 11))
-        self.usart = digital.Usart(self, baud, power.enabled("APB1ENR1", 17))
-        self.watchdog = digital.Watchdog(self)
-        self.system = digital.System(self)
-        self.pace = digital.Pace(self, power.enabled("APB2ENR", 17))
-        self.configuration = digital.Configuration(self, system_clock)
-        self.level = analogue.Level(self, power.enabled("AHB2ENR", 18))
-        self.comparators = analogue.Comparators(self, parts, system_clock)
-        self.amplifiers = analogue.Amplifiers(self, parts, system_clock)
-        amplifier = self.amplifiers.output
-        self.converters = [
-            analogue.Converter(self, "ADC1", 0x50000000, {
-                1: lambda: self.pins["PA0"], 3: lambda: amplifier(1, inside=False),
-                5: lambda: self.pins["PB14"]}, converter_clock),
-            analogue.Converter(self, "ADC2", 0x50000100, {
-                3: lambda: amplifier(2, inside=False), 18: lambda: amplifier(3, inside=True)},
-                converter_clock),
-        ]
-        common = Block("ADC12", 0x50000300, {"CCR": (0x08, Register(0, 3 << 16))}, converter_clock)
+        self.pins = dict.fromkeys(wiring.shunts, 0.0) | {wiring.bus: 0.0, wiring.temperature: COLD_ROOM_COUNT}
+        self.fault_line = 1 - wiring.break_level  # at the break pin
+        names = [f"ADC{number}" for number in self.facts.numbered("ADC")]
+        self.power = digital.Power(self, reset_flags, self._clocked_names(names), crystal_hz)
+        self._make_digital(baud, names)
+        self._make_analogue(parts)
         self.timer.trigger = self._trigger
-        self.timed = [self.timer, self.watchdog, self.system, self.comparators, *self.converters]
-        self.blocks = [*power.blocks, *self.ports.values(), self.timer, self.usart, self.watchdog,
-                       self.system, self.level, self.comparators, self.amplifiers,
-                       *self.converters, common, self.configuration, self.pace,
-                       digital.Crc(power.enabled("AHB1ENR", 12)),
+        self.timed = [self.power, self.timer, self.watchdog, self.system, self.comparators, *self.converters]
+        self.blocks = [*self.power.blocks, *self.ports.values(), self.timer, self.usart, self.watchdog,
+                       self.system, *self.levels.values(), self.comparators, self.amplifiers,
+                       *self.converters, *self._common_blocks(), self.configuration, self.pace,
+                       digital.Crc(lambda: bit(self.power.rcc["AHB1ENR"], 12)),
                        digital.debug_block()]
+
+    def _clocked_names(self, converters):
+        """The peripherals whose clock the image may enable: those with a model."""
+        return [*(f"GPIO{letter}" for letter in self.facts.ports()), *converters, *self.wiring.levels, self.wiring.serial,
+                "SYSCFG", "TIM1", "TIM16"]
+
+    def _make_digital(self, baud, converters):
+        facts, enabled = self.facts, self.power.enabled
+        self.ports = {letter: digital.Port(letter, facts.base(f"GPIO{letter}"), enabled(f"GPIO{letter}"))
+                      for letter in facts.ports()}
+        self.timer = digital.Timer(self, self.wiring, enabled("TIM1"))
+        self.usart = digital.Usart(self, self.wiring.serial, baud, enabled(self.wiring.serial))
+        self.watchdog = digital.Watchdog(self)
+        self.pace = digital.Pace(self)
+        self.configuration = digital.Configuration(self, enabled("SYSCFG"))
+        lengths = (2,) if len(self.wiring.shunts) == 3 else (1, 2)
+        self.converters = [analogue.Converter(self, name, lengths, enabled(name)) for name in converters]
+        self.system = digital.System(self, self._conversions())
+
+    def _conversions(self):
+        found = {}
+        for converter in self.converters:
+            found.setdefault(digital.System.DEVICE + self.facts.interrupt(converter.name), []).append(converter)
+        return found
+
+    def _make_analogue(self, parts):
+        enabled = self.power.enabled
+        self.levels = {name: analogue.Level(self, name, enabled(name)) for name in self.wiring.levels}
+        self.comparators = analogue.Comparators(self, self.wiring, parts, enabled("SYSCFG"))
+        self.amplifiers = analogue.Amplifiers(self, self.wiring, parts, enabled("SYSCFG"))
+
+    def _common_blocks(self):
+        """What several converters share."""
+        for name, base in (("ADC12", 0x50000300), ("ADC345", 0x50000700)):
+            first = f"ADC{name[3]}"
+            if self.facts.has(first):
+                yield Block(name, base, {"CCR": (0x08, Register(0, 3 << 16))}, self.power.enabled(first))
 
     @property
     def now(self):
@@ -71,23 +89,62 @@ class Chip:
         for converter in self.converters:
             converter.trigger()
 
-    def converters_want_interrupt(self):
-        return any(converter.wants_interrupt() for converter in self.converters)
+    def input(self, converter, channel):
+        """The voltage there, of a pin or of an amplifier."""
+        if amplifier := g4.INSIDE.get((converter, channel)):
+            return self.amplifiers.output(amplifier, inside=True)
+        pin = self.facts.pin_of(f"{converter}_IN{channel}")
+        if pin in self.wiring.converted:
+            need(not self.amplifiers.drives(pin), f"an amplifier drives {pin}, where the board has a signal")
+            return self.pins[pin]
+        if amplifier := self.facts.amplifier_at(pin):
+            return self.amplifiers.output(amplifier, inside=False)
+        raise WrongAccess(f"{converter} converts channel {channel}, where nothing is connected")
 
-    def comparators_changed(self):
-        """Outputs to the timer's break input, each by its enable and polarity."""
+    def break_changed(self):
+        """The sources of the timer's break input, each by its enable and polarity."""
         selected = self.timer["AF1"]
         active = False
-        for number in analogue.COMPARATORS:
-            if digital.bit(selected, number):
-                output = self.comparators.output(number)
-                inverted = bool(digital.bit(selected, 9 + number))
-                active |= output is None or output != inverted
-        self.timer.set_break_input(active == bool(digital.bit(self.timer["BDTR"], 13)))
+        for number in self.comparators.numbers:
+            if bit(selected, number):
+                output, inverting = self.comparators.output(number), g4.polarity_bit(number)
+                active |= output is None or output != (inverting is not None and bool(bit(selected, inverting)))
+        if bit(selected, 0):
+            active |= self._break_pin_level() != bit(selected, 9)
+        self.timer.set_break_input(active == bool(bit(self.timer["BDTR"], 13)))
+
+    def _break_pin_level(self):
+        """Low as long as the pin does not have this function."""
+        line = self.wiring.break_line
+        return self.fault_line if line and self.has_function(line) else 0
+
+    def has_function(self, pin):
+        """Whether a pin of the wiring has its alternate function."""
+        letter, number = port_and_number(pin.name)
+        return self.ports[letter].mode(number) == 2 and self.ports[letter].function(number) == pin.function
+
+    def pin_level(self, name):
+        """What the image makes of an output, or None."""
+        letter, number = port_and_number(name)
+        return self.ports[letter].level(number)
+
+    def set_fault_line(self, level):
+        """The break pin, from outside."""
+        self.fault_line = level
+        self.break_changed()
 
     def set_pins(self, **volts):
         self.pins.update(volts)
-        self.comparators_changed()
+        self.break_changed()
+
+    def settle(self):
+        """Before the clock gets another speed."""
+        self.pace.settle()
+
+    def stretch(self, factor):
+        """Behind that, for what counts the clock and has begun."""
+        for model in (self.timer, self.system, *self.converters):
+            model.stretch(factor)
 
     def spike(self, pin, count, seconds):
         """A pin goes to `count` for a time that nothing but the break's filter is short enough to see."""
@@ -142,21 +199,30 @@ class Board:
 
     `clock_library` is core_clock.c. `choose` takes the parts out of their tolerances (analogue.Parts). With ideal ones a
     count is measured as it was set. `flashed`: (address, bytes) that are in the flash beside the image.
-    `kept`: words of the backup registers, as a board has them whose supply stayed.
+    `kept`: words of the backup registers, as a board has them whose supply stayed. `crystal_hz`: another crystal than the board
+    file names; 0: it is missing.
     """
 
-    def __init__(self, image, board_file, clock_library, reset_flags=PIN_FLAG, choose=analogue.ideal, flashed=(), kept=()):
+    def __init__(self, image, board_file, clock_library, reset_flags=PIN_FLAG, choose=analogue.ideal, flashed=(), kept=(),
+                 crystal_hz=None):
         board = tomllib.loads(board_file.read_text(encoding="utf-8"))
         hal = board["hal"]
         self.zero = round(hal["amplifier_zero_v"] / hal["adc_reference_v"] * 4096)
         self.sign = -1 if hal["amplifier_gain"] < 0 else 1
         self.gain = hal["pga_gain"]
-        self.trip_a = board["board"]["trip_a"]
+        self.trip_a = board["board"].get("trip_a")  # None: a gate driver has a limit of its own
         self.parts = analogue.Parts(choose)
-        self.chip = Chip(reset_flags, self.parts, board["board"]["baud"])
+        self.wiring = Wiring(hal)
+        crystal_hz = self.wiring.crystal_hz if crystal_hz is None else crystal_hz
+        self.chip = Chip(self.wiring, reset_flags, self.parts, board["board"]["baud"], crystal_hz)
         self.chip.power.backup.words = kept
         self.core = Core(image, self.chip, clock_library, flashed)
         self._stays = False  # the background, where it is
+
+    def level_of(self, phase):
+        """(DAC, channel) of a phase's trip level."""
+        name, channel = self.wiring.level_of(phase)
+        return self.chip.levels[name], channel
 
     def boot(self):
         """To the first sleep."""
@@ -165,18 +231,18 @@ class Board:
     def set_inputs(self, phase_a, phase_b, bus, temperature=COLD_ROOM_COUNT):
         """What flows into phases a and b comes back out of phase c."""
         phases = (phase_a, phase_b, 3 * 2048 - phase_a - phase_b)
-        volts = [(self.zero * self.parts.bias[number] + self.sign * (count - 2048)) / self.gain
-                 for number, count in zip(analogue.SHUNT_PINS, phases)]
-        self.chip.set_pins(**dict(zip(analogue.SHUNT_PINS.values(), volts)), PA0=bus,
-                           PB14=temperature)
+        volts = {pin: (self.zero * bias + self.sign * (count - 2048)) / self.gain
+                 for pin, bias, count in zip(self.wiring.shunts, self.parts.bias, phases)}
+        self.chip.set_pins(**volts | {self.wiring.bus: bus, self.wiring.temperature: temperature})
 
     def sensor_errors(self):
         """(offset, gain) of phases a and b: a count c is measured as 2048 + offset + gain · (c − 2048)."""
-        return [self._sensor_error(number) for number in (1, 2)]
+        return [self._sensor_error(phase) for phase in (0, 1)]
 
-    def _sensor_error(self, number):
-        gain = self.parts.gain[number] if self.gain > 1 else 1
-        rest = gain * (self.zero * self.parts.bias[number] + self.parts.amplifier[number] * self.gain)
+    def _sensor_error(self, phase):
+        gain = self.parts.gain[phase] if self.gain > 1 else 1
+        offset = self.parts.amplifier[phase] if self.chip.facts.amplifiers_of(self.wiring.shunts[phase]) else 0
+        rest = gain * (self.zero * self.parts.bias[phase] + offset * self.gain)
         return self.sign * (rest - self.zero), gain
 
     def set_measured(self, phase_a, phase_b, bus, temperature):
@@ -188,7 +254,7 @@ class Board:
     @property
     def ticks(self):
         """Control ticks since reset."""
-        return self.core.taken.get(digital.System.ADC1_2, 0)
+        return sum(self.core.taken.get(exception, 0) for exception in self.chip.system.conversions)
 
     def _awake(self, until=NEVER):
         """Whether an exception ends the sleep before that time."""
@@ -218,7 +284,7 @@ class Board:
         for _ in range(ticks):
             if self._stays:
                 self.chip.wait_for_exception()
-            while self.handle_next() != digital.System.ADC1_2:
+            while self.handle_next() not in self.chip.system.conversions:
                 pass
             self._stays = background > 0
             if background:

@@ -19,15 +19,14 @@ from unicorn.unicorn_py3.unicorn import uclib
 
 import decisions
 import elf
+from flash import store_of
+from g4 import FLASH, RAM
 from registers import Bus, WrongAccess
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
 from bench.blocks import Decoder  # noqa: E402
 from bench.cycles import MODELS, block_cycles  # noqa: E402
 
-FLASH, FLASH_SIZE = 0x08000000, 0x20000
-STORE_SIZE = 0x1000  # its end, which the core reads as registers: flash.py
-RAM, RAM_SIZE = 0x20000000, 0x8000
 PAGE = 0x1000
 NEVER = 1 << 62
 ACCESS_CYCLES = 8     # of a register, by way of the buses
@@ -40,7 +39,6 @@ FRAME = [arm.UC_ARM_REG_R0, arm.UC_ARM_REG_R1, arm.UC_ARM_REG_R2, arm.UC_ARM_REG
          arm.UC_ARM_REG_R12, arm.UC_ARM_REG_LR, arm.UC_ARM_REG_PC, arm.UC_ARM_REG_XPSR]
 REGISTERS = [*range(arm.UC_ARM_REG_R0, arm.UC_ARM_REG_R12 + 1), *FRAME[5:], arm.UC_ARM_REG_SP]
 M4 = next(model for model in MODELS if model.core == "cortex-m4")
-Costs = ctypes.c_uint16 * (FLASH_SIZE // 2)
 COST_OF = ctypes.CFUNCTYPE(ctypes.c_uint16, ctypes.c_uint64, ctypes.c_uint32)
 READ = ctypes.CFUNCTYPE(ctypes.c_uint64, ctypes.c_uint64, ctypes.c_uint32)
 WRITE = ctypes.CFUNCTYPE(None, ctypes.c_uint64, ctypes.c_uint32, ctypes.c_uint64)
@@ -51,7 +49,8 @@ class Clock(ctypes.Structure):
 
     _fields_ = [("now", ctypes.c_int64), ("limit", ctypes.c_int64), ("cycle", ctypes.c_int64),
                 ("stopped", ctypes.c_int64), ("flash", ctypes.c_uint64), ("stop", ctypes.c_void_p),
-                ("cost_of", COST_OF), ("cost", ctypes.POINTER(ctypes.c_uint16)), ("access", ctypes.c_int64),
+                ("cost_of", COST_OF), ("cost", ctypes.POINTER(ctypes.c_uint16)), ("halfwords", ctypes.c_uint64),
+                ("access", ctypes.c_int64),
                 ("held", ctypes.c_uint64), ("value", ctypes.c_uint64), ("read", READ), ("write", WRITE)]
 
 
@@ -69,7 +68,7 @@ def succeed(status):
 @functools.cache
 def _decoded(flash):
     """Of an image, for all boards that run it."""
-    return Decoder(flash), Costs()
+    return Decoder(flash), (ctypes.c_uint16 * (len(flash) // 2))()
 
 
 class Core:
@@ -77,6 +76,8 @@ class Core:
 
     def __init__(self, image, chip, library, flashed=()):
         self.chip = chip
+        self.image_size = store_of(chip.facts) - FLASH  # the store behind it is read as registers: flash.py
+        self.ram_end = RAM + chip.facts.ram_bytes
         self.bus = Bus(chip.blocks)
         self.failure = None
         self.asleep = False
@@ -87,11 +88,11 @@ class Core:
         # The mode for microcontrollers would be another core, an M33.
         self.uc = unicorn.Uc(unicorn.UC_ARCH_ARM, unicorn.UC_MODE_THUMB)
         self.uc.ctl_set_cpu_model(arm.UC_CPU_ARM_CORTEX_M4)
-        self.uc.mem_map(FLASH, FLASH_SIZE - STORE_SIZE, unicorn.UC_PROT_READ | unicorn.UC_PROT_EXEC)
-        self.uc.mem_map(RAM, RAM_SIZE, unicorn.UC_PROT_READ | unicorn.UC_PROT_WRITE)
-        self.uc.mem_write(FLASH, b"\xFF" * (FLASH_SIZE - STORE_SIZE))
+        self.uc.mem_map(FLASH, self.image_size, unicorn.UC_PROT_READ | unicorn.UC_PROT_EXEC)
+        self.uc.mem_map(RAM, self.ram_end - RAM, unicorn.UC_PROT_READ | unicorn.UC_PROT_WRITE)
+        self.uc.mem_write(FLASH, b"\xFF" * self.image_size)
         for address, data in elf.segments(image):
-            self.uc.mem_write(address, data)
+            self._load(address, data)
         for address, data in flashed:
             chip.power.flash.load(address, data)
         self.uc.hook_add(unicorn.UC_HOOK_MEM_INVALID, self._invalid)
@@ -104,9 +105,15 @@ class Core:
         self.uc.reg_write(arm.UC_ARM_REG_SP, stack)
         self.uc.reg_write(arm.UC_ARM_REG_PC, start)
 
+    def _load(self, address, data):
+        facts = self.chip.facts
+        if facts.dual_bank and address + len(data) > FLASH + facts.bank_bytes:
+            raise ValueError("the image reaches into the bank of the store: the core would stand still while that is written")
+        self.uc.mem_write(address, data)
+
     def _start_clock(self):
         """Unicorn's Python would call a function of Python only, which costs more than the emulation."""
-        decoder, costs = _decoded(bytes(self.uc.mem_read(FLASH, FLASH_SIZE - STORE_SIZE)))
+        decoder, costs = _decoded(bytes(self.uc.mem_read(FLASH, self.image_size)))
 
         def cost_of(address, size):
             try:
@@ -118,7 +125,7 @@ class Core:
 
         clock = self.chip.clock
         clock.flash = FLASH
-        clock.cost = costs
+        clock.cost, clock.halfwords = costs, len(costs)
         clock.cost_of = COST_OF(cost_of)
         clock.stop = ctypes.cast(uclib.uc_emu_stop, ctypes.c_void_p).value
         hook = self._in_c("core_clock_block")
@@ -210,7 +217,7 @@ class Core:
         """A digest of all that the program can go on from: its registers, and the memory without what lies beyond the stack."""
         registers = [self.uc.reg_read(register) for register in REGISTERS]
         stack = self.uc.reg_read(arm.UC_ARM_REG_SP)
-        return hashlib.sha256(struct.pack("<17I", *registers) + self.uc.mem_read(stack, RAM + RAM_SIZE - stack)).hexdigest()
+        return hashlib.sha256(struct.pack("<17I", *registers) + self.uc.mem_read(stack, self.ram_end - stack)).hexdigest()
 
     def left(self):
         """Whether an exception has come to its end."""

@@ -8,10 +8,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum {
-    HALFWORDS = 0x20000 / 2
-}; /* of the flash */
-
 typedef struct {
     int64_t now;     /* in cycles of 170 MHz */
     int64_t limit;   /* the core stops before the first block at or behind it */
@@ -21,9 +17,10 @@ typedef struct {
     void (*stop)(void *core);
     uint16_t (*cost_of)(uint64_t address, uint32_t size);
     uint16_t *cost; /* of each half-word: cycles of the block that begins there; 0: not known yet */
-    int64_t access; /* cycles of an access to a register */
-    uint64_t held;  /* the register that shows the same again, see core_clock_read; 0: none */
-    uint64_t value; /* what it shows */
+    uint64_t halfwords; /* of the flash */
+    int64_t access;     /* cycles of an access to a register */
+    uint64_t held;      /* the register that shows the same again, see core_clock_read; 0: none */
+    uint64_t value;     /* what it shows */
     uint64_t (*read)(uint64_t address, uint32_t size);
     void (*write)(uint64_t address, uint32_t size, uint64_t value);
 } core_clock_t;
@@ -53,7 +50,7 @@ void core_clock_write(void *core, uint64_t offset, uint32_t size, uint64_t value
 void core_clock_block(void *core, uint64_t address, uint32_t size, void *context)
 {
     core_clock_t *const clock = context;
-    uint16_t *const cost = &clock->cost[((address - clock->flash) / 2U) % HALFWORDS];
+    uint16_t *const cost = &clock->cost[((address - clock->flash) / 2U) % clock->halfwords];
 
     if (clock->now >= clock->limit) {
         clock->stopped = 1;

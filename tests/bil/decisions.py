@@ -20,7 +20,7 @@ from pathlib import Path
 
 from unicorn import arm_const as arm
 
-OWN = re.compile(r"hal/stm32g431/(\w+\.[ch])$")
+OWN = re.compile(r"hal/stm32g4/(\w+\.[ch])$")
 ON_A_PC = {"codes.c", "led.c"}  # evidence.coverage asks for these
 CONDITIONS = ("eq", "ne", "cs", "cc", "mi", "pl", "vs", "vc", "hi", "ls", "ge", "lt", "gt", "le")
 DECISION = re.compile(rf"^ *([0-9a-f]+):\t((?:b|it[te]*\t)({'|'.join(CONDITIONS)})\b|cb(n?)z\tr(\d))", re.MULTILINE)

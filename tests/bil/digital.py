@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Models of the STM32G431's digital side: clocks, pins, timer, console, watchdog and core peripherals.
+"""Models of an STM32G4's digital side: clocks, pins, timer, console, watchdog and core peripherals.
 
 Facts from the reference manual RM0440 and the ARMv7-M architecture manual. Time counts cycles of the
 170 MHz clock. A model that has something to do at a time holds it in `due` and does it in fire().
@@ -8,6 +8,7 @@ Facts from the reference manual RM0440 and the ARMv7-M architecture manual. Time
 import collections
 import zlib
 
+import g4
 from core import NEVER
 from flash import Flash
 from registers import Block, Register, WrongAccess, bit, need
@@ -24,6 +25,13 @@ def cycles(seconds):
 PLL_LOCK = cycles(40e-6)  # table 45
 REGULATOR_SETTLING = cycles(40e-6)
 HALF_SPEED = cycles(1e-6)  # RM0440 6.1.5: so long at half the speed
+CRYSTAL_START = cycles(2e-3)  # characteristics of the HSE oscillator, typically: no longest time is given
+# Neither manual nor data sheet says how soon a dead crystal is noticed. Assumed: some periods of the internal oscillator.
+CRYSTAL_WATCH = cycles(2e-6)
+HSION, HSIRDY, HSEON, HSERDY, CSSON, PLLON, PLLRDY = (1 << place for place in (8, 10, 16, 17, 19, 24, 25))  # of RCC_CR
+OSCILLATOR_BITS, CRYSTAL_BITS, PLL_BITS = HSION | HSIRDY, HSEON | HSERDY | CSSON, PLLON | PLLRDY
+CSSF = 1 << 8  # of RCC_CIFR
+FROM_OSCILLATOR, FROM_CRYSTAL = 2, 3  # PLLSRC
 
 
 class Awaited:
@@ -71,12 +79,21 @@ class Backup(Block):
 
 
 class Power:
-    """Regulator, flash and clock tree: the step to 170 MHz has to be done in the manual's order."""
+    """Regulator, flash and clock tree: the step to 170 MHz has to be done in the manual's order. `crystal_hz`: what the crystal
+    swings with, 0 if there is none."""
 
-    def __init__(self, chip, reset_flags):
+    ALWAYS = {"AHB1ENR": 1 << 12, "APB1ENR1": 1 << 28 | 1 << 10}  # CRC unit, power, backup registers
+
+    def __init__(self, chip, reset_flags, peripherals, crystal_hz):
+        """`peripherals`: the names of those whose clock can be enabled."""
         self.chip = chip
-        self.chip.clock.cycle = round(CLOCK_HZ / OSCILLATOR_HZ)
+        self.facts = chip.facts
+        self.crystal_hz = crystal_hz
+        self.cycle = self.chip.clock.cycle = round(CLOCK_HZ / OSCILLATOR_HZ)  # of the system clock, in cycles of 170 MHz
+        self.system_hz = OSCILLATOR_HZ
+        self.due = NEVER  # a dead crystal is noticed
         self.pll = Awaited(chip, PLL_LOCK)
+        self.crystal = Awaited(chip, CRYSTAL_START)
         self.regulator = Awaited(chip, REGULATOR_SETTLING)
         self.halved = 0
         self.pwr = Block("PWR", 0x40007000, {
@@ -87,21 +104,33 @@ class Power:
             "CR5": (0x80, Register(0x100, 0x100, on_write=self._set_range)),
         }, lambda: bit(self.rcc["APB1ENR1"], 28))
         self.flash = Flash(chip)
+        enable = self._enable_bits(peripherals)
         self.rcc = Block("RCC", 0x40021000, {
-            "CR": (0x00, Register(0x500, 0x01000500, self._control_read, self._control)),
+            "CR": (0x00, Register(0x500, OSCILLATOR_BITS | CRYSTAL_BITS | PLL_BITS, self._control_read, self._control)),
             "CFGR": (0x08, Register(0x5, 0xFF, on_write=self._configure)),
             "PLLCFGR": (0x0C, Register(0x1000, 0x07007FF3, on_write=self._set_pll)),
-            "AHB1ENR": (0x48, Register(0x100, 0x1000)),
-            "AHB2ENR": (0x4C, Register(0, 0x00052007)),
-            "APB1ENR1": (0x58, Register(0, 0x10020400)),
-            "APB2ENR": (0x60, Register(0, 0x20801)),
+            "CIFR": (0x1C, Register(0, 0)),
+            "CICR": (0x20, Register(0, CSSF, on_write=self._clear_interrupts)),
+            "AHB1ENR": (0x48, Register(0x100, enable["AHB1ENR"])),
+            "AHB2ENR": (0x4C, Register(0, enable["AHB2ENR"])),
+            "APB1ENR1": (0x58, Register(0, enable["APB1ENR1"])),
+            "APB1ENR2": (0x5C, Register(0, enable["APB1ENR2"])),
+            "APB2ENR": (0x60, Register(0, enable["APB2ENR"])),
             "CSR": (0x94, Register(reset_flags, 0x00800000, on_write=self._clear_flags)),
         })
         self.backup = Backup(self)
         self.blocks = [self.pwr, self.flash, self.flash.store, self.rcc, self.backup]
 
-    def enabled(self, register, number):
+    def _enable_bits(self, peripherals):
+        found = dict.fromkeys(("AHB1ENR", "AHB2ENR", "APB1ENR1", "APB1ENR2", "APB2ENR"), 0) | self.ALWAYS
+        for peripheral in peripherals:
+            register, number = self.facts.enable(peripheral)
+            found[register] |= 1 << number
+        return found
+
+    def enabled(self, peripheral):
         """A function that says whether a peripheral has its clock."""
+        register, number = self.facts.enable(peripheral)
         return lambda: bit(self.rcc[register], number)
 
     def _settling(self):
@@ -113,13 +142,27 @@ class Power:
         self.pwr["CR5"] = value
 
     def _control(self, value):
-        if bit(value, 24) and not bit(self.rcc["CR"], 24):
+        old = self.rcc["CR"]
+        set_now = value & ~old
+        if set_now & HSEON:
+            self.crystal.start()
+        if set_now & PLLON:
+            need(self._pll_source() == FROM_OSCILLATOR or self.crystal.seen,
+                 "the PLL starts, and the crystal was not seen to be ready")
             self.pll.start()
-        self.rcc["CR"] = value & 0x01000100 | bit(value, 8) << 10
+        need(not old & CSSON or value & CSSON, "the watch of the crystal can only be switched off by a reset")
+        need(value & HSEON or not (value & PLLON and self._pll_source() == FROM_CRYSTAL), "the PLL has lost its crystal")
+        self.rcc["CR"] = value & (HSION | HSEON | CSSON | PLLON) | bit(value, 8) << 10
 
     def _control_read(self):
-        self.rcc["CR"] |= (bit(self.rcc["CR"], 24) and self.pll.look()) << 25
-        return self.rcc.register("CR").value
+        value = self.rcc["CR"]
+        value |= PLLRDY if value & PLLON and self.pll.look() else 0
+        value |= HSERDY if value & HSEON and self.crystal_hz and self.crystal.look() else 0
+        self.rcc["CR"] = value
+        return value
+
+    def _pll_source(self):
+        return self.rcc["PLLCFGR"] & 3
 
     def _set_pll(self, value):
         need(not bit(self.rcc["CR"], 24), "PLLCFGR is written while the PLL runs")
@@ -127,8 +170,11 @@ class Power:
 
     def _pll_hz(self):
         value = self.rcc["PLLCFGR"]
-        need(value & 3 == 2 and bit(value, 24), "the PLL does not take the internal oscillator")
-        vco = 16e6 / ((value >> 4 & 0xF) + 1) * (value >> 8 & 0x7F)
+        need(self._pll_source() in (FROM_OSCILLATOR, FROM_CRYSTAL) and bit(value, 24), "the PLL has no input or no output")
+        source = OSCILLATOR_HZ if self._pll_source() == FROM_OSCILLATOR else self.crystal_hz
+        divided = source / ((value >> 4 & 0xF) + 1)
+        need(2.66e6 <= divided <= 16e6, f"the PLL's input cannot have {divided:g} Hz")
+        vco = divided * (value >> 8 & 0x7F)
         need(96e6 <= vco <= 344e6, f"the PLL's oscillator cannot run at {vco:g} Hz")
         return vco / (2 * ((value >> 25 & 3) + 1))
 
@@ -150,21 +196,65 @@ class Power:
         else:
             need(self.rcc["CFGR"] & 3 == 3 and self.chip.now >= self.halved + HALF_SPEED,
                  "no step of a microsecond at half of the speed")
-        self.chip.clock.cycle = 2 if prescaler == 8 else 1
+        self._set_speed(CLOCK_HZ / 2 if prescaler == 8 else CLOCK_HZ)
+
+    def _set_speed(self, system_hz):
+        """What the chip's parts have begun goes on at the new speed."""
+        before = self.cycle
+        self.chip.settle()
+        self.system_hz = system_hz
+        self.cycle = self.chip.clock.cycle = round(CLOCK_HZ / system_hz)
+        self.chip.stretch(self.cycle / before)
 
     def _clear_flags(self, value):
         if bit(value, 23):
             self.rcc["CSR"] = 0
 
+    def _clear_interrupts(self, value):
+        self.rcc["CIFR"] &= ~value
+
     def runs_at_full_speed(self):
         return self.rcc["CFGR"] & 0xFF == 0xF
+
+    def crystal_32_hz(self):
+        """What the timers can capture of it, 0 while it does not swing."""
+        swings = self.rcc["CR"] & HSEON and self.chip.now >= self.crystal.end
+        return self.crystal_hz / 32 if swings else 0
+
+    def runs_on_crystal(self):
+        return self.rcc["CFGR"] & 3 == 3 and self._pll_source() == FROM_CRYSTAL
+
+    def asks_for_nmi(self):
+        """RM0440 7.2, clock security system: until the flag is cleared."""
+        return bool(self.rcc["CIFR"] & CSSF)
+
+    def stop_crystal(self):
+        """It dies. Until that is noticed the PLL keeps its speed: an assumption, see CRYSTAL_WATCH."""
+        need(self.rcc["CR"] & CSSON or not self.runs_on_crystal(),
+             "the crystal dies, and nobody watches it: the chip stands still")
+        self.crystal_hz = 0
+        if self.rcc["CR"] & CSSON:
+            self.due = self.chip.now + CRYSTAL_WATCH
+
+    def fire(self):
+        """RM0440 7.2, clock security system: the timer's outputs open, and the clock becomes the internal oscillator, all by
+        hardware."""
+        self.due = NEVER
+        self.rcc["CR"] &= ~CRYSTAL_BITS
+        self.rcc["CIFR"] |= CSSF
+        self.chip.timer.break_by_system()
+        if self.runs_on_crystal():
+            self.rcc["CR"] = self.rcc["CR"] & ~PLL_BITS | OSCILLATOR_BITS
+            self.rcc["CFGR"] = self.rcc["CFGR"] & ~0xF | 5
+            self._set_speed(OSCILLATOR_HZ)
 
 
 class Port(Block):
     """A port of pins."""
 
-    def __init__(self, letter, base, modes, pulls, speeds, clocked):
+    def __init__(self, letter, base, clocked):
         self.output = 0
+        modes, pulls, speeds = g4.PORT_RESETS.get(letter, g4.OTHER_PORTS_RESET)
         super().__init__(f"GPIO{letter}", base, {
             "MODER": (0x00, Register(modes)),
             "OSPEEDR": (0x08, Register(speeds)),
@@ -180,6 +270,10 @@ class Port(Block):
     def mode(self, pin):
         return self["MODER"] >> 2 * pin & 3
 
+    def level(self, pin):
+        """What it drives as an output, or None."""
+        return self.output >> pin & 1 if self.mode(pin) == 1 else None
+
     def function(self, pin):
         return self["AFRH" if pin > 7 else "AFRL"] >> 4 * (pin % 8) & 0xF
 
@@ -189,24 +283,29 @@ BREAK_FILTER = (0, 2, 4, 8, 12, 16, 24, 32, 48, 64, 80, 96, 128, 160, 192, 256)
 
 
 class Timer(Block):
-    """TIM1 as a centre-aligned PWM generator with break. `trigger` is called at each TRGO2."""
+    """TIM1 as a centre-aligned PWM generator with break, for the legs of a board (wiring.py). `trigger` is called at each
+    TRGO2."""
 
-    def __init__(self, chip, clocked):
+    IDLE_LEVELS = 0x3F00  # of CR2: OIS1 to OIS3N
+
+    def __init__(self, chip, wiring, clocked):
         self.chip = chip
+        self.wiring = wiring
         self.due = NEVER      # the next end of the ramp
         self.active = (0, 0, 0)  # compare values behind the preload registers
         self.repeats = 0
         self.rising = True
         self.trigger = None
         self.broken = False   # level of the break input
-        super().__init__("TIM1", 0x40012C00, {
+        self.opened = 0       # when the main output went off
+        super().__init__("TIM1", chip.facts.base("TIM1"), {
             "CR1": (0x00, Register(0, 0xA1, self._control_read, self._control)),
-            "CR2": (0x04, Register(0, 0xF << 20)),
+            "CR2": (0x04, Register(0, 0xF << 20 | self._idle_levels(), on_write=self._set_idle_levels)),
             "SR": (0x10, Register(0, on_write=self._acknowledge)),
             "EGR": (0x14, Register(0, 1, on_write=self._generate)),
             "CCMR1": (0x18, Register(0, 0x7878)),
             "CCMR2": (0x1C, Register(0, 0x7878)),
-            "CCER": (0x20, Register(0, 0x555)),
+            "CCER": (0x20, Register(0, self._outputs())),
             "CNT": (0x24, Register(0, 0, self.count)),
             "PSC": (0x28, Register(0, 0)),
             "ARR": (0x2C, Register(0xFFFF, 0xFFFF)),
@@ -215,20 +314,54 @@ class Timer(Block):
             "CCR2": (0x38, Register(0, 0xFFFF)),
             "CCR3": (0x3C, Register(0, 0xFFFF)),
             "BDTR": (0x44, Register(0, 0x000FBFFF, on_write=self._set_break)),
-            "AF1": (0x60, Register(1, 0x3C1E, on_write=self._select_break)),
+            "AF1": (0x60, Register(1, self._break_sources(), on_write=self._select_break)),
         }, clocked)
 
+    def _break_sources(self):
+        """The bits of AF1 that this board can use: its comparators and the pin, with their polarities."""
+        numbers = self.wiring.comparators
+        bits = [0, 9, *numbers, *(g4.polarity_bit(number) for number in numbers)]
+        return sum(1 << number for number in set(bits) - {None})
+
     def preloaded(self):
-        return self["CCR1"], self["CCR2"], self["CCR3"]
+        """The compare values of phases a, b, c."""
+        return tuple(self[f"CCR{leg.channel}"] for leg in self.wiring.legs)
+
+    def ramp(self):
+        """How long it takes, in cycles of 170 MHz."""
+        return self["ARR"] * self.chip.power.cycle
 
     def next_update(self):
         """When the next update event comes."""
-        return self.due + self.repeats * self["ARR"]
+        return self.due + self.repeats * self.ramp()
+
+    def stretch(self, factor):
+        """Another speed of the clock."""
+        if self.due != NEVER:
+            self.due = self.chip.now + round((self.due - self.chip.now) * factor)
 
     def filter_cycles(self):
         """What is shorter does not pass the break input's filter, RM0440 28.6.20 (BKF)."""
         code = self["BDTR"] >> 16 & 0xF
         return BREAK_FILTER[code]
+
+    def output(self, channel, is_second):
+        """0, 1, "pwm", or None if the timer does not drive it: RM0440 28.6 (CCER), table "Output control bits for
+        complementary channels with break feature"."""
+        bits = self["CCER"] >> 4 * (channel - 1)
+        enabled, inactive = bit(bits, 2 * is_second), bit(bits, 2 * is_second + 1)
+        main, idle_is_driven, off_is_driven = (bit(self["BDTR"], place) for place in (15, 10, 11))
+        if main and enabled:
+            return "pwm"
+        if not bits & 5 or not (off_is_driven if main else idle_is_driven):
+            return None
+        if main or self.chip.now < self.opened + self.dead_time() * self.chip.power.cycle:
+            return inactive
+        return bit(self["CR2"], 8 + 2 * (channel - 1) + is_second)
+
+    def enables(self):
+        """The levels at the drivers' enable pins, phases a, b, c."""
+        return tuple(self.output(leg.channel, True) for leg in self.wiring.legs)
 
     def gates_on(self):
         """The main output is on, and outputs of channels are connected to it."""
@@ -244,22 +377,28 @@ class Timer(Block):
         return (32 + (code & 0x1F)) * (16 if code >= 0xE0 else 8)
 
     def count(self):
-        left = self.due - self.chip.now if bit(self["CR1"], 0) else self["ARR"]
+        left = (self.due - self.chip.now) // self.chip.power.cycle if bit(self["CR1"], 0) else self["ARR"]
         return self["ARR"] - left if self.rising else left
 
     def set_break_input(self, active):
         self.broken = active and bool(bit(self["BDTR"], 12))
         if self.broken:
-            self["BDTR"] &= ~(1 << 15)
+            self._open()
             self["SR"] |= 1 << 7
 
     def break_by_system(self):
         """RM0440 28.6.5, SBIF."""
-        self["SR"] |= 1 << 13
+        if bit(self["BDTR"], 12):
+            self["SR"] |= 1 << 13
+            self._open()
+
+    def _open(self):
+        if bit(self["BDTR"], 15):
+            self.opened = self.chip.now
         self["BDTR"] &= ~(1 << 15)
 
     def fire(self):
-        self.due += self["ARR"]
+        self.due += self.ramp()
         self.rising = not self.rising
         if self.repeats:
             self.repeats -= 1
@@ -280,14 +419,34 @@ class Timer(Block):
         if bit(value, 0) and not bit(self["CR1"], 0):
             need(value & 0x60 == 0x20, "TIM1 starts, and is not centre aligned")
             need((self["CCMR1"], self["CCMR2"]) == (0x6868, 0x68), "not PWM mode 1 with preload")
-            need(self["CCER"] == 0x555, "not all six outputs are on and active high")
-            need(self["AF1"] & 0x16 == 0x16, "a comparator does not reach the break input")
-            self.due = self.chip.now + self["ARR"]
+            need(self["CCER"] == self._outputs(), "not all outputs are on, with the polarity of the board")
+            need(self["CR2"] & self.IDLE_LEVELS == self._idle_levels(), "an output has an idle level that does not open its gate")
+            need(self["AF1"] & self._needed_sources() == self._needed_sources(),
+                 "a comparator or the break pin does not reach the break input")
+            self.due = self.chip.now + self.ramp()
         self["CR1"] = value & ~0x10
+
+    def _outputs(self):
+        """CCER: both outputs of each leg. The second one is off if it is an enable, and its polarity makes its inactive level the
+        high one."""
+        second = 8 if self.wiring.has_enables else 4 | self.wiring.low_inverted << 3
+        return sum((1 | self.wiring.high_inverted << 1 | second) << 4 * (leg.channel - 1) for leg in self.wiring.legs)
+
+    def _idle_levels(self):
+        """Of CR2: a closed gate has its inactive level, an enable is low."""
+        low = self.wiring.low_inverted and not self.wiring.has_enables
+        return sum((self.wiring.high_inverted | low << 1) << 8 + 2 * (leg.channel - 1) for leg in self.wiring.legs)
+
+    def _needed_sources(self):
+        return 1 if self.wiring.break_line else sum(1 << number for number in self.wiring.comparators)
+
+    def _set_idle_levels(self, value):
+        need((self["CR2"] ^ value) & self.IDLE_LEVELS == 0 or self["BDTR"] >> 8 & 3 == 0, "the idle levels are locked")
+        self["CR2"] = value
 
     def _acknowledge(self, value):
         self["SR"] &= value
-        self.chip.comparators_changed()
+        self.chip.break_changed()
 
     def _generate(self, value):
         if bit(value, 0):
@@ -299,36 +458,39 @@ class Timer(Block):
         need((old ^ value) & locked == 0, "BDTR is locked")
         if bit(value, 15) and not bit(value, 12):
             raise WrongAccess("gates are enabled without a break input")
+        if not bit(value, 15):
+            self._open()
         self["BDTR"] = value & ~(1 << 15) if self.broken else value
-        self.chip.comparators_changed()
+        self.chip.break_changed()
 
     def _select_break(self, value):
         self["AF1"] = value
-        self.chip.comparators_changed()
+        self.chip.break_changed()
 
 
 class Usart(Block):
-    """USART2 with its FIFOs, at the speed of its line. `instant`: bytes to the PC take no time, where it is not the line
-    that is tested: a dump takes some 5 s of it."""
+    """The serial interface with its FIFOs, at the speed of its line. `instant`: bytes to the PC take no time, where it is not the
+    line that is tested: a dump takes some 5 s of it."""
 
     FIFO = 8
     BITS = 10
     PAUSE = cycles(300e-6)  # silence: the background has come by twice and more
 
-    def __init__(self, chip, baud, clocked):
+    def __init__(self, chip, name, baud, clocked):
         self.chip = chip
         self.baud = baud
         self.instant = False
         self.starts = collections.deque()  # when each byte that still waits to be sent leaves the FIFO
         self.silent = -self.PAUSE          # when the last byte will have been sent
         self.said = bytearray()
+        self.unreadable = 0  # bytes that were sent at another speed of the clock: a PC does not understand them
         self.arriving = collections.deque()  # (when, byte)
         self.received = collections.deque()
         self.broken = set()  # bytes that arrive with a wrong stop bit: the how many-th of all
         self.taken = 0
         self.acknowledged = -1
         self.overrun = False
-        super().__init__("USART2", 0x40004400, {
+        super().__init__(name, chip.facts.base(name), {
             "CR1": (0x00, Register(0, 0x2000000D, on_write=self._enable)),
             "BRR": (0x0C, Register(0, 0xFFFF)),
             "ISR": (0x1C, Register(on_read=self._status)),
@@ -338,7 +500,7 @@ class Usart(Block):
         }, clocked)
 
     def byte_cycles(self):
-        return self.BITS * self["BRR"]
+        return self.BITS * self["BRR"] * self.chip.power.cycle
 
     def receive(self, line):
         """Bytes that follow each other as closely as they can, whether someone takes them or not."""
@@ -403,6 +565,7 @@ class Usart(Block):
         need(self["CR1"] & 9 == 9, "a byte is sent while the transmitter is off")
         need(self._has_room(), "a byte is sent while there is no room")
         self.said.append(value)
+        self.unreadable += self.chip.power.system_hz != CLOCK_HZ
         if not self.instant:
             start = max(self.chip.now, self.silent)
             self.starts.append(start)
@@ -449,36 +612,57 @@ class WatchdogBites(Exception):
 
 
 class System(Block):
-    """SysTick, interrupt controller and system control of the core."""
+    """SysTick, interrupt controller and system control of the core. `conversions`: {exception: the converters that ask for
+    it}."""
 
+    NMI = 2
     SYSTICK = 15
-    ADC1_2 = 16 + 18
+    DEVICE = 16  # the exception of interrupt 0
 
-    def __init__(self, chip):
+    def __init__(self, chip, conversions):
         self.chip = chip
+        self.conversions = conversions
         self.due = NEVER
         self.pending = False
+        interrupts = [exception - self.DEVICE for exception in conversions]
         super().__init__("SYSTEM", 0xE000E000, {
             "SYST_CSR": (0x010, Register(0, 7, self._read_status, self._start)),
             "SYST_RVR": (0x014, Register(0, 0xFFFFFF)),
             "SYST_CVR": (0x018, Register(0, on_write=self._restart)),
-            "NVIC_ISER0": (0x100, Register(on_write=self._enable)),
-            "NVIC_ICER0": (0x180, Register(on_read=lambda: self["NVIC_ISER0"], on_write=self._disable)),
-            "NVIC_ICPR0": (0x280, Register(on_write=self._forget)),
-            "NVIC_IPR4": (0x410, Register(0, 0xF0F0F0F0)),
+            **self._controller(sorted({interrupt // 32 for interrupt in interrupts})),
+            **{f"NVIC_IPR{interrupt // 4}": (0x400 + 4 * (interrupt // 4), Register(0, 0xF0F0F0F0)) for interrupt in interrupts},
             "SCB_VTOR": (0xD08, Register(0, 0xFFFFFF80)),
             "SCB_SHPR3": (0xD20, Register(0, 0xF0F00000)),
         })
 
-    def _enable(self, value):
-        self["NVIC_ISER0"] |= value
+    def _controller(self, words):
+        """Of 32 interrupts each."""
+        found = {}
+        for word in words:
+            found[f"NVIC_ISER{word}"] = (0x100 + 4 * word, Register(on_write=self._enabler(word)))
+            found[f"NVIC_ICER{word}"] = (0x180 + 4 * word, Register(on_read=lambda word=word: self[f"NVIC_ISER{word}"],
+                                                                   on_write=self._disabler(word)))
+            found[f"NVIC_ICPR{word}"] = (0x280 + 4 * word, Register(on_write=self._forgetter(word)))
+        return found
 
-    def _disable(self, value):
-        self["NVIC_ISER0"] &= ~value
+    def _enabler(self, word):
+        def enable(value):
+            self[f"NVIC_ISER{word}"] |= value
+        return enable
 
-    def _forget(self, value):
-        """The converters' request is a level, and stays until it is acknowledged there."""
-        need(value == 1 << 18, "another interrupt than the converters' is forgotten")
+    def _disabler(self, word):
+        def disable(value):
+            self[f"NVIC_ISER{word}"] &= ~value
+        return disable
+
+    def _forgetter(self, word):
+        """A converter's request is a level, and stays until it is acknowledged there."""
+        allowed = [1 << exception - self.DEVICE - 32 * word for exception in self.conversions
+                   if (exception - self.DEVICE) // 32 == word]
+
+        def forget(value):
+            need(value in allowed, "another interrupt than a converter's is forgotten")
+        return forget
 
     def fire(self):
         self.due += self._period()
@@ -490,13 +674,27 @@ class System(Block):
         """The lower, the more urgent."""
         if exception == self.SYSTICK:
             return self["SCB_SHPR3"] >> 24
-        return self["NVIC_IPR4"] >> 16 & 0xFF if exception == self.ADC1_2 else 0
+        if exception == self.NMI:
+            return -2
+        interrupt = exception - self.DEVICE
+        return self[f"NVIC_IPR{interrupt // 4}"] >> 8 * (interrupt % 4) & 0xFF if exception in self.conversions else 0
+
+    def _asks(self, exception):
+        """Whether a converter's interrupt is enabled and wanted."""
+        interrupt = exception - self.DEVICE
+        return bit(self[f"NVIC_ISER{interrupt // 32}"], interrupt % 32) and any(
+            converter.wants_interrupt() for converter in self.conversions[exception])
+
+    def stretch(self, factor):
+        """Another speed of the clock."""
+        if self.due != NEVER:
+            self.due = self.chip.now + round((self.due - self.chip.now) * factor)
 
     def first(self, above):
         """The exception that interrupts what has the priority `above`, or None."""
-        waiting = [self.SYSTICK] if self.pending else []
-        if bit(self["NVIC_ISER0"], 18) and self.chip.converters_want_interrupt():
-            waiting.append(self.ADC1_2)
+        waiting = [exception for exception in self.conversions if self._asks(exception)]
+        waiting += [self.SYSTICK] if self.pending else []
+        waiting += [self.NMI] if self.chip.power.asks_for_nmi() else []
         most = min(waiting, key=self.priority, default=None)
         return most if most is not None and self.priority(most) < above else None
 
@@ -549,34 +747,57 @@ class Configuration(Block):
 
 
 class Pace(Block):
-    """TIM16, which captures each eighth edge of the watchdog's oscillator. Its frequency is that at the speed that the clock should have:
-    a clock that is too fast sees it slower."""
+    """TIM16, which captures each eighth edge of the crystal's clock divided by 32, or of the watchdog's oscillator. The
+    frequency of the latter is that at the speed that the clock should have: a clock that is too fast sees it slower."""
 
-    def __init__(self, chip, clocked):
+    CAPTURE = 0xD  # CCMR1: input 1, each eighth edge
+
+    def __init__(self, chip):
         self.chip = chip
         self.oscillator_hz = 32e3  # 0: it stands still
-        self.last = 0              # the time of the last capture
+        self.sources = {g4.HSE_32: chip.power.crystal_32_hz, g4.LSI: lambda: self.oscillator_hz}
+        self.last = 0  # the time of the last capture
         self.captured = self.missed = False
-        super().__init__("TIM16", 0x40014400, {
+        self.latched = 0               # the count at the last capture
+        self.since, self.counted = 0, 0  # the count at a time, from which it goes on at the present speed
+        super().__init__("TIM16", chip.facts.base("TIM16"), {
             "CR1": (0x00, Register(0, 1, on_write=self._start)),
             "SR": (0x10, Register(0, on_read=self._status, on_write=self._acknowledge)),
             "CCMR1": (0x18, Register(0, 0xFF)),
             "CCER": (0x20, Register(0, 1)),
             "CCR1": (0x34, Register(0, 0, self._take)),
             "TISEL": (0x5C, Register(0, 0xF)),
-        }, clocked)
+        }, chip.power.enabled("TIM16"))
+
+    def source_hz(self):
+        return self.sources[self["TISEL"]]()
 
     def _start(self, value):
-        need((self["TISEL"], self["CCMR1"], self["CCER"]) == (6, 0xD, 1), "TIM16 does not capture each eighth edge of the LSI")
+        if value and not self["CR1"]:
+            need(self["TISEL"] in self.sources and (self["CCMR1"], self["CCER"]) == (self.CAPTURE, 1),
+                 "TIM16 does not capture each eighth edge of an oscillator")
+            self.last = self.since = self.chip.now
         self["CR1"] = value
-        self.last = self.chip.now
+
+    def _count(self, time):
+        return self.counted + (time - self.since) * self.chip.power.system_hz / CLOCK_HZ
+
+    def settle(self):
+        """Before the clock gets another speed."""
+        self._pass()
+        self.counted, self.since = self._count(self.chip.now), self.chip.now
 
     def _pass(self):
-        period = 8 * CLOCK_HZ / self.oscillator_hz if self.oscillator_hz and self["CR1"] else NEVER
+        hz = self.source_hz() if self["CR1"] else 0
+        if not hz:
+            self.last = self.chip.now
+            return
+        period = 8 * CLOCK_HZ / hz
         while self.last + period <= self.chip.now:
             self.last += period
             self.missed = self.missed or self.captured
             self.captured = True
+            self.latched = self._count(self.last)
 
     def _status(self):
         self._pass()
@@ -588,7 +809,7 @@ class Pace(Block):
     def _take(self):
         self._pass()
         self.captured = False
-        return round(self.last) & 0xFFFF
+        return round(self.latched) & 0xFFFF
 
 
 class Crc(Block):

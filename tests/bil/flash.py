@@ -1,19 +1,21 @@
 # SPDX-License-Identifier: MIT
-"""Model of the STM32G431's flash: its controller, and the two pages of the store. RM0440 3.3 and 3.7.
+"""Model of an STM32G4's flash: its controller, and the two pages of the store at its end. RM0440 3.3 and 3.7.
 
-The flash has one bank: the core stands still until an erase or a programming has ended. Each of them is a step; in the step
-number `cut` power fails, and leaves half done what it was about to change. Half done is, by chance for each double word, what
-it was, what it should become, or a mixture. A double word that the code cannot correct is left to test_faults.py: the NMI that
-it raises comes within a block of instructions, and exceptions are taken between two blocks here.
+A page has 2 KiB. In a flash of one bank the core stands still until an erase or a programming has ended. One of two banks has
+the factory's option bytes (DBANK = 1), the store in its second bank and the image in its first: the core goes on. Each erase
+or programming is a step; in the step number `cut` power fails, and leaves half done what it was about to change. Half done
+is, by chance for each double word, what it was, what it should become, or a mixture. A double word that the code cannot
+correct is left to test_faults.py: the NMI that it raises comes within a block of instructions, and exceptions are taken
+between two blocks here.
 """
 
 import random
 
+import g4
 from registers import Block, Register, need
 
-STORE, STORE_BYTES = 0x0801F000, 0x1000
+STORE_BYTES = 0x1000
 PAGE = 0x800
-FIRST_PAGE = 62
 UNIT = 8
 ERASED = 2 ** 64 - 1
 CYCLES_PER_S = 170e6
@@ -24,10 +26,16 @@ ERRORS = 0xC3FA
 PROGERR = 1 << 3
 LOCK, OPTLOCK = 1 << 31, 1 << 30
 PG, PER, STRT = 1, 2, 1 << 16
+BANK_2 = 1 << 11
 CACHES = 3 << 9
 BOR_LEVEL, NO_PARITY = 7 << 8, 1 << 24  # of OPTR, RM0440 3.7.8
 GOOD_OPTIONS = 0xFAEFF8AA | 4 << 8      # those of a new chip, with a brown-out reset at 2.8 V, parity, and no BOOT0 pin
 BSY = 1 << 16
+
+
+def store_of(facts):
+    """The address of the store: the last pages of the flash."""
+    return g4.FLASH + facts.flash_bytes - STORE_BYTES
 
 
 class PowerFails(Exception):
@@ -40,6 +48,11 @@ class Flash(Block):
 
     def __init__(self, chip):
         self.chip = chip
+        self.store_address = store_of(chip.facts)
+        self.dual_bank = chip.facts.dual_bank
+        need(chip.facts.page_bytes == PAGE, "pages of another length than those of this model")
+        self.first_page = (chip.facts.bank_bytes - STORE_BYTES) // PAGE  # of the store, in its bank
+        self.ends = 0    # of the step that goes on beside the core
         self.units = {}  # that are not erased
         self.steps = 0
         self.cut = None
@@ -54,11 +67,11 @@ class Flash(Block):
             "ACR": (0x00, Register(0x40600, 0x1F0F, on_write=self._configure)),
             "KEYR": (0x08, Register(on_write=self._key)),
             "SR": (0x10, Register(0, ERRORS | 1, self._status, self._clear)),
-            "CR": (0x14, Register(LOCK | OPTLOCK, LOCK | STRT | 0x3FB, on_write=self._control)),
+            "CR": (0x14, Register(LOCK | OPTLOCK, LOCK | STRT | 0x3FB | self._bank(), on_write=self._control)),
             "OPTR": (0x20, Register(GOOD_OPTIONS, 0)),
             "ECCR": (0x18, Register(0, 1 << 31, on_write=self._acknowledge)),
         })
-        self.store = Block("STORE", STORE, {
+        self.store = Block("STORE", self.store_address, {
             f"{offset:#05x}": (offset, Register(0, on_read=self._reader(offset), on_write=self._writer(offset)))
             for offset in range(0, STORE_BYTES, 4)})
 
@@ -66,11 +79,15 @@ class Flash(Block):
         """What is in the store beside the image."""
         padded = data + b"\xFF" * (-len(data) % UNIT)
         for at in range(0, len(padded), UNIT):
-            self.units[(address - STORE + at) // UNIT] = int.from_bytes(padded[at:at + UNIT], "little")
+            self.units[(address - self.store_address + at) // UNIT] = int.from_bytes(padded[at:at + UNIT], "little")
 
     def content(self):
         """As (address, bytes), for another board with this flash."""
-        return [(STORE + unit * UNIT, value.to_bytes(UNIT, "little")) for unit, value in sorted(self.units.items())]
+        return [(self.store_address + unit * UNIT, value.to_bytes(UNIT, "little")) for unit, value in sorted(self.units.items())]
+
+    def _bank(self):
+        """The bit of CR that selects the store's bank."""
+        return BANK_2 if self.dual_bank else 0
 
     def tear(self):
         """A double word was read whose bits are beyond correction: the NMI follows."""
@@ -93,6 +110,8 @@ class Flash(Block):
             self._keys = []
 
     def _status(self):
+        if self.chip.now < self.ends:
+            return self["SR"] | BSY
         if self.busy == 0:
             return self["SR"]
         self.busy -= 1
@@ -105,8 +124,9 @@ class Flash(Block):
         need(not self["CR"] & LOCK, "the flash is locked")
         self["CR"] = value & ~STRT | OPTLOCK
         if value & STRT:
-            page = (value >> 3 & 0x7F) - FIRST_PAGE
-            need(value & (PER | PG) == PER and page in (0, 1), "another page than those of the store is erased")
+            page = (value >> 3 & 0x7F) - self.first_page
+            need(value & (PER | PG | BANK_2) == PER | self._bank() and page in (0, 1),
+                 "another page than those of the store is erased")
             first = page * PAGE // UNIT
             self._operate({unit: ERASED for unit in range(first, first + PAGE // UNIT)}, ERASE_CYCLES)
 
@@ -136,6 +156,7 @@ class Flash(Block):
         need(not self.chip.timer.gates_on(), "the flash stops the core while the gates are on")
         need(not self["ACR"] & CACHES, "the caches would go on showing what was there")
         need(not self["SR"] & ERRORS, "an error of before is not cleared")
+        need(self.chip.now >= self.ends, "the flash is still busy")
         fails = self.steps == self.cut
         self.steps += 1
         for unit, value in changes.items():
@@ -143,7 +164,10 @@ class Flash(Block):
             self._keep(unit, self._half(before, value) if fails else value)
         if fails:
             raise PowerFails
-        self.chip.stand_still(duration)
+        if self.dual_bank:
+            self.ends = self.chip.now + duration
+        else:
+            self.chip.stand_still(duration)
         self["SR"] |= 1
         self.busy = self.lasting
 

@@ -20,10 +20,10 @@ def replaced(path, *pairs):
 
 def build_image(folder, nfconfig, motor, board):
     """In a folder, from which the paths of both files are. Again, with others, for a part of the time."""
-    for command in (["cmake", "-S", ROOT, "--preset", "stm32g431", "-B", "build", f"-DNF_NFCONFIG={nfconfig}",
+    for command in (["cmake", "-S", ROOT, "--preset", "stm32g4", "-B", "build", f"-DNF_NFCONFIG={nfconfig}",
                      f"-DNF_MOTOR={motor}", f"-DNF_BOARD={board}"],
-                    ["cmake", "--build", "build", "--target", "neurofoc_g431"]):
+                    ["cmake", "--build", "build", "--target", "neurofoc_g4"]):
         run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
         if run.returncode:
             raise AssertionError(run.stdout + run.stderr)
-    return folder / "build/neurofoc_g431.elf"
+    return folder / "build/neurofoc_g4.elf"

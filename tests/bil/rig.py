@@ -7,10 +7,12 @@ import tomllib
 from pathlib import Path
 
 import board
+from wiring import Wiring, port_and_number
 
 IMAGE, BOARD, CLOCK = (Path(argument) for argument in sys.argv[1:4])
 FILE = tomllib.loads(BOARD.read_text(encoding="utf-8"))
 STAGE, HAL = FILE["board"], FILE["hal"]
+WIRING = Wiring(HAL)
 MIDDLE = 2048
 BUS = round(STAGE["bus_nominal_v"] / STAGE["bus_full_scale_v"] * 4096)
 HALF_PERIOD = round(STAGE["timer_clock_hz"] / STAGE["pwm_frequency_hz"] / 2)
@@ -52,9 +54,18 @@ def running(**arguments):
 
 
 def run(made):
+    """The line is typed right after a tick, and the next one takes it."""
+    made.tick()
+    made.tick_to_take()
     made.type("run")
     made.take()
     made.tick(2)
+
+
+def gates_are_inputs(made):
+    """Whether the chip has let go of all gates."""
+    pins = [port_and_number(pin.name) for pin in made.wiring.gates]
+    return all(made.chip.ports[port].mode(pin) == 0 for port, pin in pins)
 
 
 def answer(made, line):

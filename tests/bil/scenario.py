@@ -40,7 +40,7 @@ def imperfections(board, parts, folder):
 
 def turn_on(board):
     """The spikes of all three phases, right behind the tick's update."""
-    for pin in analogue.SHUNT_PINS.values():
+    for pin in board.wiring.shunts:
         board.chip.spike(pin, SPIKE, SPIKE_S)
 
 

@@ -10,8 +10,9 @@ import unittest
 import unicorn
 
 import analogue
-from core import FLASH_SIZE, RAM, RAM_SIZE
-from rig import CALIBRATION_TICKS, STAGE, address_of, answer, booted, make, ready, run, running
+from g4 import RAM
+from rig import CALIBRATION_TICKS, STAGE, WIRING, address_of, answer, booted, gates_are_inputs, make, ready, run, running
+from wiring import port_and_number
 
 ROUND_TICKS = 100  # more than there are registers and pins: one is looked at in each pass of the background
 GIVING_UP_S = 0.1  # more than the start takes
@@ -31,10 +32,10 @@ FLIPS = {
     "IWDG_RLR": 1 << 4, "SCB_SHPR3": 1 << 28, "NVIC_IPR4": 1 << 22, "NVIC_ISER0": 1 << 3,
     "SYST_RVR": 1 << 3, "USART2_BRR": 1 << 5,
 }
-PIN_FLIPS = {"PA8": ("A", "MODER", 1 << 16), "PB15": ("B", "AFRH", 1 << 28), "PC13": ("C", "PUPDR", 1 << 27),
-             "PA1": ("A", "MODER", 1 << 2)}
+PIN_FLIPS = {WIRING.legs[0].high.name: "mode", WIRING.legs[2].second.name: "function", WIRING.legs[0].second.name: "pull",
+             WIRING.shunts[0]: "mode"}
 MAIN_OUTPUT, BREAK_FLAG = 1 << 15, 1 << 7  # of TIM1's BDTR and SR
-COMPARATORS = {"a": "1", "b": "2", "c": "4"}
+COMPARATORS = dict(zip("abc", map(str, WIRING.comparators)))
 
 
 def register_of(made, name):
@@ -50,9 +51,12 @@ def flip(made, name):
     register_of(made, name).value ^= FLIPS[name]
 
 
-def gates_are_inputs(made):
-    return all(made.chip.ports[port].mode(pin) == 0
-               for port, pin in (("A", 8), ("A", 9), ("A", 10), ("C", 13), ("A", 12), ("B", 15)))
+def flip_pin(made, name, what):
+    """The lowest bit of its mode or function, or the higher one of its resistor."""
+    port, pin = port_and_number(name)
+    key, place = {"mode": ("MODER", 2 * pin), "pull": ("PUPDR", 2 * pin + 1),
+                  "function": ("AFRH" if pin > 7 else "AFRL", 4 * (pin % 8))}[what]
+    made.chip.ports[port][key] ^= 1 << place
 
 
 class Registers(unittest.TestCase):
@@ -70,10 +74,10 @@ class Registers(unittest.TestCase):
                 self.assert_found(made, f"register {name}")
 
     def test_each_pin_that_changes_is_named(self):
-        for name, (port, key, bits) in PIN_FLIPS.items():
+        for name, what in PIN_FLIPS.items():
             with self.subTest(name):
                 made = ready()
-                made.chip.ports[port][key] ^= bits
+                flip_pin(made, name, what)
                 made.tick(ROUND_TICKS)
                 self.assert_found(made, f"pin {name}")
 
@@ -124,7 +128,7 @@ class Image(unittest.TestCase):
     """The flash, in which a bit has another value than the build gave it."""
 
     TOLD = "the flash does not hold the image that was built"
-    ROUND_TICKS = round(FLASH_SIZE / WORD_BYTES / WORDS_A_TICK)
+    ROUND_TICKS = round(WIRING.facts.flash_bytes / WORD_BYTES / WORDS_A_TICK)
 
     def flip(self, made, address):
         byte, = made.core.uc.mem_read(address, 1)
@@ -179,7 +183,7 @@ class Memory(unittest.TestCase):
     """The RAM, of which a bit does not take what is written, or a word is another one's."""
 
     TOLD = "cannot start:\r\nthe RAM does not hold what is written\r\n"
-    PLACES = (RAM + 0x40, RAM + RAM_SIZE - 4)  # the stack's end, which is not used, and what is behind all variables
+    PLACES = (RAM + 0x40, RAM + WIRING.facts.ram_bytes - 4)  # the stack's end, which is not used, and what is behind all variables
 
     def boot(self, place, read):
         """`read` gives what the word at `place` shows."""
@@ -312,12 +316,13 @@ class Trip(unittest.TestCase):
                 self.assertEqual(self.refuses(spoil), "a phase trips at rest")
 
     def test_a_level_that_does_not_follow_its_register_is_found(self):
-        for channel, phase in ((1, "a"), (2, "b")):
-            def spoil(made, channel=channel):
-                voltage = made.chip.level.voltage
-                made.chip.level.voltage = lambda asked: 1000 if asked == channel else voltage(asked)
+        for phase in "ab":
+            def spoil(made, phase="ab".index(phase)):
+                dac, channel = made.level_of(phase)
+                voltage = dac.voltage
+                dac.voltage = lambda asked: 1000 if asked == channel else voltage(asked)
 
-            with self.subTest(channel):
+            with self.subTest(phase):
                 self.assertEqual(self.refuses(spoil), f"the comparator of phase {phase} does not open the gates")
 
     def test_a_break_that_does_not_reach_the_main_output_is_found(self):

@@ -2,7 +2,7 @@
 """target.default_image: who asks for no motor and no board gets the image of the board as it is sold, and in it what the
 simulator runs and certifies.
 
-test_default_image.py FOLDER MOTORSIM NFCONFIG; FOLDER is the build folder of the preset stm32g431, configured without
+test_default_image.py FOLDER MOTORSIM NFCONFIG; FOLDER is the build folder of the preset stm32g4, configured without
 NF_MOTOR, NF_BOARD, NF_TUNING.
 """
 
@@ -46,7 +46,7 @@ def flashed(path):
 
 class TestDefaultImage(unittest.TestCase):
     def setUp(self):
-        self.image = flashed(FOLDER / "neurofoc_g431.elf")
+        self.image = flashed(FOLDER / "neurofoc_g4.elf")
 
     def test_it_is_for_the_board_as_sold_with_a_motor_of_its_voltage_and_the_default_tuning(self):
         name = f"neurofoc: {called('motor', MOTOR)}, {called('board', BOARD)}, {called('tuning', DEFAULT)}"
@@ -71,7 +71,7 @@ class TestDefaultImage(unittest.TestCase):
             self.assertNotIn(called(kind, name).encode(), self.image)
 
     def test_the_binary_for_programmers_that_want_no_elf_is_the_same(self):
-        self.assertEqual((FOLDER / "neurofoc_g431.bin").read_bytes(), self.image)
+        self.assertEqual((FOLDER / "neurofoc_g4.bin").read_bytes(), self.image)
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ test_faults.py IMAGE BOARD CLOCK [TEST...], as scenario.py; all tests, or those 
 """
 
 import functools
+import itertools
 import re
 import struct
 import sys
@@ -15,36 +16,40 @@ import board
 import console
 import core
 from digital import NEVER, CLOCK_HZ, Configuration, WatchdogBites
-from flash import BOR_LEVEL, NO_PARITY
+from flash import BOR_LEVEL, NO_PARITY, store_of
 from registers import WrongAccess
-from rig import (BOARD, BUS, CALIBRATION_TICKS, FULL_SCALE_A, HAL, HALF_PERIOD, MIDDLE, STAGE, address_of, answer, booted,
+from rig import (BOARD, BUS, CALIBRATION_TICKS, FULL_SCALE_A, HAL, HALF_PERIOD, MIDDLE, STAGE, WIRING, address_of, answer, booted,
                  lose_a_conversion, make, ready, run, running)
+
+
+
+def count_at(celsius):
+    """What the temperature sensor of the board gives."""
+    points = list(zip(STAGE["temperature_points_c"], STAGE["temperature_points_pct"]))
+    (low, below), (high, above) = next(pair for pair in itertools.pairwise(points) if pair[1][0] >= celsius)
+    return round((below + (above - below) * (celsius - low) / (high - low)) * 40.96)
+
 
 REST = (HALF_PERIOD // 2,) * 3
 WATCHDOG_S = (8 * 4 + 1) / 29.5e3  # 8 counts of 4 cycles and one of uncertainty, of the slowest oscillator
-GIVING_UP_S = 0.1          # more than the image waits for a register and then says so
-HOT = 3400                # counts of the temperature, some 100 C: beyond the limit, and what the sensor can have
+GIVING_UP_S = 0.2          # more than the image tests its RAM, waits for a register, and then says so
+HOT = count_at(STAGE["temperature_max_c"] + 5)
 BEYOND = 4000             # hotter than the last point of board.temperature_points_pct
 TEMPERATURE_TICKS = 1026  # from one conversion to the next, and to the frame
 GATES_TICKS = 150         # from FLYING_START on: the gates are on, and it is not too hot for long enough yet
-TUNING = "any motor" if BOARD.stem == "b_g431b_esc1" else "robust for motor A"  # of the two images
+TUNING = "robust for motor A" if BOARD.stem == "g431_bench" else "any motor"  # of the images
 OVERTEMPERATURE_TICKS = round(0.11 * STAGE["pwm_frequency_hz"])  # for 0.1 s
 
 STRIDE = 37  # instructions, fewer than the store needs to read a block, and in step with none of its loops
 LONG_BLOCK = b"NFCB" + struct.pack("<II", 1, 384) + bytes(1524)  # for the store to read, and to find its CRC wrong
-
-# Pins of TIM1 and USART2 with their alternate function: data sheet, table 13.
-PINS = {("A", 8): 6, ("A", 9): 6, ("A", 10): 6, ("C", 13): 4, ("A", 12): 6, ("B", 15): 4,
-        ("B", 3): 7, ("B", 4): 7}
 
 
 class Boots(unittest.TestCase):
     def test_full_speed_and_pins(self):
         made = ready()
         self.assertTrue(made.chip.power.runs_at_full_speed())
-        for (port, pin), function in PINS.items():
-            self.assertEqual(made.chip.ports[port].mode(pin), 2)
-            self.assertEqual(made.chip.ports[port].function(pin), function)
+        for pin in made.wiring.alternates:
+            self.assertTrue(made.chip.has_function(pin), pin)
 
     def test_says_what_it_is_and_opens_no_gate_unasked(self):
         made = ready()
@@ -55,7 +60,9 @@ class Boots(unittest.TestCase):
         self.assertFalse(made.chip.timer.gates_on())
 
     def test_dead_time_is_at_least_that_of_the_board(self):
-        self.assertGreaterEqual(ready().chip.timer.dead_time() / CLOCK_HZ, STAGE["dead_time_s"] * (1 - 1e-9))
+        """A driver with enables makes it itself."""
+        made_by_timer = 0 if WIRING.has_enables else STAGE["dead_time_s"]
+        self.assertGreaterEqual(ready().chip.timer.dead_time() / CLOCK_HZ, made_by_timer * (1 - 1e-9))
 
     def test_samples_and_updates_at_the_peak(self):
         made = ready()
@@ -77,6 +84,7 @@ class Boots(unittest.TestCase):
         self.assertFalse(made.chip.timer.gates_on())
 
 
+@unittest.skipIf(WIRING.break_line, "the gate driver looks for over-currents")
 class OverCurrent(unittest.TestCase):
     def count(self, made, ampere):
         return MIDDLE - round(ampere / FULL_SCALE_A * MIDDLE)  # out of the motor
@@ -140,6 +148,44 @@ class OverCurrent(unittest.TestCase):
         self.assertTrue(made.chip.timer.gates_on())
 
 
+@unittest.skipUnless(WIRING.break_line, "comparators look for over-currents")
+class FaultLine(unittest.TestCase):
+    def test_it_opens_the_gates_without_software(self):
+        made = running()
+        self.assertTrue(made.chip.timer.gates_on())
+        made.chip.set_fault_line(WIRING.break_level)
+        self.assertFalse(made.chip.timer.gates_on())
+
+    def test_it_is_reported_and_stays_until_it_is_cleared(self):
+        made = running()
+        made.chip.set_fault_line(WIRING.break_level)
+        made.chip.set_fault_line(1 - WIRING.break_level)
+        made.tick(2)
+        self.assertIn("FAULT by BREAK", made.said())
+        run(made)
+        self.assertFalse(made.chip.timer.gates_on())
+        made.type("clear")
+        made.tick(CALIBRATION_TICKS)
+        run(made)
+        self.assertTrue(made.chip.timer.gates_on())
+
+    def refused(self, made):
+        made.go_on(GIVING_UP_S)
+        self.assertFalse(made.chip.timer.gates_on())
+        return made.said()
+
+    def test_a_fault_at_the_start_is_named(self):
+        made = make()
+        made.chip.fault_line = WIRING.break_level
+        self.assertIn("cannot start:\r\nthe gate driver tells of a fault at rest\r\n", self.refused(made))
+
+    def test_a_break_input_that_does_not_see_the_line_is_found_at_the_start(self):
+        """It sees its level at rest, whatever polarity the timer asks for."""
+        made = make()
+        made.chip.break_changed = lambda: made.chip.timer.set_break_input(False)
+        self.assertIn("cannot start:\r\nthe line of the gate driver does not open the gates\r\n", self.refused(made))
+
+
 class Ticks(unittest.TestCase):
     def stall(self, made, cycles):
         """The next tick takes so much longer, between its measurements and its demand."""
@@ -187,7 +233,7 @@ class Ticks(unittest.TestCase):
 
     def test_a_torn_word_of_the_store_is_survived_and_any_other_opens_the_gates(self):
         """The NMI comes while the store reads a unit, and then of something else, with and without a torn word."""
-        made = make(flashed=[(0x0801F000, LONG_BLOCK)])
+        made = make(flashed=[(store_of(WIRING.facts), LONG_BLOCK)])
         reading = address_of("is_reading")
         nmi = functools.partial(made.core.handle, 2, instructions=1000)
         while made.core.uc.mem_read(reading, 1) != b"\1":  # the test of the RAM leaves other values there
@@ -330,13 +376,15 @@ class ModelsNotice(unittest.TestCase):
 
     def test_a_peripheral_without_a_model(self):
         made = make()
-        made.core.uc.mem_unmap(0x40004000, core.PAGE)
-        with self.assertRaisesRegex(WrongAccess, "to 0x4000440c, where there is nothing"):
+        line = WIRING.facts.base(WIRING.serial)
+        made.core.uc.mem_unmap(line & ~(core.PAGE - 1), core.PAGE)
+        with self.assertRaisesRegex(WrongAccess, f"to {line + 0xC:#x}, where there is nothing"):
             made.boot()
 
     def test_a_block_without_its_clock_reads_0_and_keeps_nothing_and_the_image_says_that_it_cannot_start(self):
+        level = () if WIRING.break_line else (("DAC3", "CR", "the trip level's DAC does not become ready"),)
         for block, key, told in (
-                ("DAC3", "CR", "the trip level's DAC does not become ready"),
+                *level,
                 ("ADC2", "CR", "a converter does not become ready"),
                 ("TIM1", "ARR", "the timer does not enable its output")):
             with self.subTest(block):

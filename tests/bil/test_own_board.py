@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """target.loop.own_board: an image for a board and a motor of one's own, whose files lie outside of the project.
 
-test_own_board.py NFCONFIG CLOCK: the board has an external amplifier, so that the chip's own ones have a gain of 1. cmake is
+test_own_board.py NFCONFIG CLOCK: the board has external amplifiers, so that the chip's own ones are off. cmake is
 called in the folder of the two files, by a path relative to it.
 """
 
@@ -16,7 +16,6 @@ from own_image import SHIPPED, build_image, replaced
 NFCONFIG, CLOCK = (Path(argument).resolve() for argument in sys.argv[1:3])
 MIDDLE = 2048
 CALIBRATION_TICKS = 260
-FOLLOWERS = {1: 0xE1, 2: 0xE1, 3: 0x1E1}  # enabled, high speed, VM_SEL = 3; the third inside the chip: RM0440, OPAMPx_CSR
 
 
 def own_files(folder):
@@ -26,7 +25,8 @@ def own_files(folder):
         encoding="utf-8")
     (folder / "mine/board.toml").write_text(
         replaced(SHIPPED / "boards/g431_bench.toml", ('name = "STM32G431 with 310 V bench inverter"',
-                                                      'name = "my board"'), ("pga_gain = 16", "pga_gain = 1")),
+                                                      'name = "my board"'), ("pga_gain = 16", "pga_gain = 1"),
+                                                      ('shunt_ground_pins = ["PA3", "PA5", "PB2"]\n', "")),
         encoding="utf-8")
 
 
@@ -48,9 +48,9 @@ class OwnBoard(unittest.TestCase):
     def test_it_is_the_image_of_the_files_that_were_named(self):
         self.assertIn("neurofoc: my motor, my board, any motor", self.greeting)
 
-    def test_behind_an_external_amplifier_the_chips_own_ones_follow_their_pins(self):
+    def test_with_external_amplifiers_the_chips_own_ones_are_off(self):
         amplifiers = self.board.chip.amplifiers
-        self.assertEqual({n: amplifiers[f"{n}_CSR"] for n in FOLLOWERS}, FOLLOWERS)
+        self.assertEqual({amplifiers[f"{number}_CSR"] for number in self.board.wiring.amplifiers}, {0})
 
     def test_the_current_is_that_of_the_shunt(self):
         self.board.set_inputs(MIDDLE + 410, MIDDLE - 205, self.bus)  # of 2048 for 20 A

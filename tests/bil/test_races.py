@@ -26,9 +26,10 @@ def before_search():
 
 def spike(made):
     """Of one comparator: gone at once, its flag stays."""
-    rest = made.chip.pins["PA1"]
-    made.chip.set_pins(PA1=OVER)
-    made.chip.set_pins(PA1=rest)
+    pin = made.wiring.shunts[0]
+    rest = made.chip.pins[pin]
+    made.chip.set_pins(**{pin: OVER})
+    made.chip.set_pins(**{pin: rest})
 
 
 def once(register, act, before=False):
@@ -102,7 +103,7 @@ class LostTicks(unittest.TestCase):
         made = before_search()
         guard = made.chip.system
         once(made.chip.converters[0].register("JDR1"), lambda: made.chip.advance(guard.due - made.chip.now))
-        self.assertEqual(made.handle_next(), guard.ADC1_2)
+        self.assertIn(made.handle_next(), guard.conversions)
         self.assertIn(guard.SYSTICK, made.core.taken)
         self.assertFalse(made.chip.timer.gates_on())
 

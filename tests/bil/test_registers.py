@@ -11,6 +11,7 @@ import unittest
 from rig import CALIBRATION_TICKS, HAL, STAGE, make
 
 CLOCK_HZ = 170e6
+CRYSTAL_HZ = HAL.get("crystal_hz", 0)
 HALF_PERIOD = round(CLOCK_HZ / STAGE["pwm_frequency_hz"] / 2)
 
 # Pins by number, two bits each.
@@ -85,8 +86,8 @@ def expected():
         "RCC_AHB1ENR": 1 << 8 | 1 << 12,             # flash as after reset, CRC unit
         "CRC_CR": 7 << 5,                            # words and result with the lowest bit first
         "RCC_AHB2ENR": 7 | 1 << 13 | 1 << 18,        # ports, converters, DAC3
-        "RCC_CR": 1 << 8 | 1 << 10 | 1 << 24 | 1 << 25,
-        "RCC_PLLCFGR": 2 | 3 << 4 | 85 << 8 | 1 << 24,
+        "RCC_CR": 1 << 8 | 1 << 10 | 1 << 24 | 1 << 25 | (1 << 16 | 1 << 17 | 1 << 19 if CRYSTAL_HZ else 0),
+        "RCC_PLLCFGR": (3 if CRYSTAL_HZ else 2) | round((CRYSTAL_HZ or 16e6) / 4e6) - 1 << 4 | 85 << 8 | 1 << 24,
         "RCC_CFGR": 0xF,
         "PWR_CR1": 0x200 | 1 << 8,                   # range 1; backup registers that can be written
         "PWR_CR5": 0,                                # boost

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""target.loop.store: which configuration the image of the 310 V bench starts with, by what is in the slots of its flash.
+"""target.loop.store: which configuration the image of a board starts with, by what is in the slots of its flash.
 
 test_store.py IMAGE BOARD CLOCK NFCONFIG. A slot is written here as store.h says, a second time.
 """
@@ -19,17 +19,21 @@ import digital
 import elf
 import many_runs
 from copies import in_a_copy
-from flash import LOCK, PowerFails
+from flash import LOCK, PAGE, PowerFails, store_of
 from link import Link
-from rig import BOARD, CALIBRATION_TICKS, IMAGE, STAGE, answer, booted, ready
+from rig import BOARD, CALIBRATION_TICKS, IMAGE, STAGE, WIRING, answer, booted, ready
 
 NFCONFIG = Path(sys.argv[4])
 STRIDE = 1 if many_runs.are_asked() else 16
 EDGE = 6  # steps at either end that do something else: an erase, the first words, stamps
-SLOTS = (0x0801F000, 0x0801F800)
+SLOTS = (store_of(WIRING.facts), store_of(WIRING.facts) + PAGE)
 STAMPS = 192 * 8  # bytes of a slot before them
 MAGIC, SCHEMA_AT, BOARD_AT = b"NFCB", 12, 16
-IMAGES, OTHERS = "motor_a", "motor_b"  # motor files
+# Motor and tuning of the image, another motor that the board can drive, and another tuning.
+IMAGES, OWN, OTHERS, OTHER = {
+    "g431_bench": ("motor_a", "robust_motor_a", "motor_b", "any"),
+    "g474_in_line": ("outrunner_48v", "any", "teknic_m2310p", "published"),
+}[BOARD.stem]
 
 
 def motor_file(motor):
@@ -37,11 +41,13 @@ def motor_file(motor):
 
 
 def name_of(motor, tuning):
-    return f"neurofoc: {motor_file(motor)['name']}, {STAGE['name']}, {tuning}"
+    path = BOARD.parent.parent / "tunings" / f"{tuning}.toml"
+    title = tomllib.loads(path.read_text(encoding="utf-8"))["tuning"]["name"]
+    return f"neurofoc: {motor_file(motor)['name']}, {STAGE['name']}, {title}"
 
 
-IMAGES_NAME = name_of(IMAGES, "robust for motor A")
-OTHERS_NAME = name_of(OTHERS, "any motor")
+IMAGES_NAME = name_of(IMAGES, OWN)
+OTHERS_NAME = name_of(OTHERS, "any")
 
 
 def block(motor=OTHERS, tuning="any"):
@@ -78,7 +84,7 @@ class Store(unittest.TestCase):
         self.assertIn(f"at most {motor_file(OTHERS)['max_speed_rpm']:.0f} either way", answer(self.made, "speed x"))
 
     def test_of_two_blocks_the_newer_one_counts(self):
-        images, others = block(IMAGES, "robust_motor_a"), block()
+        images, others = block(IMAGES, OWN), block()
         self.assertEqual(self.start(slot(0, images, 4), slot(1, others, 6))[0], OTHERS_NAME)
         self.assertEqual(self.start(slot(0, images, 8), slot(1, others, 6))[0], IMAGES_NAME)
 
@@ -114,7 +120,7 @@ class Linked(unittest.TestCase):
         cls.link.line("unlock")
         if verdict := cls.link.apply(data):
             raise AssertionError(verdict)
-        cls.made.tick(2 * board.SLOW_TICKS)
+        cls.made.tick(2 * board.SLOW_TICKS + CALIBRATION_TICKS)  # some settings ask for new zeros
 
 
 class Cuts(Linked):
@@ -146,13 +152,13 @@ class Cuts(Linked):
     def test_each_start_behind_a_cut_finds_the_old_block_or_the_new_one(self):
         of_image = (IMAGES_NAME, "configuration: that of the image, none is stored")
         first, second = ((name, "configuration: the stored one") for name in (
-            name_of(IMAGES, "any motor"), IMAGES_NAME))
-        data = block(IMAGES, "any")
+            name_of(IMAGES, OTHER), IMAGES_NAME))
+        data = block(IMAGES, OTHER)
         units = -(-len(data) // 8)
         self.apply(data)
         self.assert_cuts(units + 2, of_image, first)  # an erase, the block, a stamp
         self.assertEqual(self.link.store(), "")
-        self.apply(block(IMAGES, "robust_motor_a"))
+        self.apply(block(IMAGES, OWN))
         self.assert_cuts(units + 4, first, second)    # and two stamps of the block that is kept
 
 
@@ -162,7 +168,7 @@ class Refusals(Linked):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.apply(block(IMAGES, "any"))
+        cls.apply(block(IMAGES, OTHER))
 
     def verdict(self, CR=None, settling=None, **of_flash):
         """Of a store with these in place of what the flash and the watchdog have."""

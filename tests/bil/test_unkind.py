@@ -25,8 +25,9 @@ SPIKE_S = 100e-9  # as the switches make when they turn on; the filter has 141 n
 
 def tripping(made, phase=0):
     """(pin, count) of a shunt that carries more than the trip level."""
-    pin = list(analogue.SHUNT_PINS.values())[phase]
-    level = made.chip.level["DHR12R1"]
+    pin = made.wiring.shunts[phase]
+    dac, channel = made.level_of(phase)
+    level = dac[f"DHR12R{channel}"]
     above = level >= made.chip.pins[pin]
     return pin, level + (5 if above else -5)
 

@@ -5,7 +5,8 @@
  * torn.
  */
 #include "flash.h"
-#include "stm32g431.h"
+#include "hal_config.h"
+#include "stm32g4.h"
 #include "testing.h"
 
 #include <string.h>
@@ -156,8 +157,8 @@ void reg_write(uint32_t address, uint32_t value)
     } else if (address == FLASH_ACR) {
         write_acr(value);
     } else {
-        TEST_ASSERT_TRUE((address >= FLASH_STORE) && (address < (FLASH_STORE + STORE_BYTES)));
-        write_store((address - FLASH_STORE) / 4U, value);
+        TEST_ASSERT_TRUE((address >= HAL_STORE) && (address < (HAL_STORE + STORE_BYTES)));
+        write_store((address - HAL_STORE) / 4U, value);
     }
 }
 
@@ -193,7 +194,7 @@ uint32_t reg_read(uint32_t address)
     } else if (address == FLASH_ECCR) {
         value = chip.eccr;
     } else if (address != FLASH_ACR) {
-        value = read_store((address - FLASH_STORE) / 4U);
+        value = read_store((address - HAL_STORE) / 4U);
     }
     return value;
 }

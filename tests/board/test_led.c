@@ -2,7 +2,7 @@
 /* The status LED, on a page of memory where the chip has the port's registers. */
 #include "board.h"
 #include "led.h"
-#include "stm32g431.h"
+#include "stm32g4.h"
 #include "testing.h"
 
 #include <string.h>
@@ -15,7 +15,8 @@
 #define SLOW_TICKS (TICKS_PER_SECOND / 2U)
 #define FAST_TICKS (TICKS_PER_SECOND / 8U)
 
-const board_t BOARD = {.timer_counts = 8500U};
+const board_t BOARD = {
+    .timer_counts = 8500U, .led_port = GPIOC, .led_on = SET_PC6, .led_off = RESET_PC6};
 
 static unsigned char *port;
 

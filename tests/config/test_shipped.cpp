@@ -48,6 +48,8 @@ bool go_together(const std::string &motor, const std::string &board)
         {"outrunner_24v", "b_g431b_esc1"},
         {"outrunner_24v", "moteus_r4"},
         {"outrunner_48v", "vesc_6"},
+        {"outrunner_48v", "g474_in_line"},
+        {"gbm2804h", "nucleo_ihm16m1"},
         {"teknic_m2310p", "frdm_mc_lvpmsm"},
         {"compressor", "compressor_310v"},
         {"motor_a_weakened", "bench_310v_short"},
@@ -190,7 +192,7 @@ double dead_time_of_the_timer(const nf::Config &config)
 const std::vector<std::string> SLOW = {"board.pwm_frequency_hz=6000", "board.duty_margin_pct=25",
                                        "motor.max_speed_rpm=1800", "board.bus_nominal_v=380"};
 
-// "" or the refusal, after what hal/stm32g431/board.c asserts has held.
+// "" or the refusal, after what hal/stm32g4/board.c asserts has held.
 std::string refused_for_the_chip(std::vector<std::string> set)
 {
     set.insert(set.begin(), SLOW.begin(), SLOW.end());

@@ -9,7 +9,7 @@ from pathlib import Path
 import board
 import part
 
-IMAGE = part.ROOT / "build" / "stm32g431" / "neurofoc_310v.elf"
+IMAGE = part.ROOT / "build" / "stm32g4" / "neurofoc_310v.elf"
 RECORDS = sorted((part.ROOT / "build" / "host" / "evidence" / "branches").glob("*.json"))
 
 
@@ -44,7 +44,7 @@ class BoardCanFail(unittest.TestCase):
 
     def test_each_file_that_no_pc_runs_has_branches(self):
         files = {Path(decision.where[0][1]).name for decision in self.listed}
-        self.assertLessEqual({"clock.c", "guard.c", "hal_g431.c", "main.c", "pwm.c", "sensing.c", "trip.c", "uart.c"},
+        self.assertLessEqual({"clock.c", "guard.c", "hal_g4.c", "main.c", "pwm.c", "sensing.c", "trip.c", "uart.c"},
                              files | {Path(place[1]).name for decision in self.listed for place in decision.where})
 
     def test_a_record_of_another_image_is_found(self):

@@ -22,7 +22,7 @@ FEW, MANY = 300, 1000
 COUNT = int(sys.argv[3]) if len(sys.argv) > 3 else MANY if many_runs.are_asked() else FEW
 SEED = int(sys.argv[4]) if len(sys.argv) > 4 else 1
 ROOT = Path(__file__).resolve().parents[2]
-INCLUDES = ("hal/stm32g431", "hal", "firmware/app", "firmware/drive", "firmware/config", "firmware/protect", "firmware/control",
+INCLUDES = ("hal", "firmware/app", "firmware/drive", "firmware/config", "firmware/protect", "firmware/control",
             "firmware/math", "firmware/math/port", "firmware/math/port/generic")
 
 G431_CLOCK_HZ = 170_000_000
@@ -33,26 +33,27 @@ SCALE_ERROR = 0.5 / 0.5e6
 
 
 ABOUT = ("rotation.pole_pairs", "rotation.tick_ps", "current_full_scale_ua", "bus_full_scale_uv")
-BOARD = ("dead_time_ticks", "trip_count")
-SHOWN = ABOUT + BOARD
+HAL = ("dead_time_ticks", "trip_count")
+SHOWN = ABOUT + HAL
 HEADERS = ("drive_config.h", "hal_config.h")
 
 
 def all_boards(folders):
-    """A program in C that is board.c and about_t with the headers of one after the other, and prints what they came to."""
+    """A program in C that is about_t and the macros of the headers of one after the other, and prints what they came to."""
     names = sorted({name for folder in folders for header in HEADERS
                     for name in re.findall(r"#define (\w+)", (folder / header).read_text())})
-    forget = "".join(f"#undef {name}\n" for name in [*names, "BOARD", "DRIVE_CONFIG"])
+    forget = "".join(f"#undef {name}\n" for name in [*names, "DRIVE_CONFIG"])
     boards = "".join(
-        f"{forget}#define BOARD BOARD_{folder.name}\n#define DRIVE_CONFIG DRIVE_CONFIG_{folder.name}\n"
+        f"{forget}#define DRIVE_CONFIG DRIVE_CONFIG_{folder.name}\n"
         + "".join(f'#include "{folder}/{header}"\n' for header in HEADERS)
-        + f'#include "board.c"\nstatic const about_t ABOUT_{folder.name} = {{DRIVE_ABOUT}};\n' for folder in folders)
+        + "".join(f"static const unsigned HAL_{folder.name}_{name} = HAL_{name.upper()};\n" for name in HAL)
+        + f'static const about_t ABOUT_{folder.name} = {{DRIVE_ABOUT}};\n' for folder in folders)
     form = " ".join(["%u"] * len(SHOWN))
     shown = "".join(
         '    printf("{}\\n", {});\n'.format(form, ", ".join([f"ABOUT_{folder.name}.{field}" for field in ABOUT]
-                                                      + [f"BOARD_{folder.name}.{field}" for field in BOARD]))
+                                                      + [f"HAL_{folder.name}_{name}" for name in HAL]))
         for folder in folders)
-    return (f'#include "about.h"\n#include "board.h"\n#include <stdio.h>\n{boards}\n'
+    return (f'#include "about.h"\n#include <stdbool.h>\n#include <stdio.h>\n{boards}\n'
             f"int main(void)\n{{\n{shown}    return 0;\n}}\n")
 
 
@@ -91,7 +92,6 @@ class RandomMotors(unittest.TestCase):
 
     def boards(self):
         folder = Path(self.folder.name)
-        (folder / "hal_config.h").write_text("/* each is included before board.c */\n")
         (folder / "boards.c").write_text(all_boards(self.accepted))
         run = subprocess.run(
             [COMPILER, "-std=c11", "-Wall", "-Wextra", "-Wconversion", "-Wsign-conversion", "-Werror", f"-I{folder}",

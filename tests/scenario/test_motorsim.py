@@ -58,6 +58,11 @@ angle_error_max_deg = {angle}
 """
 
 
+# The dead time of that board takes 1.6 V at 310 V, of the 2.7 V that this motor needs for its speed: with a tenth of the dead
+# time it holds.
+BEYOND = {("gbm2804h", "g431_bench")}
+
+
 def pair_of(motor, board):
     return "any", "--set", f"motor={motor}", "--set", f"board={board}"
 
@@ -73,7 +78,7 @@ def fits(motor, board):
 def pairs_that_fit():
     motors, boards = ([path.stem for path in sorted((DATA / kind).glob("*.toml"))]
                       for kind in ("motors", "boards"))
-    return [(motor, board) for motor in motors for board in boards if fits(motor, board)]
+    return [(motor, board) for motor in motors for board in boards if fits(motor, board) and (motor, board) not in BEYOND]
 
 
 class MotorsimTest(unittest.TestCase):

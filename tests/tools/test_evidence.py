@@ -114,6 +114,15 @@ class Evidence(unittest.TestCase):
         self.part.tests = []  # before a build has listed them
         self.assertAlmostEqual(self.state().core_minutes(self.part), 4 / 60)
 
+    def test_a_program_is_installed_when_a_part_that_needs_it_is_due_and_else_not(self):
+        self.part.programs = ["cargo"]
+        other = run.Part("other", "says", ["other.*"], ["source.c"], 30)
+        with mock.patch.object(run.subprocess, "run") as called:
+            run.set_up([other])
+            called.assert_not_called()
+            run.set_up([other, self.part])
+        called.assert_called_once_with([self.root / "tools/setup/apt", "cargo"], check=False)
+
     def test_a_test_of_no_part_or_of_two_is_found(self):
         tests = {name: mock.Mock(labels={"evidence"}) for name in ("part.a", "other")}
         self.assertIn("other belongs to 0 parts", "\n".join(run.assign([self.part], tests)))

@@ -60,7 +60,8 @@ def printed(page, *tables, by):
 BENCH = (*PYTHON, "tools/bench_target.py", "--json", COST)
 FIGURES = (
     Figure("equations", "docs/equations.md", 2, script("equations")),
-    Figure("image", "docs/board_bring_up.md", 1, script("image_size"), images=("stm32g431",)),
+    Figure("hal", "docs/configuration.md", 1, script("hal_keys", f"{HOST}/nfconfig"), host=("nfconfig",)),
+    Figure("image", "docs/board_bring_up.md", 2, script("image_size"), images=("stm32g4",)),
     Figure("budget", "tools/bench/budget.toml", 80, (*BENCH, "--check"), (*BENCH, "--write-budget"), host=("record",),
            images=CORES),
     Figure("cost", "docs/cost.md", 1, script("tick_cost", COST), of="budget"),

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """evidence.board: the tests in the emulator take each branch of the board's own code both ways.
 
-Of what of hal/stm32g431 no PC runs (evidence.coverage has the rest), in the image as it is flashed: each conditional branch
+Of what of hal/stm32g4 no PC runs (evidence.coverage has the rest), in the image as it is flashed: each conditional branch
 and each `it` of its machine code that a line of these files makes, each copy of what was inlined by itself. The loop tests
 record which way each goes (tests/bil/decisions.py). The compiler makes a branch of its own of each condition of && and ||
 that it does not merge, so both ways of each are condition and decision coverage; as a condition behind one that decides is

@@ -24,7 +24,7 @@ from bench.image import Image  # noqa: E402
 from bench.replay import state_names  # noqa: E402
 from bench.stack import EXCEPTION_BYTES, computed  # noqa: E402
 
-BOARD = part.ROOT / "build/stm32g431/neurofoc_g431.elf"
+BOARD = part.ROOT / "build/stm32g4/neurofoc_g4.elf"
 BACKGROUND, EXCEPTIONS = "main", ("ADC1_2_IRQHandler", "SysTick_Handler", "NMI_Handler")  # of the board's image
 BUDGET = part.ROOT / "tools/bench/budget.toml"
 AT_ONCE = 2
@@ -198,7 +198,7 @@ def main():
     ]
     figures = figures_of(runs, lines, over, uncounted(cost), [
         ("the largest of a control interrupt", largest, reserved),
-        ("background and both interrupts of the board, each at its deepest", total, reservation("stm32g431"))])
+        ("background and both interrupts of the board, each at its deepest", total, reservation("stm32g4"))])
     return part.end(args.out, "bounds", "Bounds",
                     "Each signal's extremes over all scenarios and sets of imperfections lie within the interval that "
                     "the proof gives it. Stack is the deepest way down the call graph; instructions are counted in the "

@@ -124,7 +124,7 @@ AREAS = (
     Area("store", tuple(f"firmware/app/{name}.c" for name in ("store", "stored_config")), APP, (86, 99), sample=60, looked_at=120),
     # `killed` is of all there were before the first look at them.
     Area("identification", ("firmware/app/identify*.c",), APP, (1581, 1729), sample=60),
-    Area("board", tuple(f"hal/stm32g431/{name}.c" for name in ("codes", "led")), ("hal/stm32g431", *APP), (47, 50), sample=60),
+    Area("board", ("hal/stm32g4/led.c",), ("hal/stm32g4", *APP), (47, 50), sample=60),
     Area("configuration", ("host_sim/config/per_unit.cpp", "host_sim/config/units/*.cpp"),
          ("host_sim/config/units", "host_sim/config", *DRIVE), (83, 90), sample=24,
          tests=("test_per_unit", "test_rules", "test_refusals"), left_out=TESTED_ELSEWHERE),

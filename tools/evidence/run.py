@@ -53,6 +53,7 @@ class Part:
     inputs: list  # files and folders of the project
     core_minutes: float  # while nothing better is known
     figures: bool = False  # it writes NAME.json for the page
+    programs: list = field(default_factory=list)  # that no other part needs
     tests: list = field(default_factory=list)
 
     def output(self):
@@ -230,9 +231,17 @@ def main():
         return STOPPED
 
 
+def set_up(due):
+    """Installs the programs that only these parts need. A part whose program cannot be had says so itself."""
+    programs = sorted({program for one in due for program in one.programs})
+    if programs:
+        subprocess.run([ROOT / "tools/setup/apt", *programs], check=False)
+
+
 def finish(parts, due, state):
     progress = Progress([], state, {})
     if due:
+        set_up(due)
         digests = {one.name: one.digest() for one in due}  # before the build: what is edited from here on is due again
         built = subprocess.run([ROOT / "tools/dev", "build", "host"], check=False).returncode
         if built:

@@ -35,7 +35,7 @@ BELOW = {
     "hal/cortex_m": [],
     "hal/host": ["firmware/drive", "hal", "host_sim/plant"],
     "hal/mps2": ["firmware/math", "firmware/drive", "firmware/record", "firmware/app", "hal", "hal/cortex_m"],
-    "hal/stm32g431": ["firmware/math", "firmware/drive", "firmware/record", "firmware/app", "hal", "hal/cortex_m"],
+    "hal/stm32g4": ["firmware/math", "firmware/drive", "firmware/record", "firmware/app", "hal", "hal/cortex_m"],
     "host_sim/plant": [],
     "host_sim/zoo": ["host_sim/plant"],
 }
@@ -64,7 +64,7 @@ BELOW |= {
 }
 FLOORED = ("firmware", "hal", "host_sim")  # their folders are floors, each of them
 PROGRAMS = {Path("host_sim/motorsim.cpp"), Path("host_sim/nfconfig.cpp")}  # above all of the simulator's floors
-TARGETS = ("hal/cortex_m", "hal/mps2", "hal/stm32g431")  # bindings and start-up of real chips
+TARGETS = ("hal/cortex_m", "hal/mps2", "hal/stm32g4")  # bindings and start-up of real chips
 GENERATED = {"drive_config.h", "hal_config.h"}  # by nfconfig, for a binding's image
 # A control module that is built of others; transforms gives the types of vectors.
 BUILT_OF = {

@@ -13,13 +13,13 @@ import sources
 SAYS = "SPDX-License-Identifier: MIT"
 OF_KIND = {kind: form for form, kinds in {
     f"/* {SAYS} */": (".c", ".h", ".S", ".ld", ".def", ".css"),
-    f"// {SAYS}": (".cpp", ".hpp", ".mjs", ".ts", ".tsx"),
+    f"// {SAYS}": (".cpp", ".hpp", ".mjs", ".rs", ".ts", ".tsx"),
     f"# {SAYS}": (".py", ".cmake"),
     f"{{# {SAYS} #}}": (".jinja",),
     f"<!-- {SAYS} -->": (".html",),
 }.items() for kind in kinds}
 OF_SCRIPT = f"# {SAYS}"
-DATA = {".bin", ".json", ".md", ".nfr", ".png", ".svg", ".toml", ".txt", ".xml", ".xz"}
+DATA = {".bin", ".json", ".lock", ".md", ".nfr", ".png", ".svg", ".toml", ".txt", ".xml", ".xz"}
 
 
 def line_of(path, text):

@@ -16,13 +16,14 @@ PORTS = Path("firmware/math/port")
 BUILTINS = Path(__file__).with_name("compiler_builtins.h")
 GENERATED = BUILTINS.with_name("generated")
 PC = "host"          # the host's HAL is not part of any product
-PORT_OF = {"stm32g431": "armv7em"}  # of a chip with one core
+PORT_OF = {"stm32g4": "armv7em"}  # of a chip with one core
 PORT_OF_OTHERS = "generic"
 MATH = Path("firmware/math")  # what a port is to the rest: functions of the same declarations
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--root", type=Path, default=sources.ROOT)
 parser.add_argument("--out", type=Path, help="write findings and files there, as JSON for tools/evidence/misra.py")
+parser.add_argument("--headers", type=Path, action="append", default=[], help="folder of headers that the build makes of a board")
 args = parser.parse_args()
 if args.out:
     args.out.unlink(missing_ok=True)
@@ -47,7 +48,7 @@ def check(files, port):
          "--suppress=shiftNegativeLHS",
          f"--include={BUILTINS}",
          *(f"--suppress=misra-c2012-{rule}" for rule in misra_register.disapplied(args.root)),
-         *(f"-I{folder}" for folder in (*folders, GENERATED)), *(str(p) for p in files if p.suffix == ".c")],
+         *(f"-I{folder}" for folder in (*folders, GENERATED, *args.headers)), *(str(p) for p in files if p.suffix == ".c")],
         cwd=args.root, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
         # cppcheck starts its addon with the first python3 of PATH.
         env={**os.environ, "PATH": f"{tools}{os.pathsep}{os.environ['PATH']}"})

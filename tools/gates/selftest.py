@@ -271,7 +271,7 @@ class GatesCanFail(unittest.TestCase):
                 self.write(path, "/* a comment\n of two lines */\n" + "\n".join(lines))
                 self.assert_fails("floors", *(f"{path}:{3 + k}: " for k in range(len(lines))))
         self.setUp()
-        self.write("hal/stm32g431/reg.h", "\n".join(lines))
+        self.write("hal/stm32g4/reg.h", "\n".join(lines))
         self.assert_passes("floors")
 
     def test_what_is_no_register_passes(self):

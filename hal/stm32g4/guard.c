@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: MIT */
+#include "guard.h"
+
+#include "hal_config.h"
+#include "settings.h"
+
+/* Reload value of the watchdog: number of counts − 1. A count takes 125 µs: 32 kHz / 4. */
+#define IWDG_RLR_PATIENT (399U)
+
+/*
+ * Starts the tick guard. Its priority is above the control interrupt, so that it also comes during
+ * a tick that hangs.
+ */
+static void start_tick_guard(void)
+{
+    settings_write(SETTINGS_GUARD);
+    reg_write(SYST_CVR, 0U);
+    reg_write(SYST_CSR, SYST_CSR_RUN);
+}
+
+static bool set_watchdog(uint32_t reload)
+{
+    bool taken;
+
+    reg_write(IWDG_KR, IWDG_KR_UNLOCK);
+    reg_write(IWDG_PR, 0U);
+    reg_write(IWDG_RLR, reload);
+    taken = reg_wait(IWDG_SR, 0xFFFFFFFFU, 0U);
+    guard_feed();
+    return taken;
+}
+
+bool guard_start(void)
+{
+    bool started;
+
+    reg_write(DBGMCU_APB1FZR1, DBGMCU_IWDG_STOP);
+    reg_write(DBGMCU_APB2FZ, DBGMCU_TIM1_STOP);
+    reg_write(IWDG_KR, IWDG_KR_START);
+    started = set_watchdog(IWDG_RLR_STRICT);
+    start_tick_guard();
+    reg_write(NVIC_ISER0, 1UL << NVIC_ADC1_2);
+    return started;
+}
+
+bool guard_has_bitten(void)
+{
+    const bool bitten = reg_any(RCC_CSR, RCC_CSR_IWDGRSTF);
+
+    reg_set(RCC_CSR, RCC_CSR_RMVF);
+    return bitten;
+}
+
+void guard_hold_ticks(void)
+{
+    guard_feed();
+    reg_write(SYST_CSR, 0U);
+    reg_write(NVIC_ICER0, 1UL << NVIC_ADC1_2);
+}
+
+/* Conversions that have ended meanwhile are old, so they must not start a tick. */
+void guard_release_ticks(void)
+{
+    reg_write(HAL_ADC_LAST + ADC_ISR, ADC_ISR_JEOS | ADC_ISR_JEOC);
+    reg_write(NVIC_ICPR0, 1UL << NVIC_ADC1_2);
+    reg_write(SYST_CVR, 0U);
+    reg_write(SYST_CSR, SYST_CSR_RUN);
+    reg_write(NVIC_ISER0, 1UL << NVIC_ADC1_2);
+    guard_feed();
+}
+
+bool guard_be_patient(void)
+{
+    return set_watchdog(IWDG_RLR_PATIENT);
+}
+
+bool guard_be_strict(void)
+{
+    return set_watchdog(IWDG_RLR_STRICT);
+}

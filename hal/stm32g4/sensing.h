@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Shunt amplifiers and converters. RM0440 21.4, 25.3.
+ *
+ * Converters 1 and 2 start at TIM1's peak. One takes phase a first and the other phase b, so both
+ * are sampled at the same time. Then the bus and, with a third sensor, phase c follow, one on each.
+ * The sequence with the bus is the longer one, because the bus is sampled longest: all results are
+ * ready when it ends and its interrupt comes. The temperature is a regular conversion. The control
+ * interrupt starts it after the injected sequences. Which converter takes what is data of the board
+ * file.
+ */
+#ifndef SENSING_H
+#define SENSING_H
+
+#include "board.h"
+#include "hal_config.h"
+#include "reg.h"
+#include "stm32g4.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define SENSING_COUNT_MAX (4095U)
+#define SENSING_MIDDLE (2048U)
+
+/*
+ * Sets up amplifiers and converters, but not the interrupt. Measures a first temperature in raw
+ * counts. False when a converter does not become ready.
+ */
+bool sensing_init(uint16_t *temperature);
+
+/*
+ * Enables the control interrupt: from now on the end of each sequence causes one. Earlier
+ * conversions cause none.
+ */
+void sensing_start(void);
+
+/*
+ * Starts a conversion of the temperature sensor, which takes 1.5 µs. The other bits of the control
+ * register are written as 0, which changes nothing. Context: control interrupt, right after its
+ * sequence.
+ */
+static inline void sensing_start_temperature(void)
+{
+    reg_write(HAL_ADC_TEMPERATURE + ADC_CR, ADC_CR_ADVREGEN | ADC_CR_ADSTART);
+}
+
+/*
+ * Raw counts of the conversion that ended last. Context: control interrupt, a tick after its start
+ * or later.
+ */
+static inline uint16_t sensing_temperature(void)
+{
+    return (uint16_t)reg_read(HAL_ADC_TEMPERATURE + ADC_DR);
+}
+
+/*
+ * Converts raw counts of a shunt amplifier to the counts of drive_in_t: zero current at mid-scale,
+ * current into the motor counts up. Clamped to 0…4095.
+ */
+static inline uint16_t sensing_current(uint32_t raw)
+{
+    const uint32_t zero = BOARD.amplifier_zero;
+    const uint32_t up = BOARD.amplifier_inverts ? zero : raw;
+    const uint32_t down = BOARD.amplifier_inverts ? raw : zero;
+    const uint32_t lifted = up + SENSING_MIDDLE;
+    const uint32_t count = (lifted > down) ? (lifted - down) : 0U;
+
+    return (uint16_t)((count < SENSING_COUNT_MAX) ? count : SENSING_COUNT_MAX);
+}
+
+#endif

@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: MIT */
+// What a board file's [hal] comes to for hal/stm32g4: which peripherals its pins are.
+#pragma once
+
+#include "g4_family.h"
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace nf
+{
+
+enum class PinMode {
+    output,
+    alternate,
+    analog
+};
+
+enum class Pull {
+    none,
+    up,
+    down
+};
+
+struct G4Pin {
+    std::string name;
+    std::string use; // such as "hal.gate_high_pins, phase a"
+    PinMode mode;
+    int function; // number of the alternate function
+    Pull pull;
+    bool high; // of an output: its level from the start on
+};
+
+struct G4Amplifier {
+    int number;
+    int plus;      // code of its plus input
+    bool internal; // its output goes to the converter inside of the chip only
+};
+
+struct G4Comparator {
+    int number;
+    int plus;
+};
+
+// A conversion: channel of converter 1 or 2.
+struct G4Input {
+    int converter = 0;
+    int channel = 0;
+};
+
+struct G4Board {
+    const G4Chip *chip = nullptr;
+    std::vector<G4Pin> pins;       // the gates first
+    std::array<int, 3> channels{}; // TIM1's, of phases a, b, c
+    std::vector<G4Amplifier> amplifiers;
+    std::vector<G4Comparator> comparators; // none: the break pin
+    std::vector<G4Input> currents;         // of two or three phases
+    G4Input bus;
+    G4Input temperature;
+    int usart = 0;
+    int pll_divider = 4; // M and N of 16 MHz or the crystal, for 170 MHz
+    int pll_factor = 85;
+};
+
+} // namespace nf

@@ -1,0 +1,443 @@
+// SPDX-License-Identifier: MIT
+#include "g4_header.h"
+
+#include "g4_resolve.h"
+
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace nf
+{
+namespace
+{
+
+constexpr double HALF_CYCLE_NS = 1e9 / 85e6;  // of the converters' clock of 42.5 MHz
+constexpr unsigned LONGEST_SAMPLING = 4;      // dividers of some kΩ with a capacitor
+constexpr double CRYSTAL_CYCLES = 8 * 8 * 32; // of 8 captures, each at the 8th edge of 1/32
+constexpr double INSIDE_CLOCK_HZ = 16e6;
+constexpr int STORE_PAGES = 2;
+constexpr int PAGE_KIB = 2;
+constexpr int FLASH_AT = 0x08000000;
+constexpr int CHANNELS_OF_SMPR1 = 10; // the rest is in SMPR2
+
+std::string line(const std::string &name, const std::string &value, const std::string &meaning)
+{
+    return fmt::format("#define HAL_{} ({}) /* {} */\n", name, value, meaning);
+}
+
+std::string number(unsigned long value)
+{
+    return fmt::format("{}U", value);
+}
+
+std::string hex(unsigned long value)
+{
+    return fmt::format("0x{:X}UL", value);
+}
+
+std::string truth(bool value)
+{
+    return value ? "true" : "false";
+}
+
+// `#define HAL_NAME` with rows of a table of the binding, each a line.
+std::string rows_of(const std::string &name, const std::vector<std::string> &rows)
+{
+    std::string text = fmt::format("#define HAL_{}", name);
+    for (const std::string &row : rows) {
+        text += fmt::format(" \\\n    {{{}}},", row);
+    }
+    return text + "\n";
+}
+
+// A row of settings.c.
+std::string setting(const std::string &name, const std::string &mask, const std::string &value,
+                    const char *group)
+{
+    return fmt::format("{0}, {1}, {2}, {3}, \"{0}\"", name, mask, value, group);
+}
+
+// ---- chip and clock ----
+
+std::string chip_lines(const G4Board &board)
+{
+    const G4Chip &chip = *board.chip;
+    const int pages = chip.flash_kib / PAGE_KIB;
+    const int bank_pages = chip.two_banks ? pages / 2 : pages; // the store is in the last one
+    const int at = FLASH_AT + (chip.flash_kib - STORE_PAGES * PAGE_KIB) * 1024;
+    return line("STORE", hex(static_cast<unsigned long>(at)), "the last two pages of the flash") +
+           line("STORE_PAGE", number(static_cast<unsigned>(bank_pages - STORE_PAGES)),
+                "the first of them in its bank") +
+           line("STORE_BANK", chip.two_banks ? "FLASH_CR_BKER" : "0U", "that bank in FLASH_CR") +
+           line("FLASH_MODE", chip.two_banks ? "FLASH_OPTR_DBANK" : "0U",
+                "option bits that have to be set for such pages");
+}
+
+std::string clock_lines(const Config &config, const G4Board &board)
+{
+    const double hz = config.hal.crystal_hz;
+    const bool crystal = hz > 0;
+    const std::string pll = fmt::format("RCC_PLLCFGR_SRC_HSE | ({}UL << RCC_PLLCFGR_PLLM_SHIFT) | "
+                                        "({}UL << RCC_PLLCFGR_PLLN_SHIFT) | RCC_PLLCFGR_REN",
+                                        board.pll_divider - 1, board.pll_factor);
+    const double span = crystal ? CRYSTAL_CYCLES * INSIDE_CLOCK_HZ / hz : 0;
+    return line("CRYSTAL_SPAN", number(static_cast<unsigned long>(std::round(span))),
+                "cycles of 16 MHz in 2048 of the crystal") +
+           line("PLL", crystal ? pll : "RCC_PLLCFGR_INSIDE", "RCC_PLLCFGR, for 170 MHz") +
+           line("CR", crystal ? "RCC_CR_INSIDE | RCC_CR_CRYSTAL" : "RCC_CR_INSIDE", "RCC_CR");
+}
+
+// ---- pins ----
+
+const char *mode_name(PinMode mode)
+{
+    switch (mode) {
+    case PinMode::output:
+        return "GPIO_MODE_OUTPUT";
+    case PinMode::alternate:
+        return "GPIO_MODE_ALTERNATE";
+    case PinMode::analog:
+        break;
+    }
+    return "GPIO_MODE_ANALOG";
+}
+
+const char *pull_name(Pull pull)
+{
+    switch (pull) {
+    case Pull::up:
+        return "GPIO_PULL_UP";
+    case Pull::down:
+        return "GPIO_PULL_DOWN";
+    case Pull::none:
+        break;
+    }
+    return "GPIO_PULL_NONE";
+}
+
+std::string pin_lines(const G4Board &board)
+{
+    std::vector<std::string> rows;
+    for (const G4Pin &pin : board.pins) {
+        rows.push_back(fmt::format("{}U, {}U, {}, {}U, {}, {}, \"{}\" /* {} */", g4_port(pin.name),
+                                   g4_number(pin.name), mode_name(pin.mode), pin.function,
+                                   pull_name(pin.pull), truth(pin.high), pin.name, pin.use));
+    }
+    return rows_of("PINS", rows);
+}
+
+std::string light_lines(const Config &config)
+{
+    const std::string &pin = config.hal.led_pin;
+    const unsigned long set = pin.empty() ? 0 : 1UL << g4_number(pin);
+    const unsigned long reset = set << 16;
+    const bool inverted = config.hal.led_polarity == Polarity::active_low;
+    return line("LED_PORT", pin.empty() ? "GPIOA" : fmt::format("GPIO{}", pin[1]),
+                pin.empty() ? "there is no LED" : "hal.led_pin") +
+           line("LED_ON", hex(inverted ? reset : set), "of GPIO_BSRR") +
+           line("LED_OFF", hex(inverted ? set : reset), "of GPIO_BSRR");
+}
+
+// ---- timer ----
+
+bool has_enables(const HalSettings &hal)
+{
+    return !hal.gate_enable_pins.empty();
+}
+
+// TIM1_CCER. An enable line is an output CHxN that is off: it has its inactive level, which the
+// polarity makes high, while the main output is on, and its idle level otherwise.
+unsigned long outputs(const HalSettings &hal)
+{
+    const bool low_inverted = !has_enables(hal) && hal.gate_low_polarity == Polarity::active_low;
+    const unsigned long high = hal.gate_high_polarity == Polarity::active_low ? 0x3 : 0x1;
+    const unsigned long low = has_enables(hal) ? 0x8 : (low_inverted ? 0xC : 0x4);
+    return (high | low) * 0x111;
+}
+
+// TIM1_CR2, OIS: the levels at which the gates are off.
+unsigned long idle_levels(const HalSettings &hal)
+{
+    const unsigned long high = hal.gate_high_polarity == Polarity::active_low ? 1UL << 8 : 0;
+    const bool low_inverted = !has_enables(hal) && hal.gate_low_polarity == Polarity::active_low;
+    return (high | (low_inverted ? 1UL << 9 : 0)) * 0x15;
+}
+
+std::string timer_lines(const Config &config, const G4Board &board)
+{
+    const HalSettings &hal = config.hal;
+    const double ticks = has_enables(hal) ? 0 : config.board.dead_time_s * G4_CLOCK_HZ;
+    std::string text = line("DEAD_TIME_CODE", number(g4_dead_time_code(ticks)),
+                            has_enables(hal) ? "the driver makes it" : "board.dead_time_s") +
+                       line("OUTPUTS", hex(outputs(hal)), "TIM1_CCER") +
+                       line("IDLE_LEVELS", hex(idle_levels(hal)), "TIM1_CR2, gates off");
+    const char *const phases[] = {"A", "B", "C"};
+    for (std::size_t phase = 0; phase < board.channels.size(); phase++) {
+        text += line(fmt::format("CCR_{}", phases[phase]),
+                     fmt::format("TIM1_CCR{}", board.channels[phase]), "TIM1's channel");
+    }
+    return text + line("WAKE_US", number(static_cast<unsigned long>(std::ceil(hal.driver_wake_us))),
+                       "hal.driver_wake_us");
+}
+
+// ---- over-current ----
+
+bool opens_below(const Config &config)
+{
+    return config.hal.break_polarity == Polarity::active_low;
+}
+
+std::string comparator_source(int number, bool low)
+{
+    return fmt::format("TIM_AF1_BKCMP{}E{}", number,
+                       low ? fmt::format(" | TIM_AF1_BKCMP{}P", number) : "");
+}
+
+std::string break_sources(const Config &config, const G4Board &board)
+{
+    const bool low = opens_below(config);
+    if (board.comparators.empty()) {
+        return low ? "TIM_AF1_BKINE | TIM_AF1_BKINP" : "TIM_AF1_BKINE";
+    }
+    std::string sources;
+    for (const G4Comparator &comparator : board.comparators) {
+        sources += (sources.empty() ? "" : " | ") + comparator_source(comparator.number, low);
+    }
+    return sources;
+}
+
+// The comparators 1 and 3 look at the first channel of DAC3, 2 and 4 at the second.
+std::string comparator_lines(const Config &config, const G4Board &board)
+{
+    const bool low = opens_below(config);
+    const char *const phases[] = {"a", "b", "c"};
+    std::vector<std::string> settings;
+    std::vector<std::string> paths;
+    for (std::size_t phase = 0; phase < board.comparators.size(); phase++) {
+        const G4Comparator &comparator = board.comparators[phase];
+        const std::string name = fmt::format("COMP{}_CSR", comparator.number);
+        settings.push_back(
+            setting(name, "~COMP_CSR_VALUE",
+                    fmt::format("COMPARATOR | ({}UL << COMP_CSR_INPSEL_SHIFT)", comparator.plus),
+                    "SETTINGS_READ_ONLY"));
+        paths.push_back(fmt::format("{}, {}, DAC3_DHR12R{}, "
+                                    "\"the comparator of phase {} does not open the gates\"",
+                                    name, comparator_source(comparator.number, low),
+                                    comparator.number % 2 == 1 ? 1 : 2, phases[phase]));
+    }
+    return rows_of("COMPARATORS", settings) + rows_of("PATHS", paths) +
+           line("HAS_COMPARATORS", truth(!paths.empty()), "false: the line at hal.break_pin trips");
+}
+
+std::string trip_lines(const Config &config, const G4Board &board)
+{
+    const bool has_line = board.comparators.empty();
+    std::vector<std::string> levels;
+    if (!has_line) {
+        for (const auto &[name, value] :
+             {std::pair("DAC3_MCR", "DAC_MCR_INTERNAL"),
+              std::pair("DAC3_DHR12R1", "HAL_TRIP_COUNT"),
+              std::pair("DAC3_DHR12R2", "HAL_TRIP_COUNT"), std::pair("DAC3_CR", "DAC_CR_BOTH")}) {
+            levels.push_back(setting(name, "ALL", value, "SETTINGS_LEVEL"));
+        }
+    }
+    return line("BREAK_SOURCES", break_sources(config, board), "TIM1_AF1") +
+           rows_of("LEVELS", levels) + comparator_lines(config, board);
+}
+
+// ---- converters ----
+
+unsigned log2_of(int power)
+{
+    unsigned log2 = 0;
+    while ((power >> (log2 + 1)) != 0) {
+        log2++;
+    }
+    return log2;
+}
+
+std::string amplifier_lines(const Config &config, const G4Board &board)
+{
+    std::vector<std::string> rows;
+    for (const G4Amplifier &amplifier : board.amplifiers) {
+        rows.push_back(
+            setting(fmt::format("OPAMP{}_CSR", amplifier.number), "OPAMP_CSR_COUNTED",
+                    fmt::format("AMPLIFIER | ({}UL << OPAMP_CSR_VPSEL_SHIFT){}", amplifier.plus,
+                                amplifier.internal ? " | OPAMP_CSR_INTEN" : ""),
+                    "SETTINGS_AMPLIFIERS"));
+    }
+    const unsigned gain = config.hal.pga_gain > 1 ? log2_of(config.hal.pga_gain) - 1 : 0;
+    return line("AMPLIFIER_GAIN", number(gain), "OPAMP_CSR_PGA_GAIN: 0 is 2, 1 is 4, …") +
+           rows_of("AMPLIFIERS", rows);
+}
+
+using Times = std::map<int, unsigned>; // codes of the sampling times, by channel
+
+// One table for both converters: the sampling time belongs to what is connected to the channel.
+// Where their inputs differ, each has its own.
+Times sampling_times(const Config &config, const G4Board &board, int converter)
+{
+    std::vector<std::pair<G4Input, unsigned>> inputs = {{board.bus, LONGEST_SAMPLING},
+                                                        {board.temperature, LONGEST_SAMPLING}};
+    for (const G4Input &current : board.currents) {
+        inputs.emplace_back(current, g4_sampling_code(config.hal.adc_sampling_ns));
+    }
+    Times times;
+    for (const bool own : {false, true}) {
+        for (const auto &[input, code] : inputs) {
+            if ((input.converter == converter) == own) {
+                times[input.channel] = code;
+            }
+        }
+    }
+    return times;
+}
+
+// ADC_SMPR1 or ADC_SMPR2, which begins with the channel `first`.
+unsigned long sampling_register(const Times &times, int first)
+{
+    unsigned long value = 0;
+    for (const auto &[channel, code] : times) {
+        if ((channel >= CHANNELS_OF_SMPR1) == (first >= CHANNELS_OF_SMPR1)) {
+            value |= static_cast<unsigned long>(code) << (3 * (channel - first));
+        }
+    }
+    return value;
+}
+
+std::string injected_sequence(const std::vector<int> &channels)
+{
+    std::string text =
+        channels.size() == 2 ? "ADC_JSQR_TWO | ADC_JSQR_TRIGGER" : "ADC_JSQR_TRIGGER";
+    for (std::size_t k = 0; k < channels.size(); k++) {
+        text += fmt::format(" | ({}UL << ADC_JSQR_SQ{}_SHIFT)", channels[k], k + 1);
+    }
+    return text;
+}
+
+std::string one_converter(const Config &config, const G4Board &board, int converter)
+{
+    std::vector<int> channels;
+    for (const G4Input &current : board.currents) {
+        if (current.converter == converter) {
+            channels.push_back(current.channel);
+        }
+    }
+    if (board.bus.converter == converter) {
+        channels.push_back(board.bus.channel);
+    }
+    const std::string name = fmt::format("ADC{}_", converter);
+    const bool measures = board.temperature.converter == converter;
+    const int regular = measures ? board.temperature.channel : channels.front();
+    const Times times = sampling_times(config, board, converter);
+    return line(name + "SMPR1", hex(sampling_register(times, 0)), "sampling times") +
+           line(name + "SMPR2", hex(sampling_register(times, CHANNELS_OF_SMPR1)), "the same") +
+           line(name + "REGULAR", number(static_cast<unsigned>(regular)),
+                measures ? "hal.temperature_pin" : "not used") +
+           line(name + "JSQR", injected_sequence(channels), "the injected sequence");
+}
+
+// Phases a and b are the first of their sequences, bus and phase c the second.
+std::string result(G4Input input, int place)
+{
+    return fmt::format("ADC{} + ADC_JDR{}", input.converter, place);
+}
+
+std::string converter_lines(const Config &config, const G4Board &board)
+{
+    const bool has_c = board.currents.size() == 3;
+    return amplifier_lines(config, board) + one_converter(config, board, 1) +
+           one_converter(config, board, 2) +
+           line("RESULT_A", result(board.currents[0], 1), "phase a") +
+           line("RESULT_B", result(board.currents[1], 1), "phase b, at the same instant") +
+           line("MEASURES_C", truth(has_c), "board.current_sensors") +
+           line("RESULT_C", result(has_c ? board.currents[2] : board.currents[1], has_c ? 2 : 1),
+                "phase c") +
+           line("RESULT_BUS", result(board.bus, 2), "hal.bus_pin") +
+           line("ADC_LAST", fmt::format("ADC{}", board.bus.converter),
+                "its sequence is the longest one") +
+           line("ADC_TEMPERATURE", fmt::format("ADC{}", board.temperature.converter),
+                "hal.temperature_pin");
+}
+
+// ---- serial line ----
+
+std::string serial_lines(const G4Board &board)
+{
+    const std::string name = fmt::format("USART{}", board.usart);
+    return line("USART", name, "hal.serial_pins") +
+           fmt::format("#define HAL_USART_BRR_NAME \"{}_BRR\"\n", name);
+}
+
+// ---- clocks of the peripherals ----
+
+std::string peripheral_lines(const G4Board &board)
+{
+    unsigned long ports = 0;
+    for (const G4Pin &pin : board.pins) {
+        ports |= 1UL << g4_port(pin.name);
+    }
+    const bool on_second = board.usart == 1;
+    const std::string usart =
+        fmt::format(" | RCC_{}_USART{}", on_second ? "APB2ENR" : "APB1ENR1", board.usart);
+    return line("AHB2",
+                hex(ports) + " | RCC_AHB2ENR_ADC12" +
+                    (board.comparators.empty() ? "" : " | RCC_AHB2ENR_DAC3"),
+                "clocks that RCC_AHB2ENR switches on") +
+           line("APB1", "RCC_APB1ENR1_RTCAPB | RCC_APB1ENR1_PWR" + (on_second ? "" : usart),
+                "the same for RCC_APB1ENR1") +
+           line("APB2",
+                "RCC_APB2ENR_SYSCFG | RCC_APB2ENR_TIM1 | RCC_APB2ENR_TIM16" +
+                    (on_second ? usart : ""),
+                "the same for RCC_APB2ENR");
+}
+
+} // namespace
+
+unsigned g4_dead_time_code(double ticks)
+{
+    const auto whole = static_cast<unsigned>(std::ceil(ticks * (1 - 1e-9)));
+    if (whole <= 127) {
+        return whole;
+    }
+    if (whole <= 254) {
+        return 0x80 | ((whole + 1) / 2 - 64);
+    }
+    if (whole <= 504) {
+        return 0xC0 | ((whole + 7) / 8 - 32);
+    }
+    return 0xE0 | ((whole + 15) / 16 - 32);
+}
+
+unsigned g4_sampling_code(double ns)
+{
+    constexpr double HALF_CYCLES[LONGEST_SAMPLING] = {5, 13, 25, 49};
+    unsigned code = 0;
+    while (code < LONGEST_SAMPLING && HALF_CYCLES[code] * HALF_CYCLE_NS < ns * (1 - 1e-9)) {
+        code++;
+    }
+    return code;
+}
+
+std::string g4_memory(const Config &config)
+{
+    const G4Chip &chip = *resolve_g4_board(config).chip;
+    return fmt::format("/* {}: nfconfig makes this file of the board file. */\n"
+                       "MEMORY\n{{\n"
+                       "    flash (rx) : ORIGIN = 0x08000000, LENGTH = {}K\n"
+                       "    ram (rw) : ORIGIN = 0x20000000, LENGTH = {}K\n}}\n",
+                       chip.name, chip.flash_kib - STORE_PAGES * PAGE_KIB, chip.ram_kib);
+}
+
+std::string g4_header(const Config &config)
+{
+    const G4Board board = resolve_g4_board(config);
+    return chip_lines(board) + clock_lines(config, board) + pin_lines(board) + light_lines(config) +
+           timer_lines(config, board) + trip_lines(config, board) + converter_lines(config, board) +
+           serial_lines(board) + peripheral_lines(board);
+}
+
+} // namespace nf

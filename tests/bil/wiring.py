@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: MIT
+"""What is connected to the chip's pins, from the table [hal] of a board file."""
+
+from dataclasses import dataclass
+
+import g4
+
+
+@dataclass(frozen=True)
+class Pin:
+    """One that a peripheral drives or reads, with its alternate function."""
+
+    name: str
+    function: int
+
+
+@dataclass(frozen=True)
+class Leg:
+    """The two outputs of TIM1 that switch a phase. `second`: the low side's gate, or the enable of the phase's driver."""
+
+    channel: int
+    high: Pin
+    second: Pin
+
+
+def port_and_number(pin):
+    """("A", 8) of "PA8"."""
+    return pin[1], int(pin[2:])
+
+
+class Wiring:
+    """A board's pins by their use."""
+
+    def __init__(self, hal):
+        self.facts = g4.facts(hal["chip"])
+        self.crystal_hz = hal.get("crystal_hz", 0)
+        self.has_enables = "gate_enable_pins" in hal
+        second_pins = hal["gate_enable_pins"] if self.has_enables else hal["gate_low_pins"]
+        self.legs = [self._leg(*pins) for pins in zip(hal["gate_high_pins"], second_pins)]
+        self.high_inverted = hal.get("gate_high_polarity") == "active_low"
+        self.low_inverted = hal.get("gate_low_polarity") == "active_low"
+        self.shunts = hal["shunt_pins"]
+        self.is_amplified = hal["pga_gain"] > 1
+        self.grounds = hal.get("shunt_ground_pins", [])
+        self.bus, self.temperature = hal["bus_pin"], hal["temperature_pin"]
+        self.serial = self.facts.serial_of(*hal["serial_pins"])
+        self.serial_pins = [self._pin(*pair) for pair in zip(hal["serial_pins"], (f"{self.serial}_TX", f"{self.serial}_RX"))]
+        self.led = hal.get("led_pin", "")
+        self.held = dict.fromkeys(hal.get("high_pins", []), 1) | dict.fromkeys(hal.get("low_pins", []), 0)
+        self.break_line = self._break_line(hal.get("break_pin", ""))
+        self.break_level = int(hal["break_polarity"] == "active_high")
+
+    def _pin(self, name, signal):
+        return Pin(name, self.facts.function(name, signal))
+
+    def _leg(self, high, second):
+        channel = self.facts.timer_channel(high)
+        return Leg(channel, self._pin(high, f"TIM1_CH{channel}"), self._pin(second, f"TIM1_CH{channel}N"))
+
+    def _break_line(self, name):
+        return self._pin(name, "TIM1_BKIN") if name else None
+
+    @property
+    def gates(self):
+        """The high sides' pins first, as the phases follow each other."""
+        return [leg.high for leg in self.legs] + [leg.second for leg in self.legs]
+
+    @property
+    def alternates(self):
+        """All pins with an alternate function."""
+        return self.gates + self.serial_pins + ([self.break_line] if self.break_line else [])
+
+    @property
+    def converted(self):
+        """The pins that a converter can measure without an amplifier of the chip."""
+        return [self.bus, self.temperature] + ([] if self.is_amplified else self.shunts)
+
+    @property
+    def comparators(self):
+        """Their numbers, as the phases follow each other; without those that no comparator watches."""
+        found = [self.facts.comparator_of(pin) for pin in self.shunts]
+        return [comparator[0] for comparator in found if comparator]
+
+    @property
+    def amplifiers(self):
+        """The numbers of those that can take a shunt as plus input."""
+        return sorted({number for pin in self.shunts for number in self.facts.amplifiers_of(pin)})
+
+    @property
+    def levels(self):
+        """The DACs that a comparator can compare with."""
+        return sorted({dac for number in self.comparators for dac, _ in g4.MINUS[number].values() if self.facts.has(dac)})
+
+    def level_of(self, phase):
+        """(DAC, channel) that gives the trip level of a phase."""
+        return g4.MINUS[self.comparators[phase]][g4.FAST_LEVEL]
