@@ -303,6 +303,20 @@ std::string trip_range(const Config &config)
                                         trip_a + G4_TRIP_LATE_V / rise_per_ampere);
 }
 
+// What the image needs beside the flight recorder's ring, rounded up; the linker knows it exactly.
+constexpr int BESIDE_RING_BYTES = 14000;
+constexpr int RING_ENTRY_BYTES = 16;
+
+void check_ring(const Config &config)
+{
+    const int ram = find_g4_chip(config.hal.chip)->ram_kib * 1024;
+    const int most = (ram - BESIDE_RING_BYTES) / RING_ENTRY_BYTES;
+    const double entries = config.board.recorder_entries;
+    need(entries <= most, config, "board.recorder_entries", entries,
+         fmt::format("does not fit the {} KiB of RAM of {}", ram / 1024, config.hal.chip),
+         fmt::format("at most {}", most));
+}
+
 // One line `#define HAL_NAME (value) /* meaning */`.
 std::string define(const char *name, double value, const char *suffix, const std::string &meaning)
 {
@@ -411,6 +425,7 @@ std::string make_hal_memory(const Config &config)
         fail(config.origins.at("hal.chip"), "hal.chip", "\"other\"",
              "has a linker script of its own", g4_chip_names());
     }
+    check_ring(config);
     return g4_memory(config);
 }
 

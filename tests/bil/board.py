@@ -31,7 +31,8 @@ class Chip:
         self.clock = Clock()
         self.held = NEVER  # what is due then or later has to wait
         self.pins = dict.fromkeys(wiring.shunts, 0.0) | {wiring.bus: 0.0, wiring.temperature: COLD_ROOM_COUNT}
-        self.fault_line = 1 - wiring.break_level  # at the break pin
+        self.fault_line = 1 - wiring.break_level  # at the break pin, once the gate driver is awake
+        self.awake_at = NEVER
         names = [f"ADC{number}" for number in self.facts.numbered("ADC")]
         self.power = digital.Power(self, reset_flags, self._clocked_names(names), crystal_hz)
         self._make_digital(baud, names)
@@ -51,7 +52,7 @@ class Chip:
 
     def _make_digital(self, baud, converters):
         facts, enabled = self.facts, self.power.enabled
-        self.ports = {letter: digital.Port(letter, facts.base(f"GPIO{letter}"), enabled(f"GPIO{letter}"))
+        self.ports = {letter: digital.Port(letter, facts.base(f"GPIO{letter}"), enabled(f"GPIO{letter}"), self.driver_is_awake)
                       for letter in facts.ports()}
         self.timer = digital.Timer(self, self.wiring, enabled("TIM1"))
         self.usart = digital.Usart(self, self.wiring.serial, baud, enabled(self.wiring.serial))
@@ -116,7 +117,17 @@ class Chip:
     def _break_pin_level(self):
         """Low as long as the pin does not have this function."""
         line = self.wiring.break_line
-        return self.fault_line if line and self.has_function(line) else 0
+        if not line or not self.has_function(line):
+            return 0
+        return self.fault_line if self.driver_is_awake() else self.wiring.break_level
+
+    def driver_is_awake(self):
+        """The gate driver: it tells of a fault until its pins have had their levels for as long as it takes to wake up."""
+        if any(self.pin_level(pin) != level for pin, level in self.wiring.held.items()):
+            self.awake_at = NEVER
+        elif self.awake_at == NEVER:
+            self.awake_at = self.now + digital.cycles(self.wiring.wake_s)
+        return self.now >= self.awake_at
 
     def has_function(self, pin):
         """Whether a pin of the wiring has its alternate function."""

@@ -250,13 +250,14 @@ class Power:
 
 
 class Port(Block):
-    """A port of pins."""
+    """A port of pins. `changed` is called when one may drive another level."""
 
-    def __init__(self, letter, base, clocked):
+    def __init__(self, letter, base, clocked, changed):
         self.output = 0
+        self.changed = changed
         modes, pulls, speeds = g4.PORT_RESETS.get(letter, g4.OTHER_PORTS_RESET)
         super().__init__(f"GPIO{letter}", base, {
-            "MODER": (0x00, Register(modes)),
+            "MODER": (0x00, Register(modes, on_write=self._set_modes)),
             "OSPEEDR": (0x08, Register(speeds)),
             "PUPDR": (0x0C, Register(pulls)),
             "BSRR": (0x18, Register(on_write=self._set)),
@@ -266,6 +267,11 @@ class Port(Block):
 
     def _set(self, value):
         self.output = self.output & ~(value >> 16) | value & 0xFFFF
+        self.changed()
+
+    def _set_modes(self, value):
+        self["MODER"] = value
+        self.changed()
 
     def mode(self, pin):
         return self["MODER"] >> 2 * pin & 3

@@ -50,6 +50,7 @@ class Boots(unittest.TestCase):
         self.assertTrue(made.chip.power.runs_at_full_speed())
         for pin in made.wiring.alternates:
             self.assertTrue(made.chip.has_function(pin), pin)
+        self.assertEqual({pin: made.chip.pin_level(pin) for pin in WIRING.held}, WIRING.held)
 
     def test_says_what_it_is_and_opens_no_gate_unasked(self):
         made = ready()
@@ -155,6 +156,12 @@ class FaultLine(unittest.TestCase):
         self.assertTrue(made.chip.timer.gates_on())
         made.chip.set_fault_line(WIRING.break_level)
         self.assertFalse(made.chip.timer.gates_on())
+        self.assertFalse(WIRING.has_enables and any(made.chip.timer.enables()))
+
+    def test_a_driver_that_takes_longer_to_wake_up_than_the_board_file_says_is_named(self):
+        made = make()
+        made.chip.wiring.wake_s = 30e-3  # longer than all that comes before the trial too
+        self.assertIn("cannot start:\r\nthe gate driver tells of a fault at rest\r\n", self.refused(made))
 
     def test_it_is_reported_and_stays_until_it_is_cleared(self):
         made = running()

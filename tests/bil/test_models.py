@@ -40,7 +40,7 @@ class Bare:
     """A chip without a core: the registers by their names."""
 
     def __init__(self, hal, baud=921600, crystal_hz=None):
-        self.wiring = wiring.Wiring(hal)
+        self.wiring = wiring.Wiring(hal | {"high_pins": [], "low_pins": []})  # no gate driver has to wake up
         crystal_hz = self.wiring.crystal_hz if crystal_hz is None else crystal_hz
         self.chip = board.Chip(self.wiring, board.PIN_FLAG, analogue.Parts(analogue.ideal), baud, crystal_hz)
         self.bus = Bus(self.chip.blocks)
@@ -174,10 +174,18 @@ class Outputs(unittest.TestCase):
             self.bare.write(f"TIM1_CCR{channel}", 100 * channel)
         self.assertEqual(self.timer.preloaded(), (200, 100, 300))
 
-    def test_pins_that_are_held_are_seen(self):
-        self.bare.chip.ports["C"]["MODER"] = 1 << 12 | 1 << 8
-        self.bare.write("GPIOC_BSRR", 1 << 6 | 1 << 20)
-        self.assertEqual({pin: self.bare.chip.pin_level(pin) for pin in self.bare.wiring.held}, self.bare.wiring.held)
+    def test_a_gate_driver_tells_of_a_fault_until_its_pins_have_had_their_levels_for_its_wake_up_time(self):
+        chip = self.bare.chip
+        chip.wiring.held, chip.wiring.wake_s = {"PC6": 1}, 100e-6
+        for write, awake in ((("GPIOC_BSRR", 1 << 6), False), (("GPIOC_MODER", 1 << 12), False)):
+            self.bare.write(*write)
+            self.assertEqual(chip.driver_is_awake(), awake)
+        self.bare.wait(100 * US - 1)
+        self.assertFalse(chip.driver_is_awake())
+        self.bare.wait(1)
+        self.assertTrue(chip.driver_is_awake())
+        self.bare.write("GPIOC_BSRR", 1 << 22)
+        self.assertFalse(chip.driver_is_awake())
 
 
 class UpperParts(unittest.TestCase):

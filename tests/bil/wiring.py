@@ -47,6 +47,7 @@ class Wiring:
         self.serial_pins = [self._pin(*pair) for pair in zip(hal["serial_pins"], (f"{self.serial}_TX", f"{self.serial}_RX"))]
         self.led = hal.get("led_pin", "")
         self.held = dict.fromkeys(hal.get("high_pins", []), 1) | dict.fromkeys(hal.get("low_pins", []), 0)
+        self.wake_s = hal.get("driver_wake_us", 0) * 1e-6
         self.break_line = self._break_line(hal.get("break_pin", ""))
         self.break_level = int(hal["break_polarity"] == "active_high")
 
