@@ -97,8 +97,18 @@ bool is_needed(const Config &config, const Field &field)
            (name.rfind("board.temperature_", 0) == 0 && name != "board.temperature_warn_c");
 }
 
+// A forgotten chip must not leave the pins unchecked.
+void check_chip_is_named(const Config &config)
+{
+    if (config.origins.count("hal.chip") == 0 && config.origins.count("hal.gate_high_pins") != 0) {
+        fail(board_file(config), "hal.chip", "", "is missing, and hal.gate_high_pins needs it",
+             g4_chip_names());
+    }
+}
+
 void check_complete(const Config &config)
 {
+    check_chip_is_named(config);
     std::vector<const Field *> lacking;
     for (const Field &field : schema()) {
         if (is_needed(config, field) && config.origins.count(field.name()) == 0) {
@@ -110,6 +120,12 @@ void check_complete(const Config &config)
     }
 }
 
+// The chip's amplifiers lie behind the comparators' inputs.
+bool amplifies(const Config &config)
+{
+    return is_g4(config) && config.hal.pga_gain > 1;
+}
+
 void check_gains(const Config &config)
 {
     const HalSettings &hal = config.hal;
@@ -117,6 +133,10 @@ void check_gains(const Config &config)
          "is no gain of the amplifier", "1, 2, 4, 8, 16, 32 or 64");
     need(hal.amplifier_gain != 0, config, "hal.amplifier_gain", hal.amplifier_gain, "is no gain",
          "a positive or negative number");
+    need(!amplifies(config) || std::fabs(hal.amplifier_gain) <= hal.pga_gain, config,
+         "hal.amplifier_gain", hal.amplifier_gain,
+         "is more than the chip's amplifiers have, and resistors before them only take away",
+         fmt::format("-{0} to {0}: hal.pga_gain", hal.pga_gain));
 }
 
 double dead_time_ticks(const BoardSettings &board)
@@ -228,6 +248,27 @@ void check_scales(const Config &config)
                      hal.adc_reference_v - needed_v, needed_a));
 }
 
+// DS12589, the most each: offset of an amplifier at its input, its gain, and resistors of 1 % that
+// make the bias.
+constexpr double AMPLIFIER_OFFSET_V = 3e-3;
+constexpr double AMPLIFIER_GAIN_ERROR = 0.02;
+constexpr double BIAS_ERROR = 0.02;
+
+// A healthy board may have this offset, and has to start with it.
+void check_offset(const Config &config)
+{
+    const HalSettings &hal = config.hal;
+    const double volts = AMPLIFIER_OFFSET_V * hal.pga_gain +
+                         (AMPLIFIER_GAIN_ERROR + BIAS_ERROR) * hal.amplifier_zero_v;
+    const double least = volts / volts_per_ampere(hal);
+    need(
+        !amplifies(config) || config.board.offset_max_a >= least, config, "board.offset_max_a",
+        config.board.offset_max_a, "is less than a healthy board may have",
+        fmt::format("at least {} A: an amplifier's offset of 3 mV, its gain within 2 %, and a bias "
+                    "of resistors of 1 %",
+                    limit_number({false, least})));
+}
+
 // What hysteresis and offset of the comparator together may come to, with a margin of two.
 constexpr double RISE_MIN_V = 0.025;
 // A comparator of an STM32G4 trips within this distance of its level: DS12589, offset.
@@ -249,6 +290,10 @@ double rise_per_ampere_v(const HalSettings &hal)
     return volts_per_ampere(hal) / hal.pga_gain;
 }
 
+// The comparators look before the amplifiers, so they see more than the converters. But a trip far
+// beyond all that is measured is a mistake.
+constexpr double TRIP_BEYOND_SCALE = 2;
+
 void check_trip(const Config &config)
 {
     const HalSettings &hal = config.hal;
@@ -259,9 +304,16 @@ void check_trip(const Config &config)
          "is within offset and hysteresis of the comparator",
          fmt::format("at least {} A", limit_number({false, RISE_MIN_V / rise_per_ampere})));
     const double largest = hal.adc_reference_v * (DAC_COUNTS - 1) / DAC_COUNTS;
-    need(level > 0 && level <= largest, config, "board.trip_a", trip_a,
-         fmt::format("needs a comparator level of {:.4g} V", level),
-         fmt::format("a current for which it is within 0 to {:.4g} V", largest));
+    const double room = hal.break_polarity == Polarity::active_low
+                            ? hal.amplifier_zero_v
+                            : largest * hal.pga_gain - hal.amplifier_zero_v;
+    const double most = std::min(room / volts_per_ampere(hal),
+                                 TRIP_BEYOND_SCALE * config.board.current_full_scale_a);
+    need(level > 0 && level <= largest && trip_a <= most, config, "board.trip_a", trip_a,
+         "is beyond what this power stage can see",
+         fmt::format("at most {} A, from amplifiers, reference and {:g} times "
+                     "board.current_full_scale_a",
+                     limit_number({true, most}), TRIP_BEYOND_SCALE));
 }
 
 void check_early_trip(const Config &config)
@@ -399,6 +451,7 @@ std::string make_hal_header(const Config &config)
     check_chip(config);
     check_line(config);
     check_scales(config);
+    check_offset(config);
     if (!has_line(config)) {
         check_trip(config);
         check_early_trip(config);

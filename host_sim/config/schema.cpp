@@ -500,26 +500,28 @@ std::string Field::name() const
 std::string Field::allowed() const
 {
     const std::string range = range_text(min, max, unit);
-    return std::visit(
-        Overloaded{
-            [&](const double *) { return std::string(range); },
-            [&](const int *) { return "a whole number, " + range; },
-            [&](const unsigned *) { return "a whole number, " + range; },
-            [&](const bool *) { return std::string("true or false"); },
-            [&](const std::string *) {
-                return fmt::format("a string of {} to {} characters", min, max);
-            },
-            [&](const std::array<double, 2> *) { return "[a, b], each " + range; },
-            [&](const std::array<double, 3> *) { return "[a, b, c], each " + range; },
-            [&](const std::vector<double> *) {
-                return fmt::format("[a, b, …], 2 to {} of them, each {}", POINTS_MAX, range);
-            },
-            [&](const std::vector<std::string> *) {
-                return std::string(R"(a list of pins, such as ["PA8", "PA9", "PA10"])");
-            },
-            [&](const auto *choice) { return choice_text(words_of(choice)); },
-        },
-        type_of(*this));
+    return std::visit(Overloaded{
+                          [&](const double *) { return std::string(range); },
+                          [&](const int *) { return "a whole number, " + range; },
+                          [&](const unsigned *) { return "a whole number, " + range; },
+                          [&](const bool *) { return std::string("true or false"); },
+                          [&](const std::string *) {
+                              return max == PIN_CHARS_MAX
+                                         ? std::string(R"(a pin, such as "PA0")")
+                                         : fmt::format("a string of {} to {} characters", min, max);
+                          },
+                          [&](const std::array<double, 2> *) { return "[a, b], each " + range; },
+                          [&](const std::array<double, 3> *) { return "[a, b, c], each " + range; },
+                          [&](const std::vector<double> *) {
+                              return fmt::format("[a, b, …], 2 to {} of them, each {}", POINTS_MAX,
+                                                 range);
+                          },
+                          [&](const std::vector<std::string> *) {
+                              return std::string(R"(a list of pins, such as ["PA0", "PA1"])");
+                          },
+                          [&](const auto *choice) { return choice_text(words_of(choice)); },
+                      },
+                      type_of(*this));
 }
 
 std::string Field::meaning() const

@@ -61,7 +61,9 @@ const Lines ROUGH = {"plant.saturation_d_pct=10", "plant.saturation_q_pct=10",
                      "motor.max_speed_rpm=1500", "plant.bus_source_resistance_ohm=1",
                      "plant.angle_counts=4096", "measured.dead_time_s=1e-6", "measured.knee_a=0.5",
                      // in line the comparators may look either way
-                     "hal.current_position=in_line"};
+                     "hal.current_position=in_line",
+                     // so that half of the amplifier's gain is enough
+                     "hal.shunt_ohm=0.0104", "hal.amplifier_gain=-7.93"};
 
 struct Mode {
     std::string file; // of the scenario
