@@ -152,7 +152,7 @@ const char *clock_crystal_fault(void)
 {
     const char *why = NULL;
 
-    if (reg_read(RCC_PLLCFGR) == HAL_PLL) {
+    if ((BOARD.crystal_span == 0U) || (reg_read(RCC_PLLCFGR) == HAL_PLL)) {
         /* as the board file says */
     } else if (reg_any(RCC_CR, RCC_CR_HSERDY)) {
         why = "the crystal has not the frequency of hal.crystal_hz";
@@ -175,7 +175,7 @@ void clock_peripherals(void)
 
 bool clock_has_lost_crystal(void)
 {
-    return reg_any(RCC_CIFR, RCC_CIFR_CSSF);
+    return (BOARD.crystal_span > 0U) && reg_any(RCC_CIFR, RCC_CIFR_CSSF);
 }
 
 /* The chip switches to the oscillator, and the PLL off, by itself. */

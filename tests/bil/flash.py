@@ -23,7 +23,7 @@ ERASE_CYCLES = round(24.5e-3 * CYCLES_PER_S)  # data sheet DS12589, at most
 PROGRAM_CYCLES = round(85e-6 * CYCLES_PER_S)  # as long as a watchdog and a tick have to bear it
 KEYS = (0x45670123, 0xCDEF89AB)
 ERRORS = 0xC3FA
-PROGERR = 1 << 3
+PROGERR, WRPERR = 1 << 3, 1 << 4
 LOCK, OPTLOCK = 1 << 31, 1 << 30
 PG, PER, STRT = 1, 2, 1 << 16
 BANK_2 = 1 << 11
@@ -61,6 +61,7 @@ class Flash(Block):
         self.lasting = 0
         self.deaf = lambda: False
         self.refuses = False
+        self.protected = False  # no page can be erased
         self._keys = []
         self._first = None  # of the two words of a double word
         super().__init__("FLASH", 0x40022000, {
@@ -127,6 +128,9 @@ class Flash(Block):
             page = (value >> 3 & 0x7F) - self.first_page
             need(value & (PER | PG | BANK_2) == PER | self._bank() and page in (0, 1),
                  "another page than those of the store is erased")
+            if self.protected:
+                self["SR"] |= WRPERR
+                return
             first = page * PAGE // UNIT
             self._operate({unit: ERASED for unit in range(first, first + PAGE // UNIT)}, ERASE_CYCLES)
 

@@ -187,6 +187,7 @@ class Refusals(Linked):
     def test_one_that_takes_no_key_or_programs_nothing_is_said(self):
         for behind, faults, verdict in (
                 ("no key", {"deaf": lambda: True}, "the flash cannot be erased"),
+                ("no page can be erased", {"protected": True}, "the flash cannot be erased"),
                 ("no key behind the erase", {"deaf": lambda: self.flash.steps > 0}, "the flash does not keep what is written"),
                 ("nothing is programmed", {"refuses": True}, "the flash does not keep what is written")):
             with self.subTest(behind):
