@@ -226,6 +226,26 @@ void write_alike(const Choice &choice, int count)
                                kin.size()));
 }
 
+// What a hardware binding is made of. `choice` and `chip` hold what is read until the commands run.
+void add_hal_commands(CLI::App &app, Choice &choice, std::string &chip)
+{
+    CLI::App *binding =
+        app.add_subcommand("hal-header", "Write the C header of a hardware binding");
+    add_choice(*binding, choice);
+    binding->add_option("--out", choice.out, "File to write; - is standard output")
+        ->capture_default_str();
+    binding->callback([&choice] { write_out(choice, load(choice), nf::make_hal_header); });
+    CLI::App *pins = app.add_subcommand("pins", "What each pin of an STM32G4 can do for a board");
+    pins->add_option("CHIP", chip, "Chip, such as stm32g431cb")->required();
+    pins->callback([&chip] { list_pins(chip); });
+    CLI::App *memory = app.add_subcommand(
+        "hal-memory", "Write the memories of an STM32G4, for the linker script of hal/stm32g4");
+    add_choice(*memory, choice);
+    memory->add_option("--out", choice.out, "File to write; - is standard output")
+        ->capture_default_str();
+    memory->callback([&choice] { write_out(choice, load(choice), nf::make_hal_memory); });
+}
+
 int run(int argc, char **argv)
 {
     Choice choice;
@@ -236,22 +256,8 @@ int run(int argc, char **argv)
     header->add_option("--out", choice.out, "File to write; - is standard output")
         ->capture_default_str();
     header->callback([&] { write_out(choice, load(choice), nf::make_header); });
-    CLI::App *binding =
-        app.add_subcommand("hal-header", "Write the C header of a hardware binding");
-    add_choice(*binding, choice);
-    binding->add_option("--out", choice.out, "File to write; - is standard output")
-        ->capture_default_str();
-    binding->callback([&] { write_out(choice, load(choice), nf::make_hal_header); });
-    CLI::App *pins = app.add_subcommand("pins", "What each pin of an STM32G4 can do for a board");
     std::string chip;
-    pins->add_option("CHIP", chip, "Chip, such as stm32g431cb")->required();
-    pins->callback([&] { list_pins(chip); });
-    CLI::App *memory = app.add_subcommand(
-        "hal-memory", "Write the memories of an STM32G4, for the linker script of hal/stm32g4");
-    add_choice(*memory, choice);
-    memory->add_option("--out", choice.out, "File to write; - is standard output")
-        ->capture_default_str();
-    memory->callback([&] { write_out(choice, load(choice), nf::make_hal_memory); });
+    add_hal_commands(app, choice, chip);
     CLI::App *block = app.add_subcommand(
         "block", "Write the block of a configuration that an image of its board can store");
     add_choice(*block, choice);

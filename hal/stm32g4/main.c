@@ -45,13 +45,13 @@ void ADC1_2_IRQHandler(void)
 
 void NMI_Handler(void)
 {
-    if (reg_any(SYSCFG_CFGR2, SYSCFG_CFGR2_SPF)) {
-        safe_state_handler(); /* a wrong parity of the RAM is never forgiven */
-    } else if (clock_has_lost_crystal()) {
+    const bool parity = reg_any(SYSCFG_CFGR2, SYSCFG_CFGR2_SPF); /* never forgiven */
+
+    if (!parity && clock_has_lost_crystal()) {
         hal_g4_bar(&hardware, "the crystal has stopped");
         clock_do_without_crystal();
         guard_restart();
-    } else if (!flash_forgive()) {
+    } else if (parity || !flash_forgive()) {
         safe_state_handler();
     } else {
         /* a unit of the store that is not whole */

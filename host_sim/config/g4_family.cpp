@@ -173,6 +173,7 @@ const G4Chip *find_g4_chip(const std::string &name)
 std::string g4_chip_names()
 {
     std::vector<std::string> names;
+    names.reserve(CHIPS.size());
     for (const G4Chip &chip : CHIPS) {
         names.emplace_back(chip.name);
     }
@@ -195,7 +196,7 @@ int g4_port(const std::string &pin)
 
 int g4_number(const std::string &pin)
 {
-    return std::atoi(pin.c_str() + 2);
+    return static_cast<int>(std::strtol(pin.c_str() + 2, nullptr, 10));
 }
 
 int g4_code(const std::string &pin, const std::string &what)

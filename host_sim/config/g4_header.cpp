@@ -121,6 +121,7 @@ const char *pull_name(Pull pull)
 std::string pin_lines(const G4Board &board)
 {
     std::vector<std::string> rows;
+    rows.reserve(board.pins.size());
     for (const G4Pin &pin : board.pins) {
         rows.push_back(fmt::format("{}U, {}U, {}, {}U, {}, {}, \"{}\" /* {} */", g4_port(pin.name),
                                    g4_number(pin.name), mode_name(pin.mode), pin.function,
@@ -262,6 +263,7 @@ unsigned log2_of(int power)
 std::string amplifier_lines(const Config &config, const G4Board &board)
 {
     std::vector<std::string> rows;
+    rows.reserve(board.amplifiers.size());
     for (const G4Amplifier &amplifier : board.amplifiers) {
         rows.push_back(
             setting(fmt::format("OPAMP{}_CSR", amplifier.number), "OPAMP_CSR_COUNTED",
