@@ -35,6 +35,13 @@ bool uses_amplifiers(const HalSettings &hal)
     return hal.pga_gain > 1;
 }
 
+// Whether no use has the amplifier, or the comparator, of that number yet.
+template <typename Used> bool is_free(const std::vector<Used> &used, int number)
+{
+    return std::none_of(used.begin(), used.end(),
+                        [=](const Used &other) { return other.number == number; });
+}
+
 std::vector<G4Input> converter_inputs(const std::string &pin)
 {
     std::vector<G4Input> found;
@@ -65,10 +72,8 @@ std::optional<G4Amplifier> amplifier_for(const G4Board &board, const std::string
 {
     for (int number = 1; number <= G4_AMPLIFIERS; number++) {
         const int code = g4_code(plus, fmt::format("OPAMP{} plus", number));
-        const bool is_free =
-            std::none_of(board.amplifiers.begin(), board.amplifiers.end(),
-                         [&](const G4Amplifier &other) { return other.number == number; });
-        if (code >= 0 && is_free && g4_code(minus, fmt::format("OPAMP{} minus", number)) >= 0) {
+        if (code >= 0 && is_free(board.amplifiers, number) &&
+            g4_code(minus, fmt::format("OPAMP{} minus", number)) >= 0) {
             return G4Amplifier{number, code, false};
         }
     }
@@ -80,9 +85,7 @@ std::string amplifier_inputs(const G4PinBook &book)
 {
     std::string text;
     for (int number = 1; number <= G4_AMPLIFIERS; number++) {
-        const auto &used = book.board().amplifiers;
-        if (std::none_of(used.begin(), used.end(),
-                         [&](const G4Amplifier &other) { return other.number == number; })) {
+        if (is_free(book.board().amplifiers, number)) {
             text += fmt::format("{}amplifier {}: plus {}, minus {}", text.empty() ? "" : "; ",
                                 number, book.free_pins({fmt::format("OPAMP{} plus", number)}),
                                 book.free_pins({fmt::format("OPAMP{} minus", number)}));
@@ -151,10 +154,7 @@ std::optional<G4Comparator> comparator_for(const G4Board &board, const std::stri
 {
     for (int number = 1; number <= G4_COMPARATORS; number++) {
         const int code = g4_code(pin, fmt::format("COMP{} plus", number));
-        const bool is_free =
-            std::none_of(board.comparators.begin(), board.comparators.end(),
-                         [&](const G4Comparator &other) { return other.number == number; });
-        if (code >= 0 && is_free) {
+        if (code >= 0 && is_free(board.comparators, number)) {
             return G4Comparator{number, code};
         }
     }

@@ -11,7 +11,8 @@
 namespace nf
 {
 
-constexpr double G4_CLOCK_HZ = 170e6; // of core, timers and buses
+constexpr double G4_CLOCK_HZ = 170e6;     // of core, timers and buses
+constexpr double G4_OSCILLATOR_HZ = 16e6; // of the chip's own oscillator
 
 struct G4Chip {
     const char *name; // with the letters of package and flash, such as "stm32g431cb"

@@ -17,7 +17,6 @@ namespace
 constexpr double HALF_CYCLE_NS = 1e9 / 85e6;  // of the converters' clock of 42.5 MHz
 constexpr unsigned LONGEST_SAMPLING = 4;      // dividers of some kΩ with a capacitor
 constexpr double CRYSTAL_CYCLES = 8 * 8 * 32; // of 8 captures, each at the 8th edge of 1/32
-constexpr double INSIDE_CLOCK_HZ = 16e6;
 constexpr int STORE_PAGES = 2;
 constexpr int PAGE_KIB = 2;
 constexpr int FLASH_AT = 0x08000000;
@@ -83,7 +82,7 @@ std::string clock_lines(const Config &config, const G4Board &board)
     const std::string pll = fmt::format("RCC_PLLCFGR_SRC_HSE | ({}UL << RCC_PLLCFGR_PLLM_SHIFT) | "
                                         "({}UL << RCC_PLLCFGR_PLLN_SHIFT) | RCC_PLLCFGR_REN",
                                         board.pll_divider - 1, board.pll_factor);
-    const double span = crystal ? CRYSTAL_CYCLES * INSIDE_CLOCK_HZ / hz : 0;
+    const double span = crystal ? CRYSTAL_CYCLES * G4_OSCILLATOR_HZ / hz : 0;
     return line("CRYSTAL_SPAN", number(static_cast<unsigned long>(std::round(span))),
                 "cycles of 16 MHz in 2048 of the crystal") +
            line("PLL", crystal ? pll : "RCC_PLLCFGR_INSIDE", "RCC_PLLCFGR, for 170 MHz") +
@@ -149,13 +148,17 @@ bool has_enables(const HalSettings &hal)
     return !hal.gate_enable_pins.empty();
 }
 
+bool has_inverted_lows(const HalSettings &hal)
+{
+    return !has_enables(hal) && hal.gate_low_polarity == Polarity::active_low;
+}
+
 // TIM1_CCER. An enable line is an output CHxN that is off: it has its inactive level, which the
 // polarity makes high, while the main output is on, and its idle level otherwise.
 unsigned long outputs(const HalSettings &hal)
 {
-    const bool low_inverted = !has_enables(hal) && hal.gate_low_polarity == Polarity::active_low;
     const unsigned long high = hal.gate_high_polarity == Polarity::active_low ? 0x3 : 0x1;
-    const unsigned long low = has_enables(hal) ? 0x8 : (low_inverted ? 0xC : 0x4);
+    const unsigned long low = has_enables(hal) ? 0x8 : (has_inverted_lows(hal) ? 0xC : 0x4);
     return (high | low) * 0x111;
 }
 
@@ -163,8 +166,7 @@ unsigned long outputs(const HalSettings &hal)
 unsigned long idle_levels(const HalSettings &hal)
 {
     const unsigned long high = hal.gate_high_polarity == Polarity::active_low ? 1UL << 8 : 0;
-    const bool low_inverted = !has_enables(hal) && hal.gate_low_polarity == Polarity::active_low;
-    return (high | (low_inverted ? 1UL << 9 : 0)) * 0x15;
+    return (high | (has_inverted_lows(hal) ? 1UL << 9 : 0)) * 0x15;
 }
 
 std::string timer_lines(const Config &config, const G4Board &board)

@@ -23,7 +23,6 @@ constexpr double PLL_IN_BEST_HZ = 4e6;
 constexpr int PLL_DIVIDER_MAX = 16;
 constexpr int PLL_FACTOR_MIN = 8;
 constexpr int PLL_FACTOR_MAX = 127;
-constexpr double INSIDE_HZ = 16e6;
 constexpr int USARTS = 3;
 constexpr char HELD_PIN[] = "a pin that nothing else uses";
 
@@ -49,7 +48,7 @@ std::optional<std::pair<int, int>> pll_for(double hz)
 void resolve_clock(G4PinBook &book)
 {
     const double crystal = book.hal().crystal_hz;
-    const auto found = crystal == 0                ? pll_for(INSIDE_HZ)
+    const auto found = crystal == 0                ? pll_for(G4_OSCILLATOR_HZ)
                        : crystal >= CRYSTAL_MIN_HZ ? pll_for(crystal)
                                                    : std::nullopt;
     if (!found) {
