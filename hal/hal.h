@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The whole contract between the application and the hardware: four functions for the control
- * interrupt, three for the console and the link of firmware/app, three for its store, and two for
- * words that survive a reset.
+ * interrupt and a fifth for a sensor of the shaft, three for the console and the link of
+ * firmware/app, three for its inputs, three for its store, and two for words that survive a reset.
  *
  * The build links exactly one binding. A binding owns the PWM timer, the converters, the gate
  * drivers and the serial line; no code above it uses a register. docs/porting.md says how to write
@@ -40,6 +40,25 @@ void hal_sample(hal_t *hal, drive_in_t *in);
  */
 void hal_apply(hal_t *hal, const drive_out_t *out);
 
+/* What the sensor of the shaft tells, as it is; firmware/ makes an angle of it. */
+typedef struct {
+    /*
+     * Hall sensors: their levels, bit 0 is sensor 1, bits 3 to 15 are 0. Incremental encoder: its
+     * counter, 4 counts to a line, wrapping at 16 bits; it counts up when A leads B. Absolute
+     * encoder: the frame of 16 bits that was received last, as it came over the wires.
+     */
+    uint16_t reading;
+    uint16_t index; /* incremental encoder: the counter at the last index pulse */
+    bool indexed;   /* incremental encoder: an index pulse has come since the last call */
+} hal_shaft_t;
+
+/*
+ * The sensor's reading at t_k. That of an absolute encoder is one tick old, because its frame is
+ * transferred meanwhile: it is the angle at t_k-1. A board without a sensor returns zeros.
+ * Context: control interrupt, once a tick, after hal_sample(). Does not wait.
+ */
+hal_shaft_t hal_shaft(hal_t *hal);
+
 /* Open the gates now. Context: any, also before the first tick and from fault handlers. */
 void hal_open_gates(hal_t *hal);
 
@@ -64,6 +83,48 @@ uint32_t hal_ticks(const hal_t *hal);
  */
 bool hal_receive(hal_t *hal, uint8_t *byte);
 bool hal_send(hal_t *hal, uint8_t byte);
+
+/*
+ * The inputs through which a board is commanded without a serial line. Context: background only.
+ * None of the three functions waits.
+ *
+ * Times of pulses are in 1/HAL_PULSE_HZ, 0.1 µs, from any instant on, and wrap at 32 bits, after
+ * some 429 s.
+ */
+#define HAL_PULSE_HZ (10000000U)
+
+/* A high time of the command pin. */
+typedef struct {
+    uint32_t start; /* its rising edge, in 1/HAL_PULSE_HZ */
+    uint32_t width; /* from the rising to the falling edge, in 1/HAL_PULSE_HZ */
+} hal_pulse_t;
+
+/*
+ * Gives the next pulse that has ended, oldest first. When there is none, it returns false and
+ * leaves `pulse` as it is. The binding holds at least the pulses of two DShot600 frames, 32. When
+ * more come before they are fetched, some are lost, but those that are given are pulses of the pin:
+ * a rising edge is never paired with the falling edge of another pulse. A pulse of more than
+ * HAL_PULSE_MAX is no pulse, but a level: it may be left out.
+ */
+#define HAL_PULSE_MAX (10000000U)
+bool hal_pulse(hal_t *hal, hal_pulse_t *pulse);
+
+/* The present time, on the scale of hal_pulse_t.start. */
+uint32_t hal_pulse_now(const hal_t *hal);
+
+/* The throttle of a board that has none. */
+#define HAL_NO_THROTTLE (0xFFFFU)
+
+typedef struct {
+    /*
+     * count of the throttle's voltage, 0 to full scale of the converter as adc_bus, 4095 with 12
+     * bits; at most some 60 ms old. HAL_NO_THROTTLE: the board has none
+     */
+    uint16_t throttle;
+    bool button; /* the button is pressed at this moment, not debounced; false: there is none */
+} hal_inputs_t;
+
+hal_inputs_t hal_inputs(const hal_t *hal);
 
 /*
  * Values that only the binding knows. The control interrupt does not use them. The background shows

@@ -18,6 +18,13 @@ void hal_sample(hal_t *hal, drive_in_t *in)
     hal->ticks++;
 }
 
+/* No sensor of the shaft. */
+hal_shaft_t hal_shaft(hal_t *hal)
+{
+    (void)hal;
+    return (hal_shaft_t){0};
+}
+
 void hal_apply(hal_t *hal, const drive_out_t *out)
 {
     (void)hal;
@@ -59,6 +66,26 @@ bool hal_send(hal_t *hal, uint8_t byte)
         board_registers.sent = BOARD_BYTE | byte;
     }
     return room;
+}
+
+/* The serial line alone commands. */
+bool hal_pulse(hal_t *hal, hal_pulse_t *pulse)
+{
+    (void)hal;
+    (void)pulse;
+    return false;
+}
+
+uint32_t hal_pulse_now(const hal_t *hal)
+{
+    (void)hal;
+    return 0U;
+}
+
+hal_inputs_t hal_inputs(const hal_t *hal)
+{
+    (void)hal;
+    return (hal_inputs_t){.throttle = HAL_NO_THROTTLE};
 }
 
 /* Two sensors: the sum of the three currents is zero. */

@@ -16,6 +16,9 @@ void hal_host_step(hal_t *hal)
     if (hal->line != NULL) {
         hal_host_line_step(hal->line);
     }
+    if (hal->inputs != NULL) {
+        hal_host_inputs_step(hal->inputs);
+    }
     hal->ticks++;
 }
 
@@ -67,6 +70,17 @@ void hal_sample(hal_t *hal, drive_in_t *in)
     in->flags = (uint16_t)(in->flags | late | broken);
     hal->seen_ia = in->adc_ia;
     hal->seen_ib = in->adc_ib;
+}
+
+hal_shaft_t hal_shaft(hal_t *hal)
+{
+    hal_shaft_t shaft = {0};
+
+    if (hal->inputs != NULL) {
+        shaft = hal->inputs->shaft;
+        hal->inputs->shaft.indexed = false;
+    }
+    return shaft;
 }
 
 static void drive_plant(hal_t *hal, const drive_out_t *out)

@@ -10,14 +10,15 @@
  * Faults between the plant and the control interrupt are set in hal_t.faults, before the tick that
  * is to see them; a field stays in force until it is changed.
  *
- * A serial line and the flash of the store exist when they are attached to hal_t. The line works in
- * hal_host_step().
+ * A serial line, the flash of the store and inputs exist when they are attached to hal_t. Line and
+ * inputs work in hal_host_step().
  */
 #ifndef HAL_HOST_H
 #define HAL_HOST_H
 
 #include "hal.h"
 #include "hal_host_flash.h"
+#include "hal_host_inputs.h"
 #include "hal_host_line.h"
 #include "plant.h"
 
@@ -56,15 +57,16 @@ struct hal {
     uint16_t seen_ia; /* counts that the last hal_sample() gave */
     uint16_t seen_ib;
     uint16_t seen_ic;
-    hal_host_line_t *line;   /* NULL: none */
-    hal_host_flash_t *flash; /* NULL: no store */
-    uint32_t ticks;          /* PWM periods since hal_host_init() */
+    hal_host_line_t *line;     /* NULL: none */
+    hal_host_flash_t *flash;   /* NULL: no store */
+    hal_host_inputs_t *inputs; /* NULL: no inputs, and no sensor that hal_shaft() reads */
+    uint32_t ticks;            /* PWM periods since hal_host_init() */
     uint32_t kept[HAL_KEPT_WORDS];
 };
 
 /*
  * Bind to a plant that plant_init() has accepted and that outlives the binding, or to none (NULL).
- * Line and store are not attached.
+ * Line, store and inputs are not attached.
  */
 void hal_host_init(hal_t *hal, plant_t *plant);
 

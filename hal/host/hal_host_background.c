@@ -53,6 +53,21 @@ hal_health_t hal_health(const hal_t *hal)
     };
 }
 
+bool hal_pulse(hal_t *hal, hal_pulse_t *pulse)
+{
+    return (hal->inputs != NULL) && hal_host_inputs_take(hal->inputs, pulse);
+}
+
+uint32_t hal_pulse_now(const hal_t *hal)
+{
+    return (hal->inputs != NULL) ? hal_host_inputs_time(hal->inputs) : 0U;
+}
+
+hal_inputs_t hal_inputs(const hal_t *hal)
+{
+    return (hal->inputs != NULL) ? hal->inputs->now : (hal_inputs_t){.throttle = HAL_NO_THROTTLE};
+}
+
 bool hal_store_read(hal_t *hal, uint32_t slot, uint32_t unit, uint8_t bytes[HAL_STORE_UNIT_BYTES])
 {
     return (hal->flash != NULL) && hal_host_flash_read(hal->flash, slot, unit, bytes);

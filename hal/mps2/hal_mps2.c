@@ -17,6 +17,13 @@ void hal_sample(hal_t *hal, drive_in_t *in)
     hal->ticks++;
 }
 
+/* A recorded frame has the angle. */
+hal_shaft_t hal_shaft(hal_t *hal)
+{
+    (void)hal;
+    return (hal_shaft_t){0};
+}
+
 void hal_apply(hal_t *hal, const drive_out_t *out)
 {
     hal->applied = *out;

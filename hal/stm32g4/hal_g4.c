@@ -121,6 +121,13 @@ void hal_sample(hal_t *hal, drive_in_t *in)
     hal->phase_c = BOARD.measures_c ? sensing_current(reg_read(HAL_RESULT_C)) : third_of(in);
 }
 
+/* No sensor. */
+hal_shaft_t hal_shaft(hal_t *hal)
+{
+    (void)hal;
+    return (hal_shaft_t){0};
+}
+
 /*
  * The output is enabled only once for a request of the drive. If a break opens the gates later,
  * they stay open until the drive has seen the break and asks again.
@@ -188,6 +195,26 @@ bool hal_send(hal_t *hal, uint8_t byte)
 {
     (void)hal;
     return uart_put(byte);
+}
+
+/* No inputs. */
+bool hal_pulse(hal_t *hal, hal_pulse_t *pulse)
+{
+    (void)hal;
+    (void)pulse;
+    return false;
+}
+
+uint32_t hal_pulse_now(const hal_t *hal)
+{
+    (void)hal;
+    return 0U;
+}
+
+hal_inputs_t hal_inputs(const hal_t *hal)
+{
+    (void)hal;
+    return (hal_inputs_t){.throttle = HAL_NO_THROTTLE};
 }
 
 hal_health_t hal_health(const hal_t *hal)

@@ -77,6 +77,31 @@ uint32_t hal_ticks(const hal_t *hal)
     return hal->ticks;
 }
 
+hal_shaft_t hal_shaft(hal_t *hal)
+{
+    (void)hal;
+    return (hal_shaft_t){0};
+}
+
+bool hal_pulse(hal_t *hal, hal_pulse_t *pulse)
+{
+    (void)hal;
+    (void)pulse;
+    return false;
+}
+
+uint32_t hal_pulse_now(const hal_t *hal)
+{
+    (void)hal;
+    return 0U;
+}
+
+hal_inputs_t hal_inputs(const hal_t *hal)
+{
+    (void)hal;
+    return (hal_inputs_t){.throttle = HAL_NO_THROTTLE};
+}
+
 hal_health_t hal_health(const hal_t *hal)
 {
     return hal->health;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The application on a binding of memory: example_cfg.h measures what `measured` says, and
- * `hardware.health` is the binding's. Each test program has one.
+ * The application on a binding of memory: example_cfg.h measures what `measured` says,
+ * `hardware.health`, `.inputs`, `.shaft` and `.now` are the binding's, and `.pulses` are the pulses
+ * that have ended and were not fetched. Each test program has one.
  */
 #ifndef EXAMPLE_APP_H
 #define EXAMPLE_APP_H
@@ -15,12 +16,19 @@
 #define EXAMPLE_MIDDLE (2048U)           /* counts without current */
 #define EXAMPLE_BUS_COUNT (2822U)        /* 310 V of 450 V */
 #define EXAMPLE_CALIBRATION_TICKS (260U) /* 256 samples and the changes of state */
+#define EXAMPLE_PULSES (64U)             /* that the binding holds */
 #define EXAMPLE_SPEED_STEP (28633115)    /* of 2000 rpm: 28633115.3 */
 
 struct hal {
     uint32_t ticks;
     hal_health_t health;
     uint32_t kept[HAL_KEPT_WORDS];
+    hal_inputs_t inputs;
+    hal_shaft_t shaft;
+    uint32_t now; /* time, in 1/HAL_PULSE_HZ */
+    hal_pulse_t pulses[EXAMPLE_PULSES];
+    uint32_t pulse_first;
+    uint32_t pulse_end; /* index behind the last pulse */
 };
 
 /* The scales of example_cfg.h on its motor. */
@@ -73,6 +81,35 @@ hal_health_t hal_health(const hal_t *hal)
     return hal->health;
 }
 
+hal_shaft_t hal_shaft(hal_t *hal)
+{
+    const hal_shaft_t shaft = hal->shaft;
+
+    hal->shaft.indexed = false;
+    return shaft;
+}
+
+bool hal_pulse(hal_t *hal, hal_pulse_t *pulse)
+{
+    const bool there = hal->pulse_first != hal->pulse_end;
+
+    if (there) {
+        *pulse = hal->pulses[hal->pulse_first % EXAMPLE_PULSES];
+        hal->pulse_first++;
+    }
+    return there;
+}
+
+uint32_t hal_pulse_now(const hal_t *hal)
+{
+    return hal->now;
+}
+
+hal_inputs_t hal_inputs(const hal_t *hal)
+{
+    return hal->inputs;
+}
+
 void hal_keep(hal_t *hal, uint32_t index, uint32_t word)
 {
     hal->kept[index] = word;
@@ -99,7 +136,7 @@ static inline void tick_period(void)
 static void power_on(void)
 {
     cfg = example_drive_cfg();
-    hardware = (hal_t){.health.adc_ic = EXAMPLE_MIDDLE};
+    hardware = (hal_t){.health.adc_ic = EXAMPLE_MIDDLE, .inputs = {.throttle = HAL_NO_THROTTLE}};
     interrupted = false;
     measured = (drive_in_t){
         .adc_ia = EXAMPLE_MIDDLE, .adc_ib = EXAMPLE_MIDDLE, .adc_bus = EXAMPLE_BUS_COUNT};
