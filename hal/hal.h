@@ -2,7 +2,8 @@
 /*
  * The whole contract between the application and the hardware: four functions for the control
  * interrupt and a fifth for a sensor of the shaft, three for the console and the link of
- * firmware/app, three for its inputs, three for its store, and two for words that survive a reset.
+ * firmware/app, three for its inputs, three for its store and its black box, two for words that
+ * survive a reset, and one for the reason of the reset.
  *
  * The build links exactly one binding. A binding owns the PWM timer, the converters, the gate
  * drivers and the serial line; no code above it uses a register. docs/porting.md says how to write
@@ -150,16 +151,20 @@ typedef struct {
 hal_health_t hal_health(const hal_t *hal);
 
 /*
- * The store: two slots of flash that keep their bytes without power (store.h). A slot is one or
- * more pages that contain nothing else. It is erased as a whole and then programmed in units, each
- * once; erased bytes are 0xFF.
+ * Slots of flash that keep their bytes without power: the first two belong to the store (store.h),
+ * the HAL_BOX_SLOTS after them to the black box (box.h). A slot is one or more pages that contain
+ * nothing else. It is erased as a whole and then programmed in units, each once; erased bytes are
+ * 0xFF.
  *
  * Context: background, before the control interrupt is enabled, or while the drive rests with open
  * gates: an erase may stop the whole chip for tens of milliseconds. The binding makes sure that its
- * guards do not take this for a fault. `slot` is below HAL_STORE_SLOTS, `unit` below
- * HAL_STORE_UNITS. A board without a store returns false from all three.
+ * guards do not take this for a fault. `slot` is below HAL_FLASH_SLOTS, `unit` below
+ * HAL_STORE_UNITS. A board without a store returns false from all three, and a board without a
+ * black box from all three for its slots.
  */
 #define HAL_STORE_SLOTS (2U)
+#define HAL_BOX_SLOTS (6U)
+#define HAL_FLASH_SLOTS (HAL_STORE_SLOTS + HAL_BOX_SLOTS)
 #define HAL_STORE_UNITS (256U) /* units in a slot */
 #define HAL_STORE_UNIT_BYTES (8U)
 
@@ -190,5 +195,25 @@ bool hal_store_program(hal_t *hal, uint32_t slot, uint32_t unit,
 
 void hal_keep(hal_t *hal, uint32_t index, uint32_t word);
 uint32_t hal_kept(const hal_t *hal, uint32_t index);
+
+/* Why the chip has started. The numbers are part of recordings, so new ones go to the end. */
+typedef enum {
+    HAL_RESET_UNKNOWN = 0,
+    HAL_RESET_SUPPLY, /* the supply was switched on, or was too low */
+    HAL_RESET_PIN,
+    HAL_RESET_SOFTWARE, /* a request of the software, or of a debugger */
+    HAL_RESET_WATCHDOG,
+    HAL_RESET_OTHER, /* one that this image never makes: low power, option bytes */
+    HAL_RESETS
+} hal_reset_reason_t;
+
+typedef struct {
+    hal_reset_reason_t reason;
+    /* number of the exception that nobody expected and that stopped the run before; 0: none did */
+    uint32_t exception;
+} hal_reset_t;
+
+/* The last reset; the same at each call. Context: background, and before the control interrupt. */
+hal_reset_t hal_reset(const hal_t *hal);
 
 #endif

@@ -139,3 +139,10 @@ uint32_t hal_kept(const hal_t *hal, uint32_t index)
     (void)index;
     return 0U;
 }
+
+/* The reason of the last reset is not known. */
+hal_reset_t hal_reset(const hal_t *hal)
+{
+    (void)hal;
+    return (hal_reset_t){.reason = HAL_RESET_UNKNOWN};
+}

@@ -21,6 +21,9 @@ typedef struct {
     current_sum_t sum;
 } cross_check_t;
 
+/* box.h */
+struct box;
+
 typedef struct {
     drive_t drive;
     command_mailbox_t mailbox; /* the background posts, the interrupt takes */
@@ -28,6 +31,7 @@ typedef struct {
     drive_in_t in;        /* input frame of the last tick */
     drive_out_t out;      /* output frame of the last tick */
     recorder_t *recorder; /* NULL: nothing is recorded */
+    struct box *box;      /* NULL: there is no black box */
     /*
      * a configuration that the background has posted and the interrupt has not taken yet; NULL:
      * there is none
@@ -45,8 +49,9 @@ typedef struct {
 } app_t;
 
 /*
- * Open the gates and bring the drive to INIT. Call once, before the control interrupt is enabled.
- * Returns what drive_init returns: NULL, or the name of the configuration field that is refused.
+ * Open the gates and bring the drive to INIT. Leaves `box` as it is. Call once, before the control
+ * interrupt is enabled. Returns what drive_init returns: NULL, or the name of the configuration
+ * field that is refused.
  */
 const char *app_init(app_t *app, hal_t *hal, const drive_cfg_t *cfg);
 

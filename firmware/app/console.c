@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "console.h"
 
+#include "box.h"
 #include "commander.h"
+#include "recording_about.h"
 #include "status.h"
 
 #include <stddef.h>
@@ -38,9 +40,22 @@ static bool keeps_recording(const console_t *console)
     return (recorder != NULL) && recorder->held && (console->dump_phase == CONSOLE_DUMP_NONE);
 }
 
-static void show_status(console_t *console)
+/* Says which reset was the last one, if the binding knows it. */
+static void add_reset(text_t *text, hal_reset_t reset)
+{
+    if (reset.reason != HAL_RESET_UNKNOWN) {
+        text_add(text, ", last reset: ");
+        fault_log_tell_reset(text, reset);
+    }
+}
+
+/* asked: somebody wants to know it, so it has what does not change, too. */
+static void show_status(console_t *console, bool asked)
 {
     status_add(&console->out, console->app, console->hal, console->about);
+    if (asked) {
+        add_reset(&console->out, hal_reset(console->hal));
+    }
     console_say(console,
                 keeps_recording(console) ? ", keeps the recording of a fault: dump or record" : "");
 }
@@ -154,20 +169,9 @@ static const char *record_anew(console_t *console)
 
 static void start_dump(console_t *console)
 {
-    const app_t *const app = console->app;
-    const about_t *const known = console->about;
-    recorder_about_t about = {
-        .tick_ps = known->rotation.tick_ps,
-        .current_full_scale_ua = known->current_full_scale_ua,
-        .bus_full_scale_uv = known->bus_full_scale_uv,
-        .pole_pairs = known->rotation.pole_pairs,
-    };
+    const recorder_about_t about = recording_about(console->about, hal_reset(console->hal));
 
-    recorder_about_name(&about, known->name);
-    for (uint32_t k = 0U; (k < RECORDER_BUILD_WORDS) && (known->build != NULL); k++) {
-        about.build[k] = known->build[k];
-    }
-    recorder_dump_start(&console->dump, app->recorder, &about);
+    recorder_dump_start(&console->dump, console->app->recorder, &about);
     console->dump_phase = CONSOLE_DUMP_SENT;
 }
 
@@ -188,13 +192,100 @@ static void send_dump(console_t *console)
     }
 }
 
+/*
+ * Asks for the lines of `phase` of the black box. something: there are such lines. Returns NULL, or
+ * the reason for a refusal.
+ */
+static const char *ask_for_lines(console_t *console, console_dump_t phase, bool something)
+{
+    const char *why = NULL;
+
+    if (console->dump_phase != CONSOLE_DUMP_NONE) {
+        why = DUMPING;
+    } else if (!something) {
+        why = "there is none";
+    } else {
+        console->line_sent = 0U;
+        console->dump_phase = phase;
+    }
+    return why;
+}
+
+static const char *ask_for_last(console_t *console)
+{
+    const box_t *const box = console->app->box;
+
+    return ask_for_lines(console, CONSOLE_LAST_SENT, (box != NULL) && (box->file_words > 0U));
+}
+
+static const char *ask_for_faults(console_t *console)
+{
+    const box_t *const box = console->app->box;
+
+    return ask_for_lines(console, CONSOLE_FAULTS_SENT,
+                         (box != NULL) && (fault_log_size(box->log) > 0U));
+}
+
+/* Adds the next line of the saved recording, as send_dump(). */
+static void send_last(console_t *console)
+{
+    const box_t *const box = console->app->box;
+    char line[RECORDER_LINE_CHARACTERS + 1U];
+
+    if (console->line_sent < recorder_lines(box->file_words)) {
+        uint32_t words[RECORDER_LINE_WORDS];
+
+        for (uint32_t k = 0U; k < RECORDER_LINE_WORDS; k++) {
+            words[k] = box_word(box, (console->line_sent * RECORDER_LINE_WORDS) + k);
+        }
+        recorder_line(console->line_sent, words, line);
+        console_say(console, line);
+        console->line_sent++;
+    } else {
+        console->dump_phase = CONSOLE_DUMP_NONE;
+        console_say(console, "dump ends");
+    }
+}
+
+/* Adds the next line of the log, the oldest first. */
+static void send_faults(console_t *console)
+{
+    const box_t *const box = console->app->box;
+    const uint32_t size = fault_log_size(box->log);
+
+    if (console->line_sent < size) {
+        box_tell_entry(&console->out, box, (size - 1U) - console->line_sent);
+        console_say(console, "");
+        console->line_sent++;
+    } else {
+        console->dump_phase = CONSOLE_DUMP_NONE;
+    }
+}
+
+static void send_line(console_t *console)
+{
+    switch (console->dump_phase) {
+    case CONSOLE_DUMP_SENT:
+        send_dump(console);
+        break;
+    case CONSOLE_LAST_SENT:
+        send_last(console);
+        break;
+    case CONSOLE_FAULTS_SENT:
+        send_faults(console);
+        break;
+    default: /* NONE, ASKED */
+        break;
+    }
+}
+
 static void go_on_dumping(console_t *console)
 {
     if ((console->dump_phase == CONSOLE_DUMP_ASKED) && console->app->recorder->frozen) {
         start_dump(console);
     }
-    if ((console->dump_phase == CONSOLE_DUMP_SENT) && (console->out.length == 0U)) {
-        send_dump(console);
+    if (console->out.length == 0U) {
+        send_line(console);
     }
 }
 
@@ -232,17 +323,21 @@ static void do_other_line(console_t *console)
     const char *const line = console->line;
 
     if (same(line, "status")) {
-        show_status(console);
+        show_status(console, true);
     } else if (same(line, "dump")) {
         (void)answer(console, ask_for_dump(console));
     } else if (same(line, "record")) {
         (void)answer(console, record_anew(console));
+    } else if (same(line, "last")) {
+        (void)answer(console, ask_for_last(console));
+    } else if (same(line, "faults")) {
+        (void)answer(console, ask_for_faults(console));
     } else if (same(line, "unlock")) {
         (void)answer(console, commander_unlock(console->app));
     } else {
         (void)answer(
             console,
-            "the commands are run, stop, clear, speed RPM, torque NM, zero, unlock, status, dump, record, identify");
+            "the commands are run, stop, clear, speed RPM, torque NM, zero, unlock, status, dump, record, last, faults, identify");
     }
 }
 
@@ -319,7 +414,7 @@ static void announce(console_t *console)
 
     if (state != console->announced) {
         console->announced = state;
-        show_status(console);
+        show_status(console, false);
     }
 }
 

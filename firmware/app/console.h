@@ -3,7 +3,8 @@
  * The console takes one command per line and answers with one line. It also shows the status when
  * the drive changes its state.
  *
- *     run  stop  clear  speed RPM  torque NM  zero  unlock  status  dump  record  identify
+ *     run  stop  clear  speed RPM  torque NM  zero  unlock  status  dump  record  last  faults
+ *     identify
  *
  * The caller passes in the typed bytes; the console writes its text to `out`. link.h owns the line.
  * The console runs in the background, commands the drive through commander.h and reads the drive's
@@ -27,7 +28,9 @@
 typedef enum {
     CONSOLE_DUMP_NONE = 0,
     CONSOLE_DUMP_ASKED, /* the recording is held, and will be frozen */
-    CONSOLE_DUMP_SENT   /* the recording is sent line by line */
+    CONSOLE_DUMP_SENT,  /* the recording is sent line by line */
+    CONSOLE_LAST_SENT,  /* the same with the recording that the black box has saved */
+    CONSOLE_FAULTS_SENT /* the log of faults is sent line by line */
 } console_dump_t;
 
 typedef struct {
@@ -40,6 +43,7 @@ typedef struct {
     text_t out;      /* text to be sent; the sender sets its length to 0 when all is sent */
     console_dump_t dump_phase;
     recorder_dump_t dump;
+    uint32_t line_sent; /* lines of the saved recording or of the log that were sent */
     identify_t identify;
 } console_t;
 

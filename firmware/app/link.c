@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "link.h"
 
+#include "box.h"
 #include "commander.h"
 #include "cross_check.h"
 #include "kept_heat.h"
@@ -244,11 +245,25 @@ static void link_send(link_t *link)
     }
 }
 
+/*
+ * While the console sends the saved recording, no other one takes its place.
+ */
+static void step_box(link_t *link)
+{
+    box_t *const box = link->live->app->box;
+    const console_dump_t phase = link->console.dump_phase;
+
+    if ((box != NULL) && (phase != CONSOLE_LAST_SENT)) {
+        box_step(box, phase != CONSOLE_DUMP_NONE);
+    }
+}
+
 void link_step(link_t *link)
 {
     count_still(link);
     cross_check_step(link->live->app);
     kept_heat_step(link->live->app);
+    step_box(link);
     /* before link_receive(), because a fault is older than the bytes that come in now */
     commander_step(link->live->app);
     link_receive(link);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "link_answers.h"
 
+#include "box.h"
 #include "commander.h"
 #include "drive_words.h"
 #include "frame_code.h"
@@ -51,6 +52,7 @@ static uint32_t length_of(const question_t *question)
         length = 3U;
         break;
     case LINK_APPLY:
+    case LINK_BOX:
         length = 4U;
         break;
     case LINK_COMMAND:
@@ -77,7 +79,7 @@ static uint32_t length_of(const question_t *question)
 
 static bool is_question(const question_t *question)
 {
-    return (question->type >= (uint8_t)LINK_HELLO) && (question->type <= (uint8_t)LINK_AGAIN) &&
+    return (question->type >= (uint8_t)LINK_HELLO) && (question->type <= (uint8_t)LINK_BOX) &&
            (question->length == length_of(question));
 }
 
@@ -199,6 +201,38 @@ static void put_block(link_t *link, const uint8_t *body)
     }
 }
 
+/* Returns the number of words of a part of the black box. */
+static uint32_t words_of_box(const box_t *box, uint32_t part)
+{
+    uint32_t words = 0U;
+
+    if (box == NULL) {
+        /* there is none */
+    } else if (part == LINK_BOX_LOG) {
+        words = FAULT_LOG_WORDS;
+    } else if (part == LINK_BOX_RECORDING) {
+        words = box->file_words;
+    } else {
+        /* an unknown part */
+    }
+    return words;
+}
+
+static void put_box(link_t *link, const uint8_t *body)
+{
+    const box_t *const box = link->live->app->box;
+    const uint32_t part = body[0];
+    const uint32_t first = half_at(&body[1]);
+    const uint32_t count = words_there(first, body[3], words_of_box(box, part));
+
+    link_out_half(&link->out, first);
+    link_out_byte(&link->out, count);
+    for (uint32_t at = first; at < (first + count); at++) {
+        link_out_word(&link->out,
+                      (part == LINK_BOX_LOG) ? fault_log_word(box->log, at) : box_word(box, at));
+    }
+}
+
 static live_config_verdict_t write_block(link_t *link, const uint8_t *body)
 {
     const uint32_t first = half_at(body);
@@ -283,17 +317,21 @@ static live_config_verdict_t do_block(link_t *link, const question_t *question)
 }
 
 /*
- * Answers a question about the block. A dump reads the block that is not in force, so nothing may
- * be written there during a dump. A measurement of the motor depends on the block in force, so this
- * block has to stay the same during a measurement.
+ * Answers a question about the block. A dump or the black box reads the block that is not in force,
+ * so nothing may be written there meanwhile. A measurement of the motor depends on the block in
+ * force, so this block has to stay the same during a measurement.
  */
 static live_config_verdict_t judge_block(link_t *link, const question_t *question)
 {
     const bool dumps = link->console.dump_phase != CONSOLE_DUMP_NONE;
+    const box_t *const box = link->live->app->box;
+    const bool saves = (box != NULL) && box_is_saving(box);
     live_config_verdict_t verdict = {NULL, NULL};
 
     if (dumps && (question->type != (uint8_t)LINK_STORE)) {
         verdict.why = DUMP_FIRST;
+    } else if (saves && (question->type != (uint8_t)LINK_STORE)) {
+        verdict.why = "the recording of a fault is being saved; ask again";
     } else if (identify_is_busy(&link->console.identify)) {
         verdict.why = CONSOLE_MEASURING;
     } else {
@@ -395,6 +433,9 @@ static void answer_question(link_t *link, const question_t *question)
         break;
     case LINK_STATE:
         put_state(link, body);
+        break;
+    case LINK_BOX:
+        put_box(link, body);
         break;
     case LINK_AGAIN:
         (void)link_stream_put_entries(link->live->app->recorder, &link->out, words_get(body),

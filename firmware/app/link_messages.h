@@ -73,8 +73,17 @@ typedef enum {
      * segment u32, first entry u16, number of entries u8: asks for these entries again. Answer: as
      * LINK_FRAMES, with these entries or fewer
      */
-    LINK_AGAIN
+    LINK_AGAIN,
+    /*
+     * part u8, first word u16, number of words u8: reads the black box (box.h). Part 0: the log of
+     * faults, fault_log_t; 1: the saved recording, a file of recorder_dump.h. Answer: first u16,
+     * number u8, each word u32
+     */
+    LINK_BOX
 } link_question_t;
+
+#define LINK_BOX_LOG (0U)
+#define LINK_BOX_RECORDING (1U)
 
 /*
  * A verdict is ticket u32 and a text for a person. The text is empty if the question was carried

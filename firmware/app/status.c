@@ -100,6 +100,16 @@ static bool is_swing(const drive_t *drive)
     return (drive->state == DRIVE_STATE_FAULT) && (drive->fault.id == FAULT_OSCILLATION);
 }
 
+void status_add_fault(text_t *text, const about_t *about, fault_id_t id, int32_t value,
+                      int32_t limit)
+{
+    const fault_text_t *const words = fault_text(id);
+
+    text_add(text, words->name);
+    add_measure(text, " ", about, words->unit, value);
+    add_measure(text, ", limit ", about, words->unit, limit);
+}
+
 static void add_fault(text_t *text, const drive_t *drive, const about_t *about)
 {
     const fault_t *const fault = &drive->fault;

@@ -20,6 +20,13 @@
 #include "text.h"
 
 /*
+ * Append a fault with value and limit in their units: "OVERVOLTAGE 61.200 V, limit 60.000 V".
+ * Context: background.
+ */
+void status_add_fault(text_t *text, const about_t *about, fault_id_t id, int32_t value,
+                      int32_t limit);
+
+/*
  * Append the status, without the end of a line. The currents are as measured, with the amplifiers'
  * offset: check this offset at the first power-up. `hal` gives its health; it is the same as
  * app->hal, which app_init() sets. Context: background. A tick may come in between, so the

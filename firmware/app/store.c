@@ -2,15 +2,14 @@
 #include "store.h"
 
 #include "crc32.h"
+#include "flash_unit.h"
 #include "fx.h"
-#include "words.h"
 
 #include <stddef.h>
 
-#define UNIT_WORDS (HAL_STORE_UNIT_BYTES / WORDS_BYTES)
+#define UNIT_WORDS (FLASH_UNIT_WORDS)
 #define BLOCK_WORDS_MAX (STORE_BLOCK_UNITS * UNIT_WORDS)
 #define LENGTH_WORD (2U) /* index of config_block_t.words */
-#define ERASED (0xFFU)
 
 /* Numbers of stamps, see store.h. */
 #define ONE_MORE (1U)       /* bit that is set in the numbers of later stamps */
@@ -19,7 +18,6 @@
 
 _Static_assert((CONFIG_BLOCK_WORDS <= BLOCK_WORDS_MAX),
                "a block does not fit into its part of a slot");
-_Static_assert(UNIT_WORDS == 2U, "a stamp has two words");
 
 /* Content of a slot. */
 typedef struct {
@@ -36,21 +34,12 @@ typedef struct {
 
 static uint32_t read_word(reader_t *reader, uint32_t at)
 {
-    const uint32_t offset = (at % UNIT_WORDS) * WORDS_BYTES;
-    uint8_t unit[HAL_STORE_UNIT_BYTES] = {0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U};
+    uint32_t unit[UNIT_WORDS];
 
-    if (!hal_store_read(reader->hal, reader->slot, at / UNIT_WORDS, unit)) {
+    if (!flash_unit_read(reader->hal, reader->slot, at / UNIT_WORDS, unit)) {
         reader->bad = true;
     }
-    return words_get(&unit[offset]);
-}
-
-static uint32_t crc_of_word_too(uint32_t crc, uint32_t word)
-{
-    uint8_t bytes[WORDS_BYTES];
-
-    words_put(bytes, word);
-    return crc32_step(crc, bytes);
+    return unit[at % UNIT_WORDS];
 }
 
 /*
@@ -69,7 +58,7 @@ static bool has_block(hal_t *hal, uint32_t slot, uint32_t *crc)
         uint32_t sum = CRC32_START;
 
         for (uint32_t at = 0U; at < (words - 1U); at++) {
-            sum = crc_of_word_too(sum, read_word(&reader, at));
+            sum = crc32_word(sum, read_word(&reader, at));
         }
         *crc = ~sum;
         good = read_word(&reader, words - 1U) == *crc;
@@ -77,33 +66,19 @@ static bool has_block(hal_t *hal, uint32_t slot, uint32_t *crc)
     return good && !reader.bad;
 }
 
-static uint32_t stamp_crc(uint32_t sequence, uint32_t block_crc)
+static flash_unit_stamps_t stamps_of(uint32_t slot)
 {
-    return ~crc_of_word_too(crc_of_word_too(CRC32_START, sequence), block_crc);
-}
-
-/* Finds the last good stamp of a block. A unit that cannot be read is not a stamp. */
-static void find_stamp(hal_t *hal, uint32_t slot, uint32_t block_crc, slot_content_t *found)
-{
-    for (uint32_t unit = STORE_BLOCK_UNITS; unit < HAL_STORE_UNITS; unit++) {
-        reader_t reader = {.hal = hal, .slot = slot, .bad = false};
-        const uint32_t sequence = read_word(&reader, unit * UNIT_WORDS);
-        const uint32_t crc = read_word(&reader, (unit * UNIT_WORDS) + 1U);
-
-        if (!reader.bad && (crc == stamp_crc(sequence, block_crc))) {
-            found->whole = true;
-            found->sequence = sequence;
-        }
-    }
+    return (flash_unit_stamps_t){.slot = slot, .first = STORE_BLOCK_UNITS, .end = HAL_STORE_UNITS};
 }
 
 static slot_content_t look_at(hal_t *hal, uint32_t slot)
 {
     slot_content_t found = {.whole = false, .sequence = 0U};
+    const flash_unit_stamps_t stamps = stamps_of(slot);
     uint32_t block_crc = 0U;
 
     if (has_block(hal, slot, &block_crc)) {
-        find_stamp(hal, slot, block_crc, &found);
+        found.whole = flash_unit_find_stamp(hal, &stamps, block_crc, &found.sequence);
     }
     return found;
 }
@@ -133,53 +108,6 @@ bool store_read(const store_t *store, config_block_t *block)
     return !reader.bad;
 }
 
-static bool reads_back(hal_t *hal, uint32_t slot, uint32_t unit,
-                       const uint8_t bytes[HAL_STORE_UNIT_BYTES])
-{
-    uint8_t found[HAL_STORE_UNIT_BYTES] = {0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U};
-    bool same = hal_store_read(hal, slot, unit, found);
-
-    for (uint32_t k = 0U; k < HAL_STORE_UNIT_BYTES; k++) {
-        same = same && (found[k] == bytes[k]);
-    }
-    return same;
-}
-
-static bool program(hal_t *hal, uint32_t slot, uint32_t unit, uint32_t first, uint32_t second)
-{
-    uint8_t bytes[HAL_STORE_UNIT_BYTES];
-
-    words_put(bytes, first);
-    words_put(&bytes[WORDS_BYTES], second);
-    return hal_store_program(hal, slot, unit, bytes) && reads_back(hal, slot, unit, bytes);
-}
-
-static bool is_erased(hal_t *hal, uint32_t slot, uint32_t unit)
-{
-    static const uint8_t erased[HAL_STORE_UNIT_BYTES] = {ERASED, ERASED, ERASED, ERASED,
-                                                         ERASED, ERASED, ERASED, ERASED};
-
-    return reads_back(hal, slot, unit, erased);
-}
-
-/*
- * Programs `count` stamps into the first units that take them. Returns false if fewer units take a
- * stamp.
- */
-static bool put_stamps(hal_t *hal, uint32_t slot, uint32_t count, uint32_t sequence,
-                       uint32_t block_crc)
-{
-    uint32_t left = count;
-
-    for (uint32_t unit = STORE_BLOCK_UNITS; (unit < HAL_STORE_UNITS) && (left > 0U); unit++) {
-        if (is_erased(hal, slot, unit) &&
-            program(hal, slot, unit, sequence, stamp_crc(sequence, block_crc))) {
-            left--;
-        }
-    }
-    return left == 0U;
-}
-
 /* Returns the slot that does not have the newest block. */
 static uint32_t other_slot(const store_t *store)
 {
@@ -203,11 +131,13 @@ static uint32_t number_of_one_more(const store_t *store)
  */
 static void keep(store_t *store)
 {
+    const flash_unit_stamps_t stamps = stamps_of(store->slot);
     uint32_t block_crc = 0U;
 
     if (store->found && has_block(store->hal, store->slot, &block_crc)) {
         store->sequence = number_of_one_more(store);
-        (void)put_stamps(store->hal, store->slot, STAMPS_TO_KEEP, store->sequence, block_crc);
+        (void)flash_unit_put_stamps(store->hal, &stamps, STAMPS_TO_KEEP, store->sequence,
+                                    block_crc);
     }
 }
 
@@ -217,8 +147,8 @@ static bool program_block(hal_t *hal, uint32_t slot, const config_block_t *block
     bool good = true;
 
     for (uint32_t at = 0U; (at < CONFIG_BLOCK_WORDS) && good; at += UNIT_WORDS) {
-        good = program(hal, slot, at / UNIT_WORDS, config_block_word(block, at),
-                       config_block_word(block, at + 1U));
+        good = flash_unit_program(hal, slot, at / UNIT_WORDS, config_block_word(block, at),
+                                  config_block_word(block, at + 1U));
     }
     return good;
 }
@@ -226,6 +156,7 @@ static bool program_block(hal_t *hal, uint32_t slot, const config_block_t *block
 const char *store_write(store_t *store, const config_block_t *block)
 {
     const uint32_t slot = other_slot(store);
+    const flash_unit_stamps_t stamps = stamps_of(slot);
     const char *why = NULL;
     uint32_t sequence;
 
@@ -234,7 +165,7 @@ const char *store_write(store_t *store, const config_block_t *block)
     if (!hal_store_erase(store->hal, slot)) {
         why = "the flash cannot be erased";
     } else if (!program_block(store->hal, slot, block) ||
-               !put_stamps(store->hal, slot, 1U, sequence, block->crc)) {
+               !flash_unit_put_stamps(store->hal, &stamps, 1U, sequence, block->crc)) {
         why = "the flash does not keep what is written";
     } else {
         store->found = true;

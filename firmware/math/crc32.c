@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "crc32.h"
 
+#include "words.h"
+
 #define BYTES_AT_ONCE (4U)
 
 static uint32_t nibble(uint32_t crc)
@@ -27,4 +29,12 @@ uint32_t crc32_step(uint32_t before, const uint8_t *bytes)
         crc = crc32_byte(crc, bytes[k]);
     }
     return crc;
+}
+
+uint32_t crc32_word(uint32_t before, uint32_t word)
+{
+    uint8_t bytes[WORDS_BYTES];
+
+    words_put(bytes, word);
+    return crc32_step(before, bytes);
 }

@@ -16,6 +16,9 @@
 /* Returns the CRC word after the four bytes at `bytes`. before: the CRC word before them. */
 uint32_t crc32_step(uint32_t before, const uint8_t *bytes);
 
+/* Returns the CRC word after the four bytes of a word, the lowest first. */
+uint32_t crc32_word(uint32_t before, uint32_t word);
+
 /* Returns the CRC word after one more byte. */
 uint32_t crc32_byte(uint32_t before, uint8_t byte);
 

@@ -40,6 +40,14 @@ static void describe_end(recorder_header_t *header, const drive_t *end)
     header->fault_tick = failed ? end->fault.tick : 0U;
 }
 
+void recorder_dump_resize(recorder_dump_t *dump, uint32_t entry_words)
+{
+    recorder_header_t *const header = &dump->header;
+
+    header->words = RECORDER_HEADER_WORDS + (CONFIG_WORDS * (1U + header->further)) +
+                    header->state_words + entry_words + 1U;
+}
+
 void recorder_dump_start(recorder_dump_t *dump, const recorder_t *recorder,
                          const recorder_about_t *about)
 {
@@ -58,8 +66,8 @@ void recorder_dump_start(recorder_dump_t *dump, const recorder_t *recorder,
     header->state_words = drive_words_count();
     header->entries = dump->history.entries;
     header->further = (dump->further == NULL) ? 0U : 1U;
-    header->words = RECORDER_HEADER_WORDS + (CONFIG_WORDS * (1U + header->further)) +
-                    header->state_words + (header->entries * ENTRY_WORDS) + 1U;
+    header->packed = 0U;
+    recorder_dump_resize(dump, header->entries * ENTRY_WORDS);
     header->first_tick = recorder_begin_state(recorder, &dump->history)->tick;
     describe_end(header, recorder_end_state(recorder));
     header->about = *about;
@@ -67,7 +75,7 @@ void recorder_dump_start(recorder_dump_t *dump, const recorder_t *recorder,
 
 uint32_t recorder_dump_lines(const recorder_dump_t *dump)
 {
-    return ((dump->header.words + RECORDER_LINE_WORDS) - 1U) / RECORDER_LINE_WORDS;
+    return recorder_lines(dump->header.words);
 }
 
 /* Returns word `at` of the entries. */
@@ -87,41 +95,68 @@ static uint32_t word_at(const uint8_t *first, uint32_t at)
     return words_get(&first[offset]);
 }
 
-/* Returns word `at` of the file; not for the last word, which is the CRC. */
-static uint32_t word_of(const recorder_dump_t *dump, uint32_t at)
+uint32_t recorder_dump_first(const recorder_dump_t *dump)
+{
+    return RECORDER_HEADER_WORDS + CONFIG_WORDS + dump->header.state_words;
+}
+
+uint32_t recorder_dump_head(const recorder_dump_t *dump, uint32_t at)
 {
     const uint32_t config = RECORDER_HEADER_WORDS;
     const uint32_t state = config + CONFIG_WORDS;
-    const uint32_t entries = state + dump->header.state_words;
-    const uint32_t further = entries + (dump->header.entries * ENTRY_WORDS);
     uint32_t word;
 
     if (at < config) {
         word = word_at((const uint8_t *)&dump->header, at);
     } else if (at < state) {
         word = word_at((const uint8_t *)dump->cfg, at - config);
-    } else if (at < entries) {
-        word = drive_words_get(recorder_begin_state(dump->recorder, &dump->history), at - state);
-    } else if (at < further) {
-        word = entry_word(dump, at - entries);
     } else {
-        word = word_at((const uint8_t *)dump->further, at - further);
+        word = drive_words_get(recorder_begin_state(dump->recorder, &dump->history), at - state);
     }
     return word;
 }
 
-/* Writes the next word of the file to `to`, or zero after the end of the file. */
-static void put_next(recorder_dump_t *dump, uint8_t *to)
+uint32_t recorder_dump_further(const recorder_dump_t *dump, uint32_t at)
+{
+    return word_at((const uint8_t *)dump->further, at);
+}
+
+/* Returns word `at` of the file; not for the last word, which is the CRC. */
+static uint32_t word_of(const recorder_dump_t *dump, uint32_t at)
+{
+    const uint32_t entries = recorder_dump_first(dump);
+    const uint32_t further = entries + (dump->header.entries * ENTRY_WORDS);
+    uint32_t word;
+
+    if (at < entries) {
+        word = recorder_dump_head(dump, at);
+    } else if (at < further) {
+        word = entry_word(dump, at - entries);
+    } else {
+        word = recorder_dump_further(dump, at - further);
+    }
+    return word;
+}
+
+/* Returns the next word of the file, or zero after the end of the file. */
+static uint32_t next_word(recorder_dump_t *dump)
 {
     const uint32_t last = dump->header.words - 1U;
+    uint32_t word = 0U;
 
     if (dump->next < last) {
-        words_put(to, word_of(dump, dump->next));
-        dump->crc = crc32_step(dump->crc, to);
+        uint8_t bytes[WORDS_BYTES];
+
+        word = word_of(dump, dump->next);
+        words_put(bytes, word);
+        dump->crc = crc32_step(dump->crc, bytes);
+    } else if (dump->next == last) {
+        word = ~dump->crc;
     } else {
-        words_put(to, (dump->next == last) ? ~dump->crc : 0U);
+        /* the rest of the last line */
     }
     dump->next++;
+    return word;
 }
 
 /* Writes LINE_BYTES bytes as base64 (RFC 4648). */
@@ -142,25 +177,36 @@ static void encode(const uint8_t *bytes, char *to)
     *at = '\0';
 }
 
+void recorder_line(uint32_t number, const uint32_t words[RECORDER_LINE_WORDS],
+                   char line[RECORDER_LINE_CHARACTERS + 1U])
+{
+    uint8_t bytes[LINE_BYTES];
+    uint32_t crc = CRC32_START;
+    uint32_t at = WORDS_BYTES;
+
+    words_put(bytes, number);
+    crc = crc32_step(crc, bytes);
+    for (uint32_t k = 0U; k < RECORDER_LINE_WORDS; k++) {
+        words_put(&bytes[at], words[k]);
+        crc = crc32_step(crc, &bytes[at]);
+        at += WORDS_BYTES;
+    }
+    words_put(&bytes[at], ~crc);
+    line[0] = RECORDER_LINE_MARK;
+    encode(bytes, &line[1]);
+}
+
 bool recorder_dump_line(recorder_dump_t *dump, char line[RECORDER_LINE_CHARACTERS + 1U])
 {
     const bool is_left = dump->next < dump->header.words;
 
     if (is_left) {
-        uint8_t bytes[LINE_BYTES];
-        uint32_t crc = CRC32_START;
-        uint32_t at = WORDS_BYTES;
+        uint32_t words[RECORDER_LINE_WORDS];
 
-        words_put(bytes, dump->line);
-        crc = crc32_step(crc, bytes);
         for (uint32_t k = 0U; k < RECORDER_LINE_WORDS; k++) {
-            put_next(dump, &bytes[at]);
-            crc = crc32_step(crc, &bytes[at]);
-            at += WORDS_BYTES;
+            words[k] = next_word(dump);
         }
-        words_put(&bytes[at], ~crc);
-        line[0] = RECORDER_LINE_MARK;
-        encode(bytes, &line[1]);
+        recorder_line(dump->line, words, line);
         dump->line++;
     }
     return is_left;

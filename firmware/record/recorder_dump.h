@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A frozen recording as lines of text, which the caller sends one by one.
+ * A frozen recording as a file of words, and the file as lines of text, which the caller sends one
+ * by one.
  *
  * The recording is a file of 32-bit words
  *
  *     header           RECORDER_HEADER_WORDS, see recorder_header_t
  *     configuration    drive_cfg_t, its last word is its CRC-32
  *     state            drive_words_get(), before the first frame
- *     entries          recorder_entry_t, 4 words each
+ *     entries          recorder_entry_t, 4 words each; or packed (recorder_pack.h)
  *     further          drive_cfg_t that an entry changes to, only where the header says so
  *     end              CRC-32 of all words before it
  *
@@ -27,7 +28,7 @@
 #include <stdint.h>
 
 #define RECORDER_MAGIC (0x4452464EU) /* "NFRD" */
-#define RECORDER_VERSION (4U)
+#define RECORDER_VERSION (5U)
 #define RECORDER_LINE_MARK ('~')
 #define RECORDER_LINE_WORDS (13U)
 /* characters of a line, without the terminating 0 */
@@ -48,6 +49,9 @@ typedef struct {
     uint32_t pole_pairs;                  /* 1…50 */
     uint32_t build[RECORDER_BUILD_WORDS]; /* build-id of the image; zeros: the simulator */
     uint32_t name[RECORDER_NAME_WORDS];   /* motor, board, tuning: characters, then zeros */
+    /* the last reset: hal_reset_reason_t in bits 0…7, its exception above them; 0: not known */
+    uint32_t reset;
+    uint32_t cut; /* 1: this reset has ended the recording; 0: it was before, or after the end */
 } recorder_about_t;
 
 /*
@@ -76,6 +80,7 @@ typedef struct {
     uint32_t fault_value;
     uint32_t fault_limit;
     uint32_t fault_tick;
+    uint32_t packed; /* words that the packed entries take; 0: they are not packed */
     recorder_about_t about;
 } recorder_header_t;
 
@@ -98,6 +103,29 @@ typedef struct {
  */
 void recorder_dump_start(recorder_dump_t *dump, const recorder_t *recorder,
                          const recorder_about_t *about);
+
+/* Sets `words` and `entries` of the header for entries that take so many words. */
+void recorder_dump_resize(recorder_dump_t *dump, uint32_t entry_words);
+
+/* Returns word `at` of the file if it is before the entries; `at` is below recorder_dump_first().
+ */
+uint32_t recorder_dump_head(const recorder_dump_t *dump, uint32_t at);
+
+/* Returns the index of the first word of the entries. */
+uint32_t recorder_dump_first(const recorder_dump_t *dump);
+
+/* Returns word `at` of the further configuration, which the recording has. */
+uint32_t recorder_dump_further(const recorder_dump_t *dump, uint32_t at);
+
+/* Returns the number of lines that a file of so many words takes. */
+static inline uint32_t recorder_lines(uint32_t words)
+{
+    return ((words + RECORDER_LINE_WORDS) - 1U) / RECORDER_LINE_WORDS;
+}
+
+/* Writes a line with its words: RECORDER_LINE_CHARACTERS and a terminating 0. */
+void recorder_line(uint32_t number, const uint32_t words[RECORDER_LINE_WORDS],
+                   char line[RECORDER_LINE_CHARACTERS + 1U]);
 
 /* Returns the total number of lines. */
 uint32_t recorder_dump_lines(const recorder_dump_t *dump);

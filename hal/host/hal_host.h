@@ -62,6 +62,7 @@ struct hal {
     hal_host_inputs_t *inputs; /* NULL: no inputs, and no sensor that hal_shaft() reads */
     uint32_t ticks;            /* PWM periods since hal_host_init() */
     uint32_t kept[HAL_KEPT_WORDS];
+    hal_reset_t reset; /* what hal_reset() says */
 };
 
 /*

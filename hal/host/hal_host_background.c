@@ -95,3 +95,8 @@ uint32_t hal_kept(const hal_t *hal, uint32_t index)
 {
     return hal->kept[index];
 }
+
+hal_reset_t hal_reset(const hal_t *hal)
+{
+    return hal->reset;
+}

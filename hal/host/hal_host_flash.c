@@ -17,7 +17,7 @@ static hal_host_flash_half_t any_half(hal_host_flash_t *flash)
 void hal_host_flash_init(hal_host_flash_t *flash, uint32_t seed)
 {
     *flash = (hal_host_flash_t){.left = HAL_HOST_FLASH_NEVER, .dead = HAL_HOST_FLASH_NEVER};
-    for (uint32_t slot = 0U; slot < HAL_STORE_SLOTS; slot++) {
+    for (uint32_t slot = 0U; slot < HAL_FLASH_SLOTS; slot++) {
         for (uint32_t unit = 0U; unit < HAL_STORE_UNITS; unit++) {
             flash->units[slot][unit].after = HAL_HOST_FLASH_ERASED;
         }

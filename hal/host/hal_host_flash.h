@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Simulated flash for the store's two slots (hal.h), in units of 64 bits with an error-correcting
+ * Simulated flash with all slots of hal.h, in units of 64 bits with an error-correcting
  * code. A loss of power can be simulated.
  *
  * Each erase and each programming of a unit is a step. Power fails in the step that begins when
@@ -11,7 +11,7 @@
  * the code cannot correct. It keeps this choice from then on; with `unstable` each read chooses
  * anew.
  *
- * Context: the one thread of the simulation. Slots are below HAL_STORE_SLOTS, units below
+ * Context: the one thread of the simulation. Slots are below HAL_FLASH_SLOTS, units below
  * HAL_STORE_UNITS.
  */
 #ifndef HAL_HOST_FLASH_H
@@ -40,14 +40,14 @@ typedef struct {
 } hal_host_flash_unit_t;
 
 typedef struct {
-    hal_host_flash_unit_t units[HAL_STORE_SLOTS][HAL_STORE_UNITS];
+    hal_host_flash_unit_t units[HAL_FLASH_SLOTS][HAL_STORE_UNITS];
     uint32_t left; /* whole steps until power fails; HAL_HOST_FLASH_NEVER: it does not fail */
     uint32_t steps;
     uint32_t erases; /* erases that were begun */
     bool unstable;
     bool refuses_erase;
     bool refuses_program;
-    uint32_t dead; /* the units from this one to dead_last never change, in both slots */
+    uint32_t dead; /* the units from this one to dead_last never change, in all slots */
     uint32_t dead_last;
     uint64_t flips; /* bits that are programmed wrong in each unit */
     plant_random_t chance;

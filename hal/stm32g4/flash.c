@@ -14,9 +14,15 @@ _Static_assert((HAL_STORE_UNITS * HAL_STORE_UNIT_BYTES) == PAGE_BYTES, "a slot i
 static volatile bool is_reading;    /* hal_store_read() is reading a unit */
 static volatile bool is_unreadable; /* the unit that is being read has raised the NMI */
 
+/* Returns the page of a slot, counted from the first page of the black box. */
+static uint32_t page_of(uint32_t slot)
+{
+    return (slot < HAL_STORE_SLOTS) ? (HAL_BOX_SLOTS + slot) : (slot - HAL_STORE_SLOTS);
+}
+
 static uint32_t address_of(uint32_t slot, uint32_t unit)
 {
-    return HAL_STORE + (slot * PAGE_BYTES) + (unit * HAL_STORE_UNIT_BYTES);
+    return HAL_BOX + (page_of(slot) * PAGE_BYTES) + (unit * HAL_STORE_UNIT_BYTES);
 }
 
 bool flash_forgive(void)
@@ -89,8 +95,8 @@ bool hal_store_erase(hal_t *hal, uint32_t slot)
     guard_hold_ticks();
     good = guard_be_patient() && unlock();
     if (good) {
-        reg_write(FLASH_CR,
-                  FLASH_CR_PER | HAL_STORE_BANK | ((HAL_STORE_PAGE + slot) << FLASH_CR_PNB_SHIFT));
+        reg_write(FLASH_CR, FLASH_CR_PER | HAL_STORE_BANK |
+                                ((HAL_BOX_PAGE + page_of(slot)) << FLASH_CR_PNB_SHIFT));
         reg_set(FLASH_CR, FLASH_CR_STRT);
     }
     good = lock() && good;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The store's two slots (hal.h): the last two pages of 2 KiB of the flash, which the linker script
- * leaves free. RM0440 3.3; the data sheet DS12589 gives 10000 erases per page, 22 to 24.5 ms
- * per erase and 82 µs per double word.
+ * The slots of flash (hal.h): the last two pages of 2 KiB of the flash are the store's, the six
+ * pages before them the black box's. The linker script leaves them free. RM0440 3.3; the data sheet
+ * DS12589 gives 10000 erases per page, 22 to 24.5 ms per erase and 82 µs per double word.
  *
  * An STM32G431 has one bank, so the core stands still while a page is erased or a double word is
  * programmed. No tick can run meanwhile. On an STM32G474, which has two banks, the
@@ -11,7 +11,7 @@
  * or more.
  *
  * A double word has 8 check bits, which correct one wrong bit and find two. If a loss of power has
- * left more than one bit wrong, a read raises the NMI. In a slot of the store this only means that
+ * left more than one bit wrong, a read raises the NMI. In a slot this only means that
  * the slot is incomplete; at any other address it is an unexpected exception.
  */
 #ifndef FLASH_H

@@ -6,6 +6,9 @@
 
 /* Reload value of the watchdog: number of counts − 1. A count takes 125 µs: 32 kHz / 4. */
 #define IWDG_RLR_PATIENT (399U)
+#define IWDG_RLR_START (4095U) /* the longest */
+
+static bool is_guarding; /* guard_start() has run */
 
 /*
  * Starts the tick guard. Its priority is above the control interrupt, so that it also comes during
@@ -40,41 +43,57 @@ bool guard_start(void)
     started = set_watchdog(IWDG_RLR_STRICT);
     start_tick_guard();
     reg_write(NVIC_ISER0, 1UL << NVIC_ADC1_2);
+    is_guarding = true;
     return started;
 }
 
-bool guard_has_bitten(void)
+void guard_watch_start(void)
 {
-    const bool bitten = reg_any(RCC_CSR, RCC_CSR_IWDGRSTF);
-
-    reg_set(RCC_CSR, RCC_CSR_RMVF);
-    return bitten;
+    reg_write(IWDG_KR, IWDG_KR_START);
+    (void)set_watchdog(IWDG_RLR_START);
 }
 
 void guard_hold_ticks(void)
 {
     guard_feed();
-    reg_write(SYST_CSR, 0U);
-    reg_write(NVIC_ICER0, 1UL << NVIC_ADC1_2);
+    if (is_guarding) {
+        reg_write(SYST_CSR, 0U);
+        reg_write(NVIC_ICER0, 1UL << NVIC_ADC1_2);
+    }
 }
 
 /* Conversions that have ended meanwhile are old, so they must not start a tick. */
 void guard_release_ticks(void)
 {
-    reg_write(HAL_ADC_LAST + ADC_ISR, ADC_ISR_JEOS | ADC_ISR_JEOC);
-    reg_write(NVIC_ICPR0, 1UL << NVIC_ADC1_2);
-    reg_write(SYST_CVR, 0U);
-    reg_write(SYST_CSR, SYST_CSR_RUN);
-    reg_write(NVIC_ISER0, 1UL << NVIC_ADC1_2);
+    if (is_guarding) {
+        reg_write(HAL_ADC_LAST + ADC_ISR, ADC_ISR_JEOS | ADC_ISR_JEOC);
+        reg_write(NVIC_ICPR0, 1UL << NVIC_ADC1_2);
+        reg_write(SYST_CVR, 0U);
+        reg_write(SYST_CSR, SYST_CSR_RUN);
+        reg_write(NVIC_ISER0, 1UL << NVIC_ADC1_2);
+    }
     guard_feed();
+}
+
+/* Sets a time of the watchdog while the ticks are guarded. */
+static bool set_usual_watchdog(uint32_t reload)
+{
+    bool taken = true;
+
+    if (is_guarding) {
+        taken = set_watchdog(reload);
+    } else {
+        guard_feed();
+    }
+    return taken;
 }
 
 bool guard_be_patient(void)
 {
-    return set_watchdog(IWDG_RLR_PATIENT);
+    return set_usual_watchdog(IWDG_RLR_PATIENT);
 }
 
 bool guard_be_strict(void)
 {
-    return set_watchdog(IWDG_RLR_STRICT);
+    return set_usual_watchdog(IWDG_RLR_STRICT);
 }

@@ -23,14 +23,17 @@
 /* Starts both. Call right before the first tick can come. False if the watchdog does not start. */
 bool guard_start(void);
 
-/* Whether the watchdog made the last reset. Clears this flag, so call it only once. */
-bool guard_has_bitten(void);
+/*
+ * Starts the watchdog alone, with 0.44 s or more, for a part of the start that a reset has to end
+ * if it does not. guard_start() sets the usual time.
+ */
+void guard_watch_start(void);
 
 /*
  * guard_hold_ticks() disables the control interrupt and stops the tick guard.
  * guard_release_ticks() starts both again, and the next conversion gives the next tick. Both feed
  * the watchdog. The gates have to be open in between, and the time in between has to be shorter
- * than the time of the watchdog. Context: background.
+ * than the time of the watchdog. Before guard_start() they only feed. Context: background.
  */
 void guard_hold_ticks(void);
 void guard_release_ticks(void);
@@ -38,7 +41,8 @@ void guard_release_ticks(void);
 /*
  * guard_be_patient() lets the watchdog wait for 47 ms or more, for an erase of the flash.
  * guard_be_strict() sets its usual time again. Both feed it. False when it does not take over the
- * time. Context: background, while the control interrupt is disabled.
+ * time. Before guard_start() they only feed. Context: background, while the control interrupt is
+ * disabled.
  */
 bool guard_be_patient(void);
 bool guard_be_strict(void);

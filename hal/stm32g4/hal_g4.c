@@ -243,6 +243,40 @@ void hal_g4_tick_lost(hal_t *hal)
     hal_open_gates(hal);
 }
 
+/* The flag of the pin is set after each reset, so it is looked at last. */
+static hal_reset_reason_t reset_reason(uint32_t flags)
+{
+    hal_reset_reason_t reason = HAL_RESET_UNKNOWN;
+
+    if ((flags & RCC_CSR_BORRSTF) != 0U) {
+        reason = HAL_RESET_SUPPLY;
+    } else if ((flags & RCC_CSR_IWDGRSTF) != 0U) {
+        reason = HAL_RESET_WATCHDOG;
+    } else if ((flags & RCC_CSR_SFTRSTF) != 0U) {
+        reason = HAL_RESET_SOFTWARE;
+    } else if ((flags & RCC_CSR_OTHERS) != 0U) {
+        reason = HAL_RESET_OTHER;
+    } else if ((flags & RCC_CSR_PINRSTF) != 0U) {
+        reason = HAL_RESET_PIN;
+    } else {
+        /* no flag is set */
+    }
+    return reason;
+}
+
+void hal_g4_note_reset(hal_t *hal)
+{
+    hal->reset = (hal_reset_t){.reason = reset_reason(reg_read(RCC_CSR)),
+                               .exception = reg_read(HAL_G4_EXCEPTION) & SCB_ICSR_VECTACTIVE};
+    reg_set(RCC_CSR, RCC_CSR_RMVF);
+    reg_write(HAL_G4_EXCEPTION, 0U);
+}
+
+hal_reset_t hal_reset(const hal_t *hal)
+{
+    return hal->reset;
+}
+
 /* Backup registers, because the RAM test of the start-up overwrites the whole RAM. */
 void hal_keep(hal_t *hal, uint32_t index, uint32_t word)
 {

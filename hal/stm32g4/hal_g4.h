@@ -11,9 +11,17 @@
 #define HAL_G4_H
 
 #include "hal.h"
+#include "stm32g4.h"
 
 #include <stdbool.h>
 #include <stdint.h>
+
+/*
+ * Backup registers beside those of hal_keep(): the exception that nobody expected, and the mark of
+ * ram.h.
+ */
+#define HAL_G4_EXCEPTION (TAMP_BKP0R + (4U * HAL_KEPT_WORDS))
+#define HAL_G4_RAM_MARK (HAL_G4_EXCEPTION + 4U)
 
 struct hal {
     uint32_t ticks;    /* completed control ticks */
@@ -28,6 +36,7 @@ struct hal {
     bool late;            /* the last tick ended too late */
     uint16_t phase_c;     /* count of the third phase, as adc_ia; drive_step() does not use it */
     uint16_t temperature; /* raw counts of the last conversion */
+    hal_reset_t reset;    /* the last reset */
 };
 
 /*
@@ -35,6 +44,12 @@ struct hal {
  * then the gates stay open. Call after pins_init(). The clock must have settled.
  */
 const char *hal_g4_init(hal_t *hal);
+
+/*
+ * Takes note of the last reset, and forgets its traces in the chip. Call once, when the clocks of
+ * the peripherals are on.
+ */
+void hal_g4_note_reset(hal_t *hal);
 
 /* Starts the control ticks. Returns NULL, or a text that says what does not work. */
 const char *hal_g4_start(void);

@@ -5,6 +5,7 @@
  */
 #include "app.h"
 #include "board.h"
+#include "box.h"
 #include "check.h"
 #include "clock.h"
 #include "cpu.h"
@@ -30,12 +31,17 @@
 static app_t app;
 static hal_t hardware;
 static link_t serial;
-static recorder_t recorder;
-static live_config_t live;
+static box_t box;
+RAM_KEPT static recorder_t recorder;
+RAM_KEPT static recorder_entry_t ring[RECORDER_SEGMENTS * DRIVE_RECORDER_ENTRIES];
+RAM_KEPT static live_config_t live;
+RAM_KEPT static fault_log_t faults;
 
+/* The next start tells which exception it was. */
 void board_safe_state(void)
 {
     reg_clear(TIM1_BDTR, TIM_BDTR_MOE);
+    reg_write(HAL_G4_EXCEPTION, reg_read(SCB_ICSR));
 }
 
 void ADC1_2_IRQHandler(void)
@@ -99,7 +105,6 @@ static void background(void)
 
 static const char *bring_up(void)
 {
-    static recorder_entry_t ring[RECORDER_SEGMENTS * DRIVE_RECORDER_ENTRIES];
     const char *why = hal_g4_init(&hardware);
 
     if (why == NULL) {
@@ -109,6 +114,7 @@ static const char *bring_up(void)
         kept_heat_restore(&app);
         why = recorder_init(&recorder, ring, DRIVE_RECORDER_ENTRIES, BOARD_RECORDER_POST_TICKS);
         app_record(&app, &recorder);
+        ram_keep();
     }
     if (why == NULL) {
         why = hal_g4_start();
@@ -152,10 +158,38 @@ static void greet(void)
     link_say(&serial, live.about.name);
     stored_config_tell(&serial.console.out, &live.stored);
     link_say(&serial, "");
-    if (guard_has_bitten()) {
-        link_say(&serial, "the watchdog made the last reset");
-    }
+    box_tell_start(&serial.console.out, &box);
+    link_say(&serial, "");
     tell_options();
+}
+
+/* The log survives the test. */
+static void test_kept(void)
+{
+    const fault_log_t log = faults;
+
+    (void)ram_test_kept();
+    faults = log;
+}
+
+/*
+ * Saves what the run before has left in the RAM, and then tests that part of the RAM. If something
+ * in it leads the program astray, the watchdog makes the next start begin with an empty RAM.
+ */
+static void rescue(const about_t *of_image)
+{
+    recorder_place_t place = {.entries = ring, .segment_entries = DRIVE_RECORDER_ENTRIES};
+
+    ram_forget();
+    if (ram_is_kept()) {
+        guard_watch_start();
+    }
+    box_init(&box, &app, &hardware, of_image, &faults, !ram_is_kept());
+    if (ram_is_kept()) {
+        box_rescue(&box, &recorder, &place, &live);
+        guard_feed();
+    }
+    test_kept();
 }
 
 int main(void)
@@ -164,9 +198,6 @@ int main(void)
     const char *why = NULL;
 
     reg_write(SCB_VTOR, SCB_VTOR_IMAGE);
-    if (ram_fault != 0U) {
-        why = "the RAM does not hold what is written";
-    }
     if (!clock_is_up()) {
         /* the baud rate is wrong then, so nobody can read this text */
         why = "the clock does not settle";
@@ -174,8 +205,14 @@ int main(void)
     clock_peripherals();
     pins_init();
     uart_init();
+    hal_g4_note_reset(&hardware);
+    rescue(&of_image);
+    if ((why == NULL) && (ram_fault != 0U)) {
+        why = "the RAM does not hold what is written";
+    }
     live_config_init(&live, &app, &hardware, &of_image, &DRIVE_CONFIG);
     link_init(&serial, &live);
+    box.about = &live.about;
     greet();
     if (why == NULL) {
         why = clock_crystal_fault();

@@ -114,7 +114,11 @@
 #define RCC_APB2ENR_TIM16 (1UL << 17)
 #define RCC_CSR (0x40021094U)
 #define RCC_CSR_RMVF (1UL << 23)     /* clears the reset causes */
+#define RCC_CSR_PINRSTF (1UL << 26)  /* the pin; each other reset pulls it, too */
+#define RCC_CSR_BORRSTF (1UL << 27)  /* the supply was off or too low */
+#define RCC_CSR_SFTRSTF (1UL << 28)  /* the software made the last reset */
 #define RCC_CSR_IWDGRSTF (1UL << 29) /* the independent watchdog made the last reset */
+#define RCC_CSR_OTHERS ((1UL << 25) | (1UL << 30) | (1UL << 31)) /* OBL, WWDG, low power */
 
 /* --- Pins, 9.4 -------------------------------------------------------------------------------- */
 #define GPIOA (0x48000000U)
@@ -347,6 +351,8 @@
 #define NVIC_ADC1_2 (18U)
 #define NVIC_ADC1_2_PRIORITY (0xFFUL << 16)
 #define NVIC_ADC1_2_PRIORITY_1 (0x10UL << 16)
+#define SCB_ICSR (0xE000ED04U)
+#define SCB_ICSR_VECTACTIVE (0x1FFU) /* number of the exception that is being handled */
 #define SCB_VTOR (0xE000ED08U)
 #define SCB_VTOR_IMAGE FLASH_IMAGE
 #define SCB_SHPR3 (0xE000ED20U) /* SysTick in the top byte */

@@ -18,6 +18,8 @@ constexpr double HALF_CYCLE_NS = 1e9 / 85e6;  // of the converters' clock of 42.
 constexpr unsigned LONGEST_SAMPLING = 4;      // dividers of some kΩ with a capacitor
 constexpr double CRYSTAL_CYCLES = 8 * 8 * 32; // of 8 captures, each at the 8th edge of 1/32
 constexpr int STORE_PAGES = 2;
+constexpr int BOX_PAGES = 6; // of the black box, before those of the store
+constexpr int KEPT_PAGES = STORE_PAGES + BOX_PAGES;
 constexpr int PAGE_KIB = 2;
 constexpr int FLASH_AT = 0x08000000;
 constexpr int CHANNELS_OF_SMPR1 = 10; // the rest is in SMPR2
@@ -66,9 +68,10 @@ std::string chip_lines(const G4Board &board)
     const G4Chip &chip = *board.chip;
     const int pages = chip.flash_kib / PAGE_KIB;
     const int bank_pages = chip.two_banks ? pages / 2 : pages; // the store is in the last one
-    const int at = FLASH_AT + (chip.flash_kib - STORE_PAGES * PAGE_KIB) * 1024;
-    return line("STORE", hex(static_cast<unsigned long>(at)), "the last two pages of the flash") +
-           line("STORE_PAGE", number(static_cast<unsigned>(bank_pages - STORE_PAGES)),
+    const int at = FLASH_AT + (chip.flash_kib - KEPT_PAGES * PAGE_KIB) * 1024;
+    return line("BOX", hex(static_cast<unsigned long>(at)),
+                "the last eight pages of the flash: black box, store") +
+           line("BOX_PAGE", number(static_cast<unsigned>(bank_pages - KEPT_PAGES)),
                 "the first of them in its bank") +
            line("STORE_BANK", chip.two_banks ? "FLASH_CR_BKER" : "0U", "that bank in FLASH_CR") +
            line("FLASH_MODE", chip.two_banks ? "FLASH_OPTR_DBANK" : "0U",
@@ -433,7 +436,7 @@ std::string g4_memory(const Config &config)
                        "MEMORY\n{{\n"
                        "    flash (rx) : ORIGIN = 0x08000000, LENGTH = {}K\n"
                        "    ram (rw) : ORIGIN = 0x20000000, LENGTH = {}K\n}}\n",
-                       chip.name, chip.flash_kib - STORE_PAGES * PAGE_KIB, chip.ram_kib);
+                       chip.name, chip.flash_kib - KEPT_PAGES * PAGE_KIB, chip.ram_kib);
 }
 
 std::string g4_header(const Config &config)

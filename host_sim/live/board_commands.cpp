@@ -88,6 +88,8 @@ std::string BoardCommands::help()
            "store                   the configuration in force survives the next start\n"
            "status                  what the drive does\n"
            "record FILE             the ticks that are kept, up to the last fault, for `motorsim replay`\n"
+           "last FILE               what the black box has saved of the last fault or reset, for `motorsim replay`\n"
+           "faults                  the log of the last faults and resets\n"
            "debug [SECONDS]         step through the last seconds, forwards and backwards\n"
            "identify [PLATE [FILE]] the drive measures its motor, that of a name plate too; into a new motor file\n"
            "wait SECONDS            before the next command\n"
@@ -460,6 +462,33 @@ Answer BoardCommands::record(const std::string &path)
     return answer;
 }
 
+// As lines, so that it is the same file as that of a console.
+Answer BoardCommands::last(const std::string &path)
+{
+    if (path.empty()) {
+        return refused("last takes the name of a file");
+    }
+    std::vector<uint32_t> words = follower_.client().read_box(LINK_BOX_RECORDING);
+    if (words.empty()) {
+        return refused("no recording is saved");
+    }
+    OutputFile file(path);
+    words.resize(std::size_t{recorder_lines(static_cast<uint32_t>(words.size()))} *
+                 RECORDER_LINE_WORDS);
+    std::string text;
+    for (std::size_t at = 0; at < words.size(); at += RECORDER_LINE_WORDS) {
+        std::array<char, RECORDER_LINE_CHARACTERS + 1> line{};
+        recorder_line(static_cast<uint32_t>(at / RECORDER_LINE_WORDS), &words[at], line.data());
+        text += line.data();
+        text += '\n';
+    }
+    const replay::Recording recording = replay::read(text);
+    file.write(text);
+    file.close();
+    return done(fmt::format("ok: ticks {} to {}: `motorsim replay {}`", recording.run.first(),
+                            recording.last(), path));
+}
+
 Answer BoardCommands::wait(const std::string &seconds)
 {
     const std::optional<double> time_s = number(seconds);
@@ -517,6 +546,8 @@ Answer BoardCommands::execute(const std::string &line)
         {"store", [this] { return store(); }},
         {"status", [this] { return status(); }},
         {"record", [&] { return record(rest); }},
+        {"last", [&] { return last(rest); }},
+        {"faults", [this] { return of_verdict(follower_.client().line("faults")); }},
         {"debug", [&] { return step_through(rest); }},
         {"identify", [&] { return identify(rest); }},
         {"wait", [&] { return wait(rest); }},
@@ -538,6 +569,8 @@ Answer BoardCommands::execute(const std::string &line)
             } catch (const OutputError &error) {
                 return refused(error.what());
             } catch (const LinkError &error) {
+                return refused(error.what());
+            } catch (const replay::RecordingError &error) {
                 return refused(error.what());
             }
         }

@@ -89,6 +89,7 @@ private:
     debug::Answer record(const std::string &path);
     debug::Answer record_ring(OutputFile &file);
     debug::Answer record_shown(const RecordedRun &run, OutputFile &file);
+    debug::Answer last(const std::string &path);
     debug::Answer wait(const std::string &seconds);
     debug::Answer step_through(const std::string &seconds);
     debug::Answer status() const;

@@ -51,6 +51,8 @@ const char *name_of(link_question_t type)
         return "state";
     case LINK_AGAIN:
         return "again";
+    case LINK_BOX:
+        return "box";
     }
     return "question";
 }
@@ -283,6 +285,28 @@ Words Client::read(uint16_t first, uint8_t words)
         refuse_answer(LINK_READ);
     }
     return found;
+}
+
+Words Client::box(uint8_t part, uint16_t first, uint8_t words)
+{
+    const Bytes body = ask(patient(LINK_BOX, BodyWriter().u8(part).u16(first).u8(words).body()));
+    BodyReader reader(body);
+    const Words found = words_of(reader, LINK_BOX);
+    if (found.first != first || found.words.size() > words) {
+        refuse_answer(LINK_BOX);
+    }
+    return found;
+}
+
+std::vector<uint32_t> Client::read_box(uint8_t part)
+{
+    std::vector<uint32_t> all;
+    for (bool more = true; more;) {
+        const Words found = box(part, static_cast<uint16_t>(all.size()), LINK_READ_WORDS_MAX);
+        all.insert(all.end(), found.words.begin(), found.words.end());
+        more = found.words.size() == LINK_READ_WORDS_MAX;
+    }
+    return all;
 }
 
 std::string Client::write(uint16_t first, const std::vector<uint32_t> &words)

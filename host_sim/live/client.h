@@ -106,6 +106,10 @@ public:
     std::string line(const std::string &text);
     // Of the block in force.
     Words read(uint16_t first, uint8_t words);
+    // Of the black box, LINK_BOX_…, as far as there are words.
+    Words box(uint8_t part, uint16_t first, uint8_t words);
+    // All of them.
+    std::vector<uint32_t> read_box(uint8_t part);
     std::string write(uint16_t first, const std::vector<uint32_t> &words);
     std::string apply(uint32_t crc);
     std::string store();

@@ -18,7 +18,7 @@ namespace
 using FlashUnit = std::array<uint8_t, HAL_STORE_UNIT_BYTES>;
 
 constexpr std::size_t FLASH_BYTES =
-    std::size_t{HAL_STORE_SLOTS} * HAL_STORE_UNITS * HAL_STORE_UNIT_BYTES;
+    std::size_t{HAL_FLASH_SLOTS} * HAL_STORE_UNITS * HAL_STORE_UNIT_BYTES;
 
 } // namespace
 
@@ -35,7 +35,7 @@ hal_host_flash_t read_flash(const std::string &path, unsigned seed)
              fmt::format("the {} bytes of a flash, or no file", FLASH_BYTES));
     }
     auto from = bytes.begin();
-    for (uint32_t slot = 0; slot < HAL_STORE_SLOTS; slot++) {
+    for (uint32_t slot = 0; slot < HAL_FLASH_SLOTS; slot++) {
         for (uint32_t unit = 0; unit < HAL_STORE_UNITS; unit++) {
             FlashUnit programmed{};
             std::copy_n(from, programmed.size(), programmed.begin());
@@ -48,7 +48,7 @@ hal_host_flash_t read_flash(const std::string &path, unsigned seed)
 
 void write_flash(OutputFile &file, hal_host_flash_t flash)
 {
-    for (uint32_t slot = 0; slot < HAL_STORE_SLOTS; slot++) {
+    for (uint32_t slot = 0; slot < HAL_FLASH_SLOTS; slot++) {
         for (uint32_t unit = 0; unit < HAL_STORE_UNITS; unit++) {
             FlashUnit found{};
             (void)hal_host_flash_read(&flash, slot, unit, found.data());

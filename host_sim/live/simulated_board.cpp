@@ -82,6 +82,7 @@ void SimulatedBoard::start(const Config &config)
     Simulation &sim = run_.sim();
     sim.hal().line = &line_;
     sim.hal().flash = &flash_;
+    sim.hal().reset.reason = HAL_RESET_SUPPLY;
     live_config_init(&live_, &sim.app(), &sim.hal(), &about_, &cfg_);
     link_init(&link_, &live_);
     run_.start(live_.in_force->cfg);
@@ -90,6 +91,7 @@ void SimulatedBoard::start(const Config &config)
         throw std::logic_error("the recorder refuses its size");
     }
     app_record(&sim.app(), &recorder_);
+    box_init(&box_, &sim.app(), &sim.hal(), &live_.about, &faults_, true);
 }
 
 // As an image does.
@@ -97,6 +99,8 @@ void SimulatedBoard::greet()
 {
     link_say(&link_, live_.about.name);
     stored_config_tell(&link_.console.out, &live_.stored);
+    link_say(&link_, "");
+    box_tell_start(&link_.console.out, &box_);
     link_say(&link_, "");
 }
 

@@ -14,6 +14,7 @@
 #include "scripted_run.h"
 
 extern "C" {
+#include "box.h"
 #include "commander.h"
 #include "link.h"
 }
@@ -88,6 +89,8 @@ private:
     std::vector<recorder_entry_t> ring_;
     recorder_t recorder_{};
     live_config_t live_{};
+    fault_log_t faults_{};
+    box_t box_{};
     link_t link_{};
     std::vector<uint8_t> waiting_; // for room on the line
 };

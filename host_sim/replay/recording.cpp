@@ -7,7 +7,10 @@
 extern "C" {
 #include "config_check.h"
 #include "config_guard.h"
+#include "crc32.h"
 #include "drive_words.h"
+#include "frame_code.h"
+#include "words.h"
 }
 
 #include <algorithm>
@@ -45,6 +48,11 @@ template <typename... Arguments>
     throw RecordingError(fmt::format(format, std::forward<Arguments>(arguments)...));
 }
 
+uint64_t entry_words(const recorder_header_t &h)
+{
+    return h.packed == 0 ? uint64_t{h.entries} * ENTRY_WORDS : h.packed;
+}
+
 void check_sizes(const recorder_header_t &h, std::size_t words)
 {
     if (h.version != RECORDER_VERSION) {
@@ -64,7 +72,7 @@ void check_sizes(const recorder_header_t &h, std::size_t words)
     }
     const uint64_t expected = uint64_t{RECORDER_HEADER_WORDS} +
                               uint64_t{1 + h.further} * CONFIG_WORDS + h.state_words +
-                              uint64_t{h.entries} * ENTRY_WORDS + 1;
+                              entry_words(h) + 1;
     if (h.words != expected) {
         refuse("its header says {} words, its parts make {}", h.words, expected);
     }
@@ -135,12 +143,109 @@ void take_change(RecordedRun &run, uint32_t entry, uint32_t crc, const Configura
     run.changes.push_back({run.frames.size(), *found});
 }
 
-void take_frames(Recording &recording, const uint32_t *words, const Configurations &all)
+using Entries = std::vector<recorder_entry_t>;
+
+// Of a piece of packed entries: see recorder_pack.h.
+struct Piece {
+    std::size_t end; // the frame after its last one
+    uint32_t crc;    // of the outputs
+};
+
+// The word with the number of a piece's entries, and the length of its code; the CRC.
+constexpr std::size_t PIECE_WORDS = 2;
+
+// Takes the piece at `words`, of which `left` are there, and returns how many are its own.
+std::size_t take_piece(const uint32_t *words, std::size_t left, Entries &entries,
+                       std::vector<Piece> &pieces)
+{
+    const uint32_t count = words[0] & 0xFFU;
+    const uint32_t length = words[0] >> 8U;
+    const std::size_t used = PIECE_WORDS + (length + WORD_BYTES - 1) / WORD_BYTES;
+    if (left < PIECE_WORDS || left < used || count == 0 || count > FRAME_CODE_ENTRIES_MAX) {
+        refuse("its packed entries are damaged after entry {}", entries.size());
+    }
+    std::vector<uint8_t> code(length);
+    for (std::size_t k = 0; k < code.size(); k++) {
+        const std::size_t shift = 8 * (k % WORD_BYTES);
+        code[k] = static_cast<uint8_t>(words[PIECE_WORDS + k / WORD_BYTES] >> shift);
+    }
+    const std::size_t first = entries.size();
+    entries.resize(first + count);
+    if (!frame_code_decode(code.data(), length, &entries[first], count)) {
+        refuse("its packed entries {} to {} are no code", first, first + count - 1);
+    }
+    std::size_t frames = pieces.empty() ? 0 : pieces.back().end;
+    recorder_frame_t frame{};
+    for (std::size_t k = first; k < entries.size(); k++) {
+        frames += recorder_unpack(&entries[k], &frame) ? 1U : 0U;
+    }
+    pieces.push_back({frames, words[1]});
+    return used;
+}
+
+Entries entries_of(const recorder_header_t &header, const uint32_t *words,
+                   std::vector<Piece> &pieces)
+{
+    Entries entries;
+    if (header.packed == 0) {
+        entries.resize(header.entries);
+        std::memcpy(entries.data(), words, entries.size() * sizeof entries.front());
+        return entries;
+    }
+    for (std::size_t at = 0; at < header.packed;) {
+        at += take_piece(words + at, header.packed - at, entries, pieces);
+    }
+    if (entries.size() != header.entries) {
+        refuse("its header says {} entries, its packed ones are {}", header.entries,
+               entries.size());
+    }
+    return entries;
+}
+
+uint32_t crc_over(uint32_t before, uint32_t word)
+{
+    std::array<uint8_t, WORD_BYTES> bytes{};
+    words_put(bytes.data(), word);
+    return crc32_step(before, bytes.data());
+}
+
+uint32_t crc_over(uint32_t before, const drive_out_t &out)
+{
+    const uint32_t gate = out.gate_enable ? 0x8000U : 0U;
+    const uint32_t both = out.compare.phase[0] | static_cast<uint32_t>(out.compare.phase[1]) << 16U;
+    return crc_over(crc_over(before, both), out.compare.phase[2] | gate);
+}
+
+// The outputs that the drive computes from the inputs, and whether they are those that it had.
+void compute_outputs(Recording &recording, const std::vector<Piece> &pieces)
+{
+    RecordedRun &run = recording.run;
+    drive_t drive = run.image.state;
+    drive.cfg = &run.image.cfg;
+    auto change = run.changes.begin();
+    std::size_t at = 0;
+    for (const Piece &piece : pieces) {
+        const std::size_t first = at;
+        uint32_t crc = CRC32_START;
+        for (; at < piece.end; at++) {
+            for (; change != run.changes.end() && change->frame == at; ++change) {
+                drive_change(&drive, &change->cfg);
+            }
+            drive_step(&drive, &run.frames[at], &run.outputs[at]);
+            crc = crc_over(crc, run.outputs[at]);
+        }
+        if (~crc != piece.crc && !recording.departure) {
+            recording.departure = {run.first() + static_cast<int64_t>(first),
+                                   run.first() + static_cast<int64_t>(at) - 1, piece.crc, ~crc};
+        }
+    }
+}
+
+void take_frames(Recording &recording, const Entries &entries, const Configurations &all)
 {
     recorder_frame_t frame{};
-    for (uint32_t k = 0; k < recording.header.entries; k++) {
-        recorder_entry_t entry{};
-        std::memcpy(&entry, words + k * ENTRY_WORDS, sizeof entry);
+    for (uint32_t k = 0; k < entries.size(); k++) {
+        const recorder_entry_t &entry = entries[k];
         const bool complete = recorder_unpack(&entry, &frame);
         if (k == 0 && complete) {
             refuse("its first entry is no change: what the first frame was told is missing");
@@ -208,6 +313,21 @@ std::string Recording::build() const
     return text.find_first_not_of('0') == std::string::npos ? "" : text;
 }
 
+std::string Recording::reset() const
+{
+    // hal_reset_reason_t, whose first one is that nobody knows.
+    constexpr std::array<const char *, 6> NAMES = {"",         "supply",   "pin",
+                                                   "software", "watchdog", "of another kind"};
+    const uint32_t reason = header.about.reset & 0xFFU;
+    const uint32_t exception = header.about.reset >> 8U;
+    if (reason == 0 || reason >= NAMES.size()) {
+        return "";
+    }
+    return fmt::format("{}: {}{}", header.about.cut != 0 ? "ends with a reset" : "last reset",
+                       NAMES[reason],
+                       exception == 0 ? "" : fmt::format(" after exception {}", exception));
+}
+
 fault_t Recording::fault() const
 {
     fault_t fault{};
@@ -236,12 +356,14 @@ Recording parse(const std::vector<uint32_t> &words)
     image.cfg = configuration_of(config, "configuration");
     Configurations all = {image.cfg};
     if (recording.header.further != 0) {
-        const std::size_t behind = std::size_t{recording.header.entries} * ENTRY_WORDS;
+        const auto behind = static_cast<std::size_t>(entry_words(recording.header));
         all.push_back(configuration_of(entries + behind, "further configuration"));
     }
     image.state = state_of(state, recording.header, image.cfg);
     image.bases = bases_of(recording.header.about, image.cfg);
-    take_frames(recording, entries, all);
+    std::vector<Piece> pieces;
+    take_frames(recording, entries_of(recording.header, entries, pieces), all);
+    compute_outputs(recording, pieces);
     return recording;
 }
 

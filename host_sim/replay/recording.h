@@ -9,6 +9,7 @@ extern "C" {
 #include "recorder_dump.h"
 }
 
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -21,9 +22,20 @@ struct RecordingError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+// Outputs of a packed recording that are not those that the drive had: of which ticks of the run,
+// and their CRCs.
+struct Departure {
+    int64_t first;
+    int64_t last;
+    uint32_t recorded;
+    uint32_t computed;
+};
+
 struct Recording {
     recorder_header_t header;
+    // Of a packed recording the outputs are computed: the recording has their CRCs.
     RecordedRun run;
+    std::optional<Departure> departure; // the first
     std::string
         remark; // what a person should know of the file beside it, in one line; may be empty
 
@@ -33,6 +45,8 @@ struct Recording {
     {
         return run.first() + static_cast<int64_t>(run.frames.size()) - 1;
     }
+    // "ends with a reset: watchdog"; empty where the last reset is not known.
+    std::string reset() const;
     // Of the end; none without a FAULT.
     fault_t fault() const;
 };

@@ -73,7 +73,7 @@ std::string verdict(const Recording &recording, const Result &result)
                            recording.run.outputs.size(), result.end_hash);
     }
     const Difference &d = *result.difference;
-    const bool hash = d.signal == "the state's hash";
+    const bool hash = d.signal.rfind("the ", 0) == 0; // of a state or of outputs
     return fmt::format("  departs at tick {}: {}, recorded {}, computed {}\n", d.tick, d.signal,
                        hash ? fmt::format("{:08x}", d.recorded) : std::to_string(d.recorded),
                        hash ? fmt::format("{:08x}", d.computed) : std::to_string(d.computed));
@@ -113,6 +113,13 @@ Result replay(const Recording &recording)
             result.difference = compare(tick, recording.run.outputs[k], out);
         }
     }
+    if (!result.difference && recording.departure) {
+        const Departure &found = *recording.departure;
+        result.difference = {
+            found.first,
+            fmt::format("the CRC of the outputs of ticks {} to {}", found.first, found.last),
+            found.recorded, found.computed};
+    }
     if (!result.difference) {
         result.difference = compare_end(recording, drive);
     }
@@ -143,6 +150,7 @@ std::string summary(const Recording &recording, const Result &result)
                        recording.run.outputs.size(), period_s * 1e6,
                        static_cast<double>(recording.run.outputs.size()) * period_s) +
            (recording.remark.empty() ? "" : fmt::format("  {}\n", recording.remark)) +
+           (recording.reset().empty() ? "" : fmt::format("  {}\n", recording.reset())) +
            changes_text(recording) + end_text(recording, result) + verdict(recording, result);
 }
 

@@ -18,6 +18,8 @@ from wiring import Wiring, port_and_number
 SLOW_TICKS = 10  # of every tuning
 TAKING_TICK = 6  # of a slow period: its seventh tick reads the command, see schedule.h
 WATCHDOG_FLAG = 1 << 29
+SOFTWARE_FLAG = 1 << 28
+SUPPLY_FLAG = 1 << 27
 PIN_FLAG = 1 << 26
 COLD_ROOM_COUNT = 4096 * 4.7 / (4.7 + 10)  # 25 °C: an NTC of 10 kΩ above 4.7 kΩ
 

@@ -19,7 +19,7 @@ from unicorn.unicorn_py3.unicorn import uclib
 
 import decisions
 import elf
-from flash import store_of
+from flash import box_of
 from g4 import FLASH, RAM
 from registers import Bus, WrongAccess
 
@@ -76,7 +76,7 @@ class Core:
 
     def __init__(self, image, chip, library, flashed=()):
         self.chip = chip
-        self.image_size = store_of(chip.facts) - FLASH  # the store behind it is read as registers: flash.py
+        self.image_size = box_of(chip.facts) - FLASH  # black box and store behind it are read as registers: flash.py
         self.ram_end = RAM + chip.facts.ram_bytes
         self.bus = Bus(chip.blocks)
         self.failure = None
@@ -104,6 +104,14 @@ class Core:
         stack, start = struct.unpack("<II", self.uc.mem_read(FLASH, 8))
         self.uc.reg_write(arm.UC_ARM_REG_SP, stack)
         self.uc.reg_write(arm.UC_ARM_REG_PC, start)
+
+    def ram(self):
+        """All that it holds."""
+        return bytes(self.uc.mem_read(RAM, self.ram_end - RAM))
+
+    def set_ram(self, data):
+        """As another run has left it."""
+        self.uc.mem_write(RAM, data)
 
     def _load(self, address, data):
         facts = self.chip.facts
@@ -260,6 +268,7 @@ class Core:
         pushed = stack - 32 & ~7
         self.uc.mem_write(pushed, struct.pack("<8I", *frame))
         before, self.priority = self.priority, self.chip.system.priority(exception)
+        handled = self.chip.system.handled
         self.chip.clock.now += EXCEPTION_CYCLES
         self._enter(exception, pushed)
         if instructions:
@@ -271,6 +280,7 @@ class Core:
             self.run()
         self.chip.clock.now += EXCEPTION_CYCLES
         self.priority = before
+        self.chip.system.handled = handled
         self.taken[exception] = self.taken.get(exception, 0) + 1
         frame = struct.unpack("<8I", self.uc.mem_read(pushed, 32))
         for register, value in zip(FRAME, frame):
@@ -280,6 +290,7 @@ class Core:
 
     def _enter(self, exception, stack):
         vector = self.chip.system["SCB_VTOR"] + 4 * exception
+        self.chip.system.handled = exception
         handler, = struct.unpack("<I", self.uc.mem_read(vector, 4))
         self.uc.reg_write(arm.UC_ARM_REG_SP, stack)
         self.uc.reg_write(arm.UC_ARM_REG_LR, EXC_RETURN)

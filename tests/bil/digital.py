@@ -119,7 +119,7 @@ class Power:
             "CSR": (0x94, Register(reset_flags, 0x00800000, on_write=self._clear_flags)),
         })
         self.backup = Backup(self)
-        self.blocks = [self.pwr, self.flash, self.flash.store, self.rcc, self.backup]
+        self.blocks = [self.pwr, self.flash, self.flash.kept, self.rcc, self.backup]
 
     def _enable_bits(self, peripherals):
         found = dict.fromkeys(("AHB1ENR", "AHB2ENR", "APB1ENR1", "APB1ENR2", "APB2ENR"), 0) | self.ALWAYS
@@ -630,6 +630,7 @@ class System(Block):
         self.conversions = conversions
         self.due = NEVER
         self.pending = False
+        self.handled = 0  # the exception whose handler runs; set by core.py
         interrupts = [exception - self.DEVICE for exception in conversions]
         super().__init__("SYSTEM", 0xE000E000, {
             "SYST_CSR": (0x010, Register(0, 7, self._read_status, self._start)),
@@ -637,6 +638,7 @@ class System(Block):
             "SYST_CVR": (0x018, Register(0, on_write=self._restart)),
             **self._controller(sorted({interrupt // 32 for interrupt in interrupts})),
             **{f"NVIC_IPR{interrupt // 4}": (0x400 + 4 * (interrupt // 4), Register(0, 0xF0F0F0F0)) for interrupt in interrupts},
+            "SCB_ICSR": (0xD04, Register(0, 0, lambda: self.handled)),
             "SCB_VTOR": (0xD08, Register(0, 0xFFFFFF80)),
             "SCB_SHPR3": (0xD20, Register(0, 0xF0F00000)),
         })

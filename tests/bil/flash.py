@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Model of an STM32G4's flash: its controller, and the two pages of the store at its end. RM0440 3.3 and 3.7.
+"""Model of an STM32G4's flash: its controller, and the pages at its end: six of the black box, two of the store. RM0440 3.3
+and 3.7.
 
 A page has 2 KiB. In a flash of one bank the core stands still until an erase or a programming has ended. One of two banks has
 the factory's option bytes (DBANK = 1), the store in its second bank and the image in its first: the core goes on. Each erase
@@ -15,6 +16,7 @@ import g4
 from registers import Block, Register, need
 
 STORE_BYTES = 0x1000
+KEPT_BYTES = 0x4000  # black box and store
 PAGE = 0x800
 UNIT = 8
 ERASED = 2 ** 64 - 1
@@ -38,20 +40,25 @@ def store_of(facts):
     return g4.FLASH + facts.flash_bytes - STORE_BYTES
 
 
+def box_of(facts):
+    """The address of the black box: the pages before those of the store."""
+    return g4.FLASH + facts.flash_bytes - KEPT_BYTES
+
+
 class PowerFails(Exception):
     """Within a step of the flash."""
 
 
 class Flash(Block):
-    """The controller. `units`: the double words of the store by their place. It is busy for the next `busy` looks at its status, and
+    """The controller. `units`: the double words of these pages by their place. It is busy for the next `busy` looks at its status, and
     for `lasting` ones behind each step; `deaf()` says whether it takes no key, `refuses` that it programs nothing."""
 
     def __init__(self, chip):
         self.chip = chip
-        self.store_address = store_of(chip.facts)
+        self.kept_address = box_of(chip.facts)
         self.dual_bank = chip.facts.dual_bank
         need(chip.facts.page_bytes == PAGE, "pages of another length than those of this model")
-        self.first_page = (chip.facts.bank_bytes - STORE_BYTES) // PAGE  # of the store, in its bank
+        self.first_page = (chip.facts.bank_bytes - KEPT_BYTES) // PAGE  # of the black box, in its bank
         self.ends = 0    # of the step that goes on beside the core
         self.units = {}  # that are not erased
         self.steps = 0
@@ -72,19 +79,19 @@ class Flash(Block):
             "OPTR": (0x20, Register(GOOD_OPTIONS, 0)),
             "ECCR": (0x18, Register(0, 1 << 31, on_write=self._acknowledge)),
         })
-        self.store = Block("STORE", self.store_address, {
+        self.kept = Block("KEPT", self.kept_address, {
             f"{offset:#05x}": (offset, Register(0, on_read=self._reader(offset), on_write=self._writer(offset)))
-            for offset in range(0, STORE_BYTES, 4)})
+            for offset in range(0, KEPT_BYTES, 4)})
 
     def load(self, address, data):
-        """What is in the store beside the image."""
+        """What is in these pages beside the image."""
         padded = data + b"\xFF" * (-len(data) % UNIT)
         for at in range(0, len(padded), UNIT):
-            self.units[(address - self.store_address + at) // UNIT] = int.from_bytes(padded[at:at + UNIT], "little")
+            self.units[(address - self.kept_address + at) // UNIT] = int.from_bytes(padded[at:at + UNIT], "little")
 
     def content(self):
         """As (address, bytes), for another board with this flash."""
-        return [(self.store_address + unit * UNIT, value.to_bytes(UNIT, "little")) for unit, value in sorted(self.units.items())]
+        return [(self.kept_address + unit * UNIT, value.to_bytes(UNIT, "little")) for unit, value in sorted(self.units.items())]
 
     def _bank(self):
         """The bit of CR that selects the store's bank."""
@@ -126,8 +133,8 @@ class Flash(Block):
         self["CR"] = value & ~STRT | OPTLOCK
         if value & STRT:
             page = (value >> 3 & 0x7F) - self.first_page
-            need(value & (PER | PG | BANK_2) == PER | self._bank() and page in (0, 1),
-                 "another page than those of the store is erased")
+            need(value & (PER | PG | BANK_2) == PER | self._bank() and page in range(KEPT_BYTES // PAGE),
+                 "another page than those of black box and store is erased")
             if self.protected:
                 self["SR"] |= WRPERR
                 return

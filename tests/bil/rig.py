@@ -53,6 +53,15 @@ def running(**arguments):
     return made
 
 
+def reset(made, flags, ram=True, **arguments):
+    """The board after a reset at this moment, before its first instruction. Without `ram` the supply was off."""
+    power = made.chip.power
+    again = make(reset_flags=flags | board.PIN_FLAG, flashed=power.flash.content(), kept=power.backup.words if ram else (), **arguments)
+    if ram:
+        again.core.set_ram(made.core.ram())
+    return again
+
+
 def run(made):
     """The line is typed right after a tick, and the next one takes it."""
     made.tick()

@@ -230,7 +230,7 @@ class Ticks(unittest.TestCase):
 
     def test_after_the_watchdog_the_console_says_so(self):
         made = booted(reset_flags=board.WATCHDOG_FLAG)
-        self.assertIn("the watchdog made the last reset", made.said())
+        self.assertIn("last reset: watchdog; no recording is saved", made.said())
         self.assertEqual(made.chip.power.rcc["CSR"], 0)
 
     def test_an_interrupt_that_nobody_wants_opens_the_gates_for_good(self):
@@ -317,7 +317,7 @@ class Console(unittest.TestCase):
     def test_what_is_no_command_is_refused_in_one_line_and_the_last_speeds_are_taken(self):
         made = ready()
         limit = int(re.search(r"at most (\d+) either way", answer(made, "speed fast"))[1])
-        commands = "the commands are run, stop, clear, speed RPM, torque NM, zero, unlock, status, dump, record, identify"
+        commands = "the commands are run, stop, clear, speed RPM, torque NM, zero, unlock, status, dump, record, last, faults, identify"
         speeds = f"speed takes a whole number of rpm, at most {limit} either way"
         for line, wrong in (("sped 3", commands), ("run " + 100 * "x", commands), ("clear", "there is no fault to clear"),
                             ("speed fast", speeds), (f"speed {limit + 1}", speeds), (f"speed {-limit - 1}", speeds)):

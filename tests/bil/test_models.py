@@ -263,7 +263,7 @@ class Flash(unittest.TestCase):
     def test_with_two_banks_the_store_is_at_the_end_of_the_second_and_an_erase_takes_its_time_beside_the_core(self):
         bare = Bare(WITH_UPPER_PARTS)
         flash = bare.chip.power.flash
-        self.assertEqual(flash.store_address, 0x0807F000)
+        self.assertEqual(flash.kept_address, 0x0807C000)
         flash.load(0x0807F800, b"x" * 8)
         bare.write("FLASH_ACR", 0x40000)
         for key in KEYS:

@@ -164,7 +164,7 @@ class Line(unittest.TestCase):
         self.assertTrue(said.endswith("\r\n"))
         for line in said.split("\r\n"):
             self.assertLessEqual(line.count("READY"), 1, line)
-        self.assertRegex(answer(made, "status"), r"^READY, .* %\r\n$")
+        self.assertRegex(answer(made, "status"), r"^READY, .* %, last reset: pin\r\n$")
 
 
 class Slow(unittest.TestCase):

@@ -11,9 +11,11 @@
 
 #include <string.h>
 
-#define STORE_BYTES (4096U)
+#define KEPT_BYTES (16384U) /* six pages of the black box, two of the store */
+#define FIRST_PAGE (56U)
+#define LAST_PAGE (63U)
 #define PAGE_WORDS (512U)
-#define WORDS (STORE_BYTES / 4U)
+#define WORDS (KEPT_BYTES / 4U)
 #define NONE UINT32_MAX
 #define CACHE_RESETS (FLASH_ACR_ICRST | FLASH_ACR_DCRST)
 #define BUSY_LOOKS (2U) /* fewer than reg_wait() has */
@@ -98,10 +100,10 @@ static void write_cr(uint32_t value)
         const uint32_t page = (value >> FLASH_CR_PNB_SHIFT) & 0x7FU;
 
         TEST_ASSERT_EQUAL_HEX32(FLASH_CR_PER, value & (FLASH_CR_PER | FLASH_CR_PG));
-        TEST_ASSERT_TRUE((page == 62U) || (page == 63U));
+        TEST_ASSERT_TRUE((page >= FIRST_PAGE) && (page <= LAST_PAGE));
         TEST_ASSERT_TRUE(chip.patient);
         begin_operation();
-        memset(&chip.store[(page - 62U) * PAGE_WORDS], 0xFF, 2048U);
+        memset(&chip.store[(page - FIRST_PAGE) * PAGE_WORDS], 0xFF, 2048U);
         chip.cr &= ~FLASH_CR_STRT;
     }
 }
@@ -157,8 +159,8 @@ void reg_write(uint32_t address, uint32_t value)
     } else if (address == FLASH_ACR) {
         write_acr(value);
     } else {
-        TEST_ASSERT_TRUE((address >= HAL_STORE) && (address < (HAL_STORE + STORE_BYTES)));
-        write_store((address - HAL_STORE) / 4U, value);
+        TEST_ASSERT_TRUE((address >= HAL_BOX) && (address < (HAL_BOX + KEPT_BYTES)));
+        write_store((address - HAL_BOX) / 4U, value);
     }
 }
 
@@ -194,7 +196,7 @@ uint32_t reg_read(uint32_t address)
     } else if (address == FLASH_ECCR) {
         value = chip.eccr;
     } else if (address != FLASH_ACR) {
-        value = read_store((address - HAL_STORE) / 4U);
+        value = read_store((address - HAL_BOX) / 4U);
     }
     return value;
 }
@@ -214,6 +216,14 @@ void tearDown(void)
     TEST_ASSERT_FALSE(chip.keys_blocked);
 }
 
+/* The slots of the store are the last pages, those of the black box the pages before them. */
+static uint32_t word_of(uint32_t slot, uint32_t unit)
+{
+    static const uint32_t pages[HAL_FLASH_SLOTS] = {6U, 7U, 0U, 1U, 2U, 3U, 4U, 5U};
+
+    return (pages[slot] * PAGE_WORDS) + (unit * 2U);
+}
+
 static const uint8_t BYTES[] = {0x01U, 0x02U, 0x03U, 0x04U, 0x05U, 0x06U, 0x07U, 0x88U};
 
 static void assert_reads(uint32_t slot, uint32_t unit, const uint8_t *expected)
@@ -228,13 +238,13 @@ TEST(test_a_unit_is_programmed_where_it_is_read_and_nowhere_else)
 {
     static const uint8_t erased[] = {0xFFU, 0xFFU, 0xFFU, 0xFFU, 0xFFU, 0xFFU, 0xFFU, 0xFFU};
 
-    for (uint32_t slot = 0U; slot < HAL_STORE_SLOTS; slot++) {
+    for (uint32_t slot = 0U; slot < HAL_FLASH_SLOTS; slot++) {
         for (uint32_t unit = 0U; unit < HAL_STORE_UNITS; unit += 85U) {
             setUp();
             TEST_ASSERT_TRUE(hal_store_program(none, slot, unit, BYTES));
-            TEST_ASSERT_EQUAL_HEX32(0x04030201U, chip.store[(slot * PAGE_WORDS) + (unit * 2U)]);
+            TEST_ASSERT_EQUAL_HEX32(0x04030201U, chip.store[word_of(slot, unit)]);
             assert_reads(slot, unit, BYTES);
-            assert_reads(1U - slot, unit, erased);
+            assert_reads((slot + 1U) % HAL_FLASH_SLOTS, unit, erased);
             assert_reads(slot, (unit + 1U) % HAL_STORE_UNITS, erased);
         }
     }
@@ -242,13 +252,19 @@ TEST(test_a_unit_is_programmed_where_it_is_read_and_nowhere_else)
 
 TEST(test_an_erase_is_of_its_slot_alone)
 {
-    TEST_ASSERT_TRUE(hal_store_program(none, 0U, 3U, BYTES));
-    TEST_ASSERT_TRUE(hal_store_program(none, 1U, 3U, BYTES));
-    TEST_ASSERT_TRUE(hal_store_erase(none, 0U));
-    assert_reads(1U, 3U, BYTES);
-    TEST_ASSERT_EQUAL_HEX32(UINT32_MAX, chip.store[6]);
-    TEST_ASSERT_TRUE(hal_store_erase(none, 1U));
-    TEST_ASSERT_EQUAL_HEX32(UINT32_MAX, chip.store[PAGE_WORDS + 6U]);
+    for (uint32_t slot = 0U; slot < HAL_FLASH_SLOTS; slot++) {
+        setUp();
+        for (uint32_t one = 0U; one < HAL_FLASH_SLOTS; one++) {
+            TEST_ASSERT_TRUE(hal_store_program(none, one, 3U, BYTES));
+        }
+        TEST_ASSERT_TRUE(hal_store_erase(none, slot));
+        TEST_ASSERT_EQUAL_HEX32(UINT32_MAX, chip.store[word_of(slot, 3U)]);
+        for (uint32_t one = 0U; one < HAL_FLASH_SLOTS; one++) {
+            if (one != slot) {
+                assert_reads(one, 3U, BYTES);
+            }
+        }
+    }
 }
 
 TEST(test_a_unit_that_is_not_erased_is_an_error_and_stays)
@@ -279,14 +295,14 @@ TEST(test_a_flash_that_stays_busy_is_an_error_before_and_behind)
     chip.busy_for = FOREVER;
     TEST_ASSERT_FALSE(hal_store_erase(none, 0U));
     TEST_ASSERT_FALSE(hal_store_program(none, 0U, 0U, BYTES));
-    TEST_ASSERT_EQUAL_HEX32(UINT32_MAX, chip.store[0]);
+    TEST_ASSERT_EQUAL_HEX32(UINT32_MAX, chip.store[word_of(0U, 0U)]);
 }
 
 TEST(test_a_flash_that_does_not_unlock_is_an_error)
 {
     chip.keys = 1U; /* it waits for the second key */
     TEST_ASSERT_FALSE(hal_store_program(none, 0U, 0U, BYTES));
-    TEST_ASSERT_EQUAL_HEX32(UINT32_MAX, chip.store[0]);
+    TEST_ASSERT_EQUAL_HEX32(UINT32_MAX, chip.store[word_of(0U, 0U)]);
     chip.keys_blocked = false;
 }
 
@@ -298,10 +314,10 @@ TEST(test_what_is_unlocked_already_gets_no_keys)
 
 TEST(test_a_watchdog_that_does_not_wait_is_an_error_before_the_erase)
 {
-    chip.store[0] = 0U;
+    chip.store[word_of(0U, 0U)] = 0U;
     chip.lacks_patience = true;
     TEST_ASSERT_FALSE(hal_store_erase(none, 0U));
-    TEST_ASSERT_EQUAL_HEX32(0U, chip.store[0]);
+    TEST_ASSERT_EQUAL_HEX32(0U, chip.store[word_of(0U, 0U)]);
     chip.lacks_patience = false;
     chip.lacks_strictness = true;
     TEST_ASSERT_FALSE(hal_store_erase(none, 0U));
@@ -312,7 +328,7 @@ TEST(test_a_torn_unit_is_unreadable_and_the_next_one_is_not)
     uint8_t read[HAL_STORE_UNIT_BYTES];
 
     TEST_ASSERT_TRUE(hal_store_program(none, 1U, 4U, BYTES));
-    chip.torn = (PAGE_WORDS / 2U) + 3U;
+    chip.torn = word_of(1U, 3U) / 2U;
     TEST_ASSERT_FALSE(hal_store_read(none, 1U, 3U, read));
     TEST_ASSERT_TRUE(chip.nmi_forgiven);
     TEST_ASSERT_EQUAL_HEX32(0U, chip.eccr);

@@ -107,6 +107,39 @@ hal_health_t hal_health(const hal_t *hal)
     return hal->health;
 }
 
+hal_reset_t hal_reset(const hal_t *hal)
+{
+    (void)hal;
+    return (hal_reset_t){.reason = HAL_RESET_WATCHDOG, .exception = 3U};
+}
+
+/* The console has no flash. */
+bool hal_store_read(hal_t *hal, uint32_t slot, uint32_t unit, uint8_t bytes[HAL_STORE_UNIT_BYTES])
+{
+    (void)hal;
+    (void)slot;
+    (void)unit;
+    (void)bytes;
+    return false;
+}
+
+bool hal_store_erase(hal_t *hal, uint32_t slot)
+{
+    (void)hal;
+    (void)slot;
+    return false;
+}
+
+bool hal_store_program(hal_t *hal, uint32_t slot, uint32_t unit,
+                       const uint8_t bytes[HAL_STORE_UNIT_BYTES])
+{
+    (void)hal;
+    (void)slot;
+    (void)unit;
+    (void)bytes;
+    return false;
+}
+
 static uint8_t next_byte(input_t *input)
 {
     uint8_t byte = 0U;

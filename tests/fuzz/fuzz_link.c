@@ -64,7 +64,7 @@ static link_t serial;
 static recorder_t recorder;
 static recorder_entry_t entries[ENTRIES];
 static bool may_command; /* a message, or a line that was typed, came in */
-static uint8_t store[HAL_STORE_SLOTS][HAL_STORE_UNITS][HAL_STORE_UNIT_BYTES];
+static uint8_t store[HAL_FLASH_SLOTS][HAL_STORE_UNITS][HAL_STORE_UNIT_BYTES];
 
 bool hal_receive(hal_t *hal, uint8_t *byte)
 {
@@ -191,6 +191,12 @@ void hal_keep(hal_t *hal, uint32_t index, uint32_t word)
 uint32_t hal_kept(const hal_t *hal, uint32_t index)
 {
     return hal->kept[index];
+}
+
+hal_reset_t hal_reset(const hal_t *hal)
+{
+    (void)hal;
+    return (hal_reset_t){.reason = HAL_RESET_WATCHDOG, .exception = 3U};
 }
 
 bool hal_store_read(hal_t *hal, uint32_t slot, uint32_t unit, uint8_t bytes[HAL_STORE_UNIT_BYTES])

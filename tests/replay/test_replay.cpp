@@ -11,11 +11,15 @@
 
 extern "C" {
 #include "config_guard.h"
+#include "crc32.h"
 #include "drive_words.h"
+#include "frame_code.h"
+#include "hal.h"
 #include "testing.h"
 }
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -379,7 +383,7 @@ TEST(what_the_header_says_and_the_configuration_are_checked)
         const char *text;
     } cases[] = {
         {0, 0x474E5089, "no recording of a flight recorder"},
-        {1, 2, "of another firmware: its format is version 2, this program reads version 4"},
+        {1, 2, "of another firmware: its format is version 2, this program reads version 5"},
         {2, 77, "its header says 77 words"},
         {3, 3, "its configuration has 3 words"},
         {4, 3, "its state has 3 words"},
@@ -390,12 +394,12 @@ TEST(what_the_header_says_and_the_configuration_are_checked)
         {FIRST_TICK, 3, "its first tick is 3"},
         {8, 3, "frames for the ticks"},
         {10, FAULT_COUNT, "its fault is number"},
-        {14, 999999, "its tick in ps is 999999, allowed are 1000000 to 1000000000"},
-        {14, 1000000001, "its tick in ps is 1000000001"},
-        {15, 0, "its current scale in uA is 0"},
-        {16, 0, "its bus scale in uV is 0"},
-        {17, 0, "its number of pole pairs is 0, allowed are 1 to 50"},
-        {17, 51, "its number of pole pairs is 51"},
+        {15, 999999, "its tick in ps is 999999, allowed are 1000000 to 1000000000"},
+        {15, 1000000001, "its tick in ps is 1000000001"},
+        {16, 0, "its current scale in uA is 0"},
+        {17, 0, "its bus scale in uV is 0"},
+        {18, 0, "its number of pole pairs is 0, allowed are 1 to 50"},
+        {18, 51, "its number of pole pairs is 51"},
         {CONFIG, good[CONFIG] ^ 4U, "configuration was damaged"},
     };
     for (const auto &[word, value, text] : cases) {
@@ -403,6 +407,112 @@ TEST(what_the_header_says_and_the_configuration_are_checked)
     }
     assert_contains("is cut off", refusal_of(cut(good, good.size() - 5)));
     assert_contains("is cut off", refusal_of(cut(good, 9)));
+}
+
+// ---- packed entries ----
+
+constexpr std::size_t PACKED = 14; // words of the header
+constexpr std::size_t RESET = 48;  // the last reset
+constexpr std::size_t CUT = RESET + 1;
+constexpr uint32_t PIECE = 40; // entries of a piece
+
+// The recording with its entries as recorder_pack.h says, made here a second time.
+Words packed(const Words &plain)
+{
+    const std::size_t first = STATE + drive_words_count();
+    const std::size_t count = plain[ENTRIES];
+    std::vector<recorder_entry_t> entries(count);
+    std::memcpy(entries.data(), &plain[first], count * sizeof(recorder_entry_t));
+    Words words(plain.begin(), plain.begin() + static_cast<std::ptrdiff_t>(first));
+    for (std::size_t at = 0; at < count;) {
+        std::array<uint8_t, 160> code{};
+        uint32_t length = 0;
+        const uint32_t put = frame_code_encode(
+            &entries[at], static_cast<uint32_t>(std::min<std::size_t>(PIECE, count - at)),
+            code.data(), code.size() - 8, &length);
+        uint32_t crc = CRC32_START;
+        for (std::size_t k = at; k < at + put; k++) {
+            const uint32_t *const word = entries[k].word;
+            if ((word[2] & 0x8000U) == 0) {
+                crc = crc32_word(crc32_word(crc, word[2]), word[3] & 0xFFFFU);
+            }
+        }
+        words.push_back(put | length << 8U);
+        words.push_back(~crc);
+        for (uint32_t k = 0; k < length; k += 4) {
+            uint32_t word = 0;
+            std::memcpy(&word, &code[k], sizeof word);
+            words.push_back(word);
+        }
+        at += put;
+    }
+    words[PACKED] = static_cast<uint32_t>(words.size() - first);
+    words.insert(words.end(),
+                 plain.begin() + static_cast<std::ptrdiff_t>(first + count * ENTRY_WORDS),
+                 plain.end());
+    words[2] = static_cast<uint32_t>(words.size());
+    return words;
+}
+
+TEST(a_packed_run_is_the_same_run)
+{
+    for (const std::string &text : {recorded(), recorded_with({{last_tick() - 400, {KAPPA}}})}) {
+        const Words plain = words_of(text);
+        const Words small = packed(plain);
+        const Recording expected = nf::replay::parse(plain);
+        const Recording found = nf::replay::parse(small);
+        TEST_ASSERT_LESS_THAN_size_t(plain.size() / 2, small.size());
+        TEST_ASSERT_FALSE(found.departure.has_value());
+        TEST_ASSERT_EQUAL_size_t(expected.run.frames.size(), found.run.frames.size());
+        for (std::size_t k = 0; k < expected.run.frames.size(); k++) {
+            TEST_ASSERT_EQUAL_MEMORY(&expected.run.frames[k], &found.run.frames[k],
+                                     sizeof(drive_in_t));
+            TEST_ASSERT_EQUAL_MEMORY(&expected.run.outputs[k].compare,
+                                     &found.run.outputs[k].compare, sizeof(compare_t));
+        }
+        assert_genuine(found);
+    }
+}
+
+TEST(an_output_that_a_packed_run_does_not_repeat_is_named_by_its_ticks)
+{
+    Words words = packed(words_of(recorded()));
+    const std::size_t crc = STATE + drive_words_count() + 1;
+    words[crc] ^= 1U;
+    const Recording recording = nf::replay::parse(words);
+    const Result result = nf::replay::replay(recording);
+    TEST_ASSERT_TRUE(result.difference.has_value());
+    TEST_ASSERT_EQUAL_INT64(recording.run.first(), result.difference->tick);
+    assert_contains("departs at tick 1: the CRC of the outputs of ticks 1 to ",
+                    summary(recording, result));
+}
+
+TEST(what_is_wrong_with_packed_entries_is_said)
+{
+    const Words good = packed(words_of(recorded()));
+    const std::size_t first = STATE + drive_words_count();
+    assert_contains("its packed entries are damaged after entry 0",
+                    refusal_of(with(good, first, good[first] & ~0xFFU)));
+    assert_contains("its packed entries are damaged after entry 0",
+                    refusal_of(with(good, first, 0xFFFFFF28U)));
+    assert_contains("its packed entries 0 to 39 are no code",
+                    refusal_of(with(good, first, good[first] - 0x100U)));
+    assert_contains("its header says 3 entries", refusal_of(with(good, ENTRIES, 3)));
+    assert_contains("its parts make", refusal_of(with(good, PACKED, good[PACKED] + 1)));
+}
+
+TEST(the_last_reset_is_told)
+{
+    const Words good = words_of(recorded());
+    const auto told = [&](uint32_t reset, uint32_t cut) {
+        const Recording recording = nf::replay::parse(with(with(good, RESET, reset), CUT, cut));
+        return summary(recording, nf::replay::replay(recording));
+    };
+    assert_contains("\n  last reset: pin\n", told(HAL_RESET_PIN, 0));
+    assert_contains("\n  ends with a reset: watchdog after exception 3\n",
+                    told(HAL_RESET_WATCHDOG | 3U << 8U, 1));
+    TEST_ASSERT_TRUE(told(0, 0).find("reset") == std::string::npos);
+    TEST_ASSERT_TRUE(told(99, 0).find("reset") == std::string::npos);
 }
 
 // What changed it, and when.

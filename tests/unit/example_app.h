@@ -23,6 +23,7 @@ struct hal {
     uint32_t ticks;
     hal_health_t health;
     uint32_t kept[HAL_KEPT_WORDS];
+    hal_reset_t reset;
     hal_inputs_t inputs;
     hal_shaft_t shaft;
     uint32_t now; /* time, in 1/HAL_PULSE_HZ */
@@ -118,6 +119,11 @@ void hal_keep(hal_t *hal, uint32_t index, uint32_t word)
 uint32_t hal_kept(const hal_t *hal, uint32_t index)
 {
     return hal->kept[index];
+}
+
+hal_reset_t hal_reset(const hal_t *hal)
+{
+    return hal->reset;
 }
 
 static void tick(uint32_t count)

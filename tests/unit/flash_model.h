@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The store's functions of hal.h over the flash of the simulated hardware (hal_host_flash.h). Where
+ * The flash functions of hal.h over the flash of the simulated hardware (hal_host_flash.h). Where
  * power fails, the program is left by longjmp(power_off, 1).
  */
 #ifndef FLASH_MODEL_H
@@ -28,7 +28,7 @@ static void flash_new(uint32_t seed)
 
 static void flash_assert_inside(uint32_t slot, uint32_t unit)
 {
-    TEST_ASSERT_LESS_THAN_UINT32(HAL_STORE_SLOTS, slot);
+    TEST_ASSERT_LESS_THAN_UINT32(HAL_FLASH_SLOTS, slot);
     TEST_ASSERT_LESS_THAN_UINT32(HAL_STORE_UNITS, unit);
 }
 

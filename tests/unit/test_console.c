@@ -3,13 +3,14 @@
 #include "commander.h"
 #include "console.h"
 #include "example_app.h"
+#include "flash_model.h"
 #include "testing.h"
 
 #include <string.h>
 
 #define SAID_MAX (4096U)
 #define HELP \
-    "error: the commands are run, stop, clear, speed RPM, torque NM, zero, unlock, status, dump, record, identify\r\n"
+    "error: the commands are run, stop, clear, speed RPM, torque NM, zero, unlock, status, dump, record, last, faults, identify\r\n"
 #define WRONG_SPEED "error: speed takes a whole number of rpm, at most 2000 either way\r\n"
 
 static struct {
@@ -86,6 +87,7 @@ static uint8_t request_taken(void)
 
 void setUp(void)
 {
+    flash_new(1U);
     memset(&line, 0, sizeof line);
     line.room = SIZE_MAX;
     power_on();

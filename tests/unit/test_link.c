@@ -10,7 +10,7 @@
 #include "testing.h"
 
 #define HELP \
-    "error: the commands are run, stop, clear, speed RPM, torque NM, zero, unlock, status, dump, record, identify\r\n"
+    "error: the commands are run, stop, clear, speed RPM, torque NM, zero, unlock, status, dump, record, last, faults, identify\r\n"
 #define TICKS_OF_PAUSE (20000U) /* 2 s at 10 kHz */
 #define PASSES_ALONE (100000U)  /* where no tick runs */
 #define PASSES_PAUSE (2000000U)
@@ -406,8 +406,9 @@ TEST(test_a_message_of_a_wrong_length_or_no_type_is_refused_and_does_nothing)
         uint8_t length;
     } right[] = {{LINK_HELLO, 5U},    {LINK_BYE, 0U},    {LINK_PING, 0U},  {LINK_COMMAND, 10U},
                  {LINK_READ, 3U},     {LINK_WRITE, 7U},  {LINK_APPLY, 4U}, {LINK_STORE, 0U},
-                 {LINK_DEFAULTS, 0U}, {LINK_STREAM, 1U}, {LINK_STATE, 7U}, {LINK_AGAIN, 7U}};
-    static const uint8_t none[] = {0U, LINK_AGAIN + 1U, 0x7FU, 0x80U, 0xC0U, 0xFFU};
+                 {LINK_DEFAULTS, 0U}, {LINK_STREAM, 1U}, {LINK_STATE, 7U}, {LINK_AGAIN, 7U},
+                 {LINK_BOX, 4U}};
+    static const uint8_t none[] = {0U, LINK_BOX + 1U, 0x7FU, 0x80U, 0xC0U, 0xFFU};
     uint8_t body[11] = {1U, 0U, 1U};
 
     for (uint32_t k = 0U; k < (sizeof right / sizeof right[0]); k++) {

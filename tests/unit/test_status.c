@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The drive's state as a line of text: every quantity and every kind of fault in its unit. */
 #include "example_app.h"
+#include "flash_model.h"
 #include "status.h"
 #include "testing.h"
 
@@ -19,6 +20,7 @@ static const char *status(void)
 
 void setUp(void)
 {
+    flash_new(1U);
     power_on();
 }
 

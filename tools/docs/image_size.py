@@ -24,7 +24,7 @@ MARGIN = 0.05  # as a share: what the page shows need not follow each change
 PAGE = "docs/board_bring_up.md"
 KINDS = {"T": "code", "W": "code", "R": "constants", "D": "initialised variables", "B": "variables"}
 FLASH = (".vectors", ".text", ".rodata", ".note.gnu.build-id", ".data", ".checksum")
-RAM = (".stack", ".data", ".bss", ".noinit")
+RAM = (".stack", ".data", ".bss", ".noinit", ".kept")
 
 
 def length(script, region):
