@@ -55,8 +55,8 @@ typedef struct {
 
 /*
  * The sensor's reading at t_k. That of an absolute encoder is one tick old, because its frame is
- * transferred meanwhile: it is the angle at t_k-1. A board without a sensor returns zeros.
- * Context: control interrupt, once a tick, after hal_sample(). Does not wait.
+ * transferred meanwhile: it is the angle at t_k-1, or 0xFFFF if no frame came. A board without a
+ * sensor returns zeros. Context: control interrupt, once a tick, after hal_sample(). Does not wait.
  */
 hal_shaft_t hal_shaft(hal_t *hal);
 
@@ -105,7 +105,8 @@ typedef struct {
  * leaves `pulse` as it is. The binding holds at least the pulses of two DShot600 frames, 32. When
  * more come before they are fetched, some are lost, but those that are given are pulses of the pin:
  * a rising edge is never paired with the falling edge of another pulse. A pulse of more than
- * HAL_PULSE_MAX is no pulse, but a level: it may be left out.
+ * HAL_PULSE_MAX is no pulse, but a level: it may be left out. On a noisy line pulses may come as
+ * fast as they are fetched, so a caller fetches a limited number in a pass.
  */
 #define HAL_PULSE_MAX (10000000U)
 bool hal_pulse(hal_t *hal, hal_pulse_t *pulse);

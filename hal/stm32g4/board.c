@@ -30,4 +30,10 @@ const board_t BOARD = {
     .led_port = HAL_LED_PORT,
     .led_on = HAL_LED_ON,
     .led_off = HAL_LED_OFF,
+    .has_throttle = HAL_HAS_THROTTLE,
+    .has_button = HAL_HAS_BUTTON,
+    .button_low = HAL_BUTTON_LOW,
+    .has_pulses = HAL_HAS_PULSES,
+    .shaft = HAL_SHAFT,
+    .has_index = HAL_HAS_INDEX,
 };

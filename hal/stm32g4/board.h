@@ -15,6 +15,14 @@
 /* Ticks that the flight recorder goes on for after a fault. */
 #define BOARD_RECORDER_POST_TICKS (64U)
 
+/* The sensor of the shaft. */
+typedef enum {
+    BOARD_SHAFT_NONE,
+    BOARD_SHAFT_HALL,
+    BOARD_SHAFT_ENCODER, /* incremental */
+    BOARD_SHAFT_ABSOLUTE /* with an SPI */
+} board_shaft_t;
+
 typedef struct {
     uint32_t timer_counts;   /* timer counts of half a PWM period */
     uint32_t amplifier_zero; /* converter counts without current */
@@ -32,6 +40,12 @@ typedef struct {
     uint32_t led_port; /* address of the LED's port */
     uint32_t led_on;   /* words for GPIO_BSRR of that port; both 0: there is no LED */
     uint32_t led_off;
+    bool has_throttle;
+    bool has_button;
+    bool button_low; /* the level while it is pressed */
+    bool has_pulses; /* there is a command pin */
+    board_shaft_t shaft;
+    bool has_index; /* the incremental encoder has an index */
 } board_t;
 
 extern const board_t BOARD;

@@ -164,7 +164,7 @@ const char *clock_crystal_fault(void)
 
 void clock_peripherals(void)
 {
-    enable_clocks(RCC_AHB1ENR, RCC_AHB1ENR_CRC);
+    enable_clocks(RCC_AHB1ENR, HAL_AHB1);
     enable_clocks(RCC_AHB2ENR, HAL_AHB2);
     enable_clocks(RCC_APB1ENR1, HAL_APB1);
     enable_clocks(RCC_APB2ENR, HAL_APB2);

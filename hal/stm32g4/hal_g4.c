@@ -7,8 +7,10 @@
 #include "guard.h"
 #include "pace.h"
 #include "pins.h"
+#include "pulses.h"
 #include "pwm.h"
 #include "sensing.h"
+#include "shaft.h"
 #include "trip.h"
 #include "uart.h"
 
@@ -17,8 +19,12 @@
 /* Timer ticks for writing the three compare registers, with a margin: 0.4 µs. */
 #define WRITE_TICKS (64U)
 
-/* Control ticks from one conversion of the temperature to the next; a power of two. */
-#define TEMPERATURE_TICKS (1024U)
+/*
+ * Control ticks from one regular conversion to the next; a power of two, as the number of
+ * conversions from one of the temperature to the next. The others are of the throttle.
+ */
+#define REGULAR_TICKS (128U)
+#define TEMPERATURE_SHARE (8U)
 
 /* The comparators come first: the timer's break input must not see them start. */
 const char *hal_g4_init(hal_t *hal)
@@ -28,6 +34,10 @@ const char *hal_g4_init(hal_t *hal)
     if (BOARD.wake_us > 0U) {
         clock_wait_us(BOARD.wake_us);
     }
+    if (BOARD.has_pulses) {
+        pulses_init();
+    }
+    shaft_init();
     if (!trip_init()) {
         why = "the trip level's DAC does not become ready";
     } else {
@@ -36,7 +46,8 @@ const char *hal_g4_init(hal_t *hal)
         why = trip_try();
         pwm_connect();
     }
-    if ((why == NULL) && !sensing_init(&hal->temperature)) {
+    hal->throttle = HAL_NO_THROTTLE;
+    if ((why == NULL) && !sensing_init(&hal->temperature, &hal->throttle)) {
         why = "a converter does not become ready";
     }
     return why;
@@ -78,22 +89,53 @@ static uint16_t take_flags(hal_t *hal)
     return (uint16_t)((broken || hal->barred) ? (late | DRIVE_FLAG_BREAK) : late);
 }
 
+/* Whether the present group of ticks converts the temperature, and not the throttle. */
+static bool is_for_temperature(uint32_t tick)
+{
+    return ((tick / REGULAR_TICKS) % TEMPERATURE_SHARE) == 0U;
+}
+
+static void start_regular(uint32_t tick)
+{
+    if (is_for_temperature(tick)) {
+        sensing_start_temperature();
+    } else if (BOARD.has_throttle) {
+        sensing_start_throttle();
+    } else {
+        /* there is none */
+    }
+}
+
+static void read_regular(hal_t *hal)
+{
+    if (is_for_temperature(hal->ticks)) {
+        hal->temperature = sensing_temperature();
+    } else if (BOARD.has_throttle) {
+        hal->throttle = sensing_throttle();
+    } else {
+        /* there is none */
+    }
+}
+
 /*
  * A regular conversion is started only here, right after the injected sequence, so it ends long
  * before the next one. If the two met, channel 0 could be converted in place of a shunt
- * (sensing.c). After a late tick the next sequence may be near, so the temperature is left out.
+ * (sensing.c). After a late tick the next sequence may be near, so the conversion is left out.
  * hal->ticks counts each control interrupt, so no phase is skipped.
  */
-static void follow_temperature(hal_t *hal)
+static void follow_regular(hal_t *hal)
 {
-    const uint32_t phase = hal->ticks % TEMPERATURE_TICKS;
+    const uint32_t phase = hal->ticks % REGULAR_TICKS;
 
-    if ((phase == 0U) && !hal->late) {
-        sensing_start_temperature();
-    } else if (phase == 1U) {
-        hal->temperature = sensing_temperature();
+    if (phase == 0U) {
+        hal->asked = !hal->late;
+        if (hal->asked) {
+            start_regular(hal->ticks);
+        }
+    } else if ((phase == 1U) && hal->asked) {
+        read_regular(hal);
     } else {
-        /* the temperature changes slowly */
+        /* both change slowly */
     }
 }
 
@@ -108,11 +150,12 @@ static uint16_t third_of(const drive_in_t *in)
 
 void hal_sample(hal_t *hal, drive_in_t *in)
 {
+    shaft_sample();
     guard_restart();
     reg_write(HAL_ADC_LAST + ADC_ISR, ADC_ISR_JEOS | ADC_ISR_JEOC);
     in->flags = take_flags(hal);
     pwm_write_rest();
-    follow_temperature(hal);
+    follow_regular(hal);
     in->adc_ia = sensing_current(reg_read(HAL_RESULT_A));
     in->adc_ib = sensing_current(reg_read(HAL_RESULT_B));
     in->adc_bus = (uint16_t)reg_read(HAL_RESULT_BUS);
@@ -121,11 +164,10 @@ void hal_sample(hal_t *hal, drive_in_t *in)
     hal->phase_c = BOARD.measures_c ? sensing_current(reg_read(HAL_RESULT_C)) : third_of(in);
 }
 
-/* No sensor. */
 hal_shaft_t hal_shaft(hal_t *hal)
 {
     (void)hal;
-    return (hal_shaft_t){0};
+    return shaft_read();
 }
 
 /*
@@ -171,6 +213,7 @@ void hal_apply(hal_t *hal, const drive_out_t *out)
         hal->longest = (elapsed > hal->longest) ? elapsed : hal->longest;
     }
     set_gates(hal, out->gate_enable);
+    shaft_start();
     hal->ticks++;
 }
 
@@ -197,24 +240,31 @@ bool hal_send(hal_t *hal, uint8_t byte)
     return uart_put(byte);
 }
 
-/* No inputs. */
 bool hal_pulse(hal_t *hal, hal_pulse_t *pulse)
 {
     (void)hal;
-    (void)pulse;
-    return false;
+    return BOARD.has_pulses && pulses_take(pulse);
 }
 
 uint32_t hal_pulse_now(const hal_t *hal)
 {
     (void)hal;
-    return 0U;
+    return BOARD.has_pulses ? pulses_now() : 0U;
+}
+
+static bool is_pressed(void)
+{
+    const bool high = reg_any(HAL_BUTTON_PORT + GPIO_IDR, 1UL << HAL_BUTTON_BIT);
+
+    return high != BOARD.button_low;
 }
 
 hal_inputs_t hal_inputs(const hal_t *hal)
 {
-    (void)hal;
-    return (hal_inputs_t){.throttle = HAL_NO_THROTTLE};
+    return (hal_inputs_t){
+        .throttle = hal->throttle,
+        .button = BOARD.has_button && is_pressed(),
+    };
 }
 
 hal_health_t hal_health(const hal_t *hal)

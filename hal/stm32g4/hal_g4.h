@@ -36,6 +36,8 @@ struct hal {
     bool late;            /* the last tick ended too late */
     uint16_t phase_c;     /* count of the third phase, as adc_ia; drive_step() does not use it */
     uint16_t temperature; /* raw counts of the last conversion */
+    uint16_t throttle;    /* the same of the throttle; HAL_NO_THROTTLE: there is none */
+    bool asked;           /* a conversion of one of the two was started in the last tick */
     hal_reset_t reset;    /* the last reset */
 };
 

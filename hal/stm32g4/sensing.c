@@ -61,7 +61,17 @@ static void arm(void)
     reg_write(ADC1 + ADC_CR, ADC_CR_ADVREGEN | ADC_CR_ADEN | ADC_CR_JADSTART);
 }
 
-bool sensing_init(uint16_t *temperature)
+static bool measure_throttle(uint16_t *throttle)
+{
+    bool is_ready;
+
+    reg_write(HAL_ADC_THROTTLE + ADC_SQR1, HAL_THROTTLE_CHANNEL << ADC_SQR1_SQ1_SHIFT);
+    is_ready = convert_once(HAL_ADC_THROTTLE);
+    *throttle = sensing_throttle();
+    return is_ready;
+}
+
+bool sensing_init(uint16_t *temperature, uint16_t *throttle)
 {
     bool is_ready = false;
 
@@ -72,6 +82,9 @@ bool sensing_init(uint16_t *temperature)
     }
     if (is_ready) {
         *temperature = sensing_temperature();
+        is_ready = !BOARD.has_throttle || measure_throttle(throttle);
+    }
+    if (is_ready) {
         arm();
     }
     return is_ready;

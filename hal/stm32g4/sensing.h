@@ -5,9 +5,9 @@
  * Converters 1 and 2 start at TIM1's peak. One takes phase a first and the other phase b, so both
  * are sampled at the same time. Then the bus and, with a third sensor, phase c follow, one on each.
  * The sequence with the bus is the longer one, because the bus is sampled longest: all results are
- * ready when it ends and its interrupt comes. The temperature is a regular conversion. The control
- * interrupt starts it after the injected sequences. Which converter takes what is data of the board
- * file.
+ * ready when it ends and its interrupt comes. Temperature and throttle are regular conversions. The
+ * control interrupt starts them after the injected sequences. Which converter takes what is data of
+ * the board file.
  */
 #ifndef SENSING_H
 #define SENSING_H
@@ -24,10 +24,11 @@
 #define SENSING_MIDDLE (2048U)
 
 /*
- * Sets up amplifiers and converters, but not the interrupt. Measures a first temperature in raw
- * counts. False when a converter does not become ready.
+ * Sets up amplifiers and converters, but not the interrupt. Measures temperature and throttle for
+ * the first time, in raw counts; without a throttle `throttle` stays as it is. False when a
+ * converter does not become ready.
  */
-bool sensing_init(uint16_t *temperature);
+bool sensing_init(uint16_t *temperature, uint16_t *throttle);
 
 /*
  * Enables the control interrupt: from now on the end of each sequence causes one. Earlier
@@ -36,22 +37,36 @@ bool sensing_init(uint16_t *temperature);
 void sensing_start(void);
 
 /*
- * Starts a conversion of the temperature sensor, which takes 1.5 µs. The other bits of the control
- * register are written as 0, which changes nothing. Context: control interrupt, right after its
- * sequence.
+ * Starts a conversion of the temperature sensor, or of the throttle, which takes 1.5 µs. Where one
+ * converter serves both, its regular channel is set first. The other bits of the control register
+ * are written as 0, which changes nothing. Context: control interrupt, right after its sequence.
  */
 static inline void sensing_start_temperature(void)
 {
+    if (BOARD.has_throttle) {
+        reg_write(HAL_ADC_TEMPERATURE + ADC_SQR1, HAL_TEMPERATURE_CHANNEL << ADC_SQR1_SQ1_SHIFT);
+    }
     reg_write(HAL_ADC_TEMPERATURE + ADC_CR, ADC_CR_ADVREGEN | ADC_CR_ADSTART);
 }
 
+static inline void sensing_start_throttle(void)
+{
+    reg_write(HAL_ADC_THROTTLE + ADC_SQR1, HAL_THROTTLE_CHANNEL << ADC_SQR1_SQ1_SHIFT);
+    reg_write(HAL_ADC_THROTTLE + ADC_CR, ADC_CR_ADVREGEN | ADC_CR_ADSTART);
+}
+
 /*
- * Raw counts of the conversion that ended last. Context: control interrupt, a tick after its start
- * or later.
+ * Raw counts of the regular conversion that ended last. Context: control interrupt, a tick after
+ * its start or later.
  */
 static inline uint16_t sensing_temperature(void)
 {
     return (uint16_t)reg_read(HAL_ADC_TEMPERATURE + ADC_DR);
+}
+
+static inline uint16_t sensing_throttle(void)
+{
+    return (uint16_t)reg_read(HAL_ADC_THROTTLE + ADC_DR);
 }
 
 /*

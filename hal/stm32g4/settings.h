@@ -24,6 +24,8 @@ typedef enum {
     SETTINGS_AMPLIFIERS,
     SETTINGS_SEQUENCES, /* sequences of the converters */
     SETTINGS_LINE,      /* the serial line */
+    SETTINGS_PULSES,    /* timer and DMA of the command pin; the order matters */
+    SETTINGS_SHAFT,     /* what reads the sensor of the shaft; the order matters */
     SETTINGS_PACE,      /* the timer that measures the clock */
     SETTINGS_GUARD      /* the tick guard, and its priority */
 } settings_group_t;

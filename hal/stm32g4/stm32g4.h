@@ -98,18 +98,26 @@
 #define RCC_CICR (0x40021020U)
 #define RCC_CICR_CSSC (1UL << 8)
 #define RCC_AHB1ENR (0x40021048U)
+#define RCC_AHB1ENR_DMA1 (1UL << 0)
+#define RCC_AHB1ENR_DMAMUX1 (1UL << 2)
 #define RCC_AHB1ENR_CRC (1UL << 12)
 #define RCC_AHB2ENR (0x4002104CU)
 #define RCC_AHB2ENR_ADC12 (1UL << 13) /* bits 0 to 6: the ports */
 #define RCC_AHB2ENR_DAC3 (1UL << 18)
 #define RCC_APB1ENR1 (0x40021058U)
+#define RCC_APB1ENR1_TIM2 (1UL << 0)
+#define RCC_APB1ENR1_TIM3 (1UL << 1)
+#define RCC_APB1ENR1_TIM4 (1UL << 2)
 #define RCC_APB1ENR1_RTCAPB (1UL << 10) /* the backup registers too */
+#define RCC_APB1ENR1_SPI2 (1UL << 14)
+#define RCC_APB1ENR1_SPI3 (1UL << 15)
 #define RCC_APB1ENR1_USART2 (1UL << 17)
 #define RCC_APB1ENR1_USART3 (1UL << 18)
 #define RCC_APB1ENR1_PWR (1UL << 28)
 #define RCC_APB2ENR (0x40021060U)
 #define RCC_APB2ENR_SYSCFG (1UL << 0) /* comparators and operational amplifiers too */
 #define RCC_APB2ENR_TIM1 (1UL << 11)
+#define RCC_APB2ENR_SPI1 (1UL << 12)
 #define RCC_APB2ENR_USART1 (1UL << 14)
 #define RCC_APB2ENR_TIM16 (1UL << 17)
 #define RCC_CSR (0x40021094U)
@@ -137,6 +145,7 @@
 #define GPIO_PULL_NONE (0U)
 #define GPIO_PULL_UP (1U)
 #define GPIO_PULL_DOWN (2U)
+#define GPIO_IDR (0x10U)  /* levels of the pins, also of those with an alternate function */
 #define GPIO_BSRR (0x18U) /* low half sets, high half resets */
 #define GPIO_BSRR_BR0_SHIFT (16U)
 #define GPIO_AFRL (0x20U) /* four bits per pin, pins 0 to 7; the next register: pins 8 to 15 */
@@ -151,6 +160,24 @@
 #define SYSCFG_CFGR2_PVDL (1UL << 2)
 #define SYSCFG_CFGR2_BREAKS (SYSCFG_CFGR2_CLL | SYSCFG_CFGR2_SPL | SYSCFG_CFGR2_PVDL)
 #define SYSCFG_CFGR2_SPF (1UL << 8) /* a wrong parity was read; written as 1 to clear */
+
+/* --- DMA, 12.6; its multiplexer, 13.6 --------------------------------------------------------- */
+#define DMA1_CCR1 (0x40020008U)
+#define DMA1_CNDTR1 (0x4002000CU) /* transfers to the end of the ring */
+#define DMA1_CPAR1 (0x40020010U)
+#define DMA1_CMAR1 (0x40020014U)
+#define DMA1_CCR2 (0x4002001CU)
+#define DMA1_CNDTR2 (0x40020020U)
+#define DMA1_CPAR2 (0x40020024U)
+#define DMA1_CMAR2 (0x40020028U)
+/* enabled; words from a register into a ring of words */
+#define DMA_CCR_RING (0xAA1U)
+#define DMAMUX1_C0CR (0x40020800U) /* the request of channel 1 of DMA1 */
+#define DMAMUX1_C1CR (0x40020804U)
+#define DMAMUX_TIM2_CH1 (56U)
+#define DMAMUX_TIM2_CH2 (57U)
+#define DMAMUX_TIM2_CH3 (58U)
+#define DMAMUX_TIM2_CH4 (59U)
 
 /* --- CRC unit, 16.4 --------------------------------------------------------------------------- */
 #define CRC_DR (0x40023000U)
@@ -286,6 +313,37 @@
 #define TIM_AF1_BKCMP3P (1UL << 12)
 #define TIM_AF1_BKCMP4P (1UL << 13)
 
+/* --- Timers 2, 3, 4, 29.5 --------------------------------------------------------------------- */
+#define TIM2 (0x40000000U)
+#define TIM3 (0x40000400U)
+#define TIM4 (0x40000800U)
+#define TIM_CR1 (0x00U)
+#define TIM_SMCR (0x08U)
+#define TIM_SMCR_ENCODER_3 (3U) /* each edge of both inputs counts */
+#define TIM_DIER (0x0CU)
+#define TIM_DIER_TWO (0x600UL) /* requests to the DMA by captures of channels 1 and 2 */
+#define TIM_SR (0x10U)
+#define TIM_SR_TWO_LOST \
+    (0x600UL) /* a capture of channel 1 or 2 has replaced one that was not read */
+#define TIM_EGR (0x14U)
+#define TIM_CCMR1 (0x18U)
+#define TIM_CCMR2 (0x1CU)
+/* two channels capture one input, that of the first or of the second; 8 samples, 188 ns */
+#define TIM_CCMR_BOTH_OF_FIRST (0x271UL)
+#define TIM_CCMR_BOTH_OF_SECOND (0x7102UL)
+/* two inputs, 8 samples, 94 ns */
+#define TIM_CCMR_ENCODER (0x5151UL)
+#define TIM_CCMR_INDEX (0x51UL) /* one input of that kind */
+#define TIM_CCER (0x20U)
+#define TIM_CCER_RISE_FALL (0x31UL) /* rising edges at channel 1, falling ones at channel 2 */
+#define TIM_CNT (0x24U)
+#define TIM_PSC (0x28U)
+#define TIM_ARR (0x2CU)
+#define TIM_CCR1 (0x34U)
+#define TIM_CCR2 (0x38U)
+#define TIM_CCR3 (0x3CU)
+#define TIM_CCR4 (0x40U)
+
 /* --- Timer 16, 30.6 --------------------------------------------------------------------------- */
 #define TIM16_CR1 (0x40014400U)
 #define TIM16_SR (0x40014410U)
@@ -299,6 +357,19 @@
 #define TIM16_TISEL (0x4001445CU)
 #define TIM16_TISEL_HSE_32 (3U) /* input 1 is the crystal's clock divided by 32 */
 #define TIM16_TISEL_LSI (6U)    /* input 1 is the watchdog's oscillator */
+
+/* --- SPI, 39.9 -------------------------------------------------------------------------------- */
+#define SPI1 (0x40013000U)
+#define SPI2 (0x40003800U)
+#define SPI3 (0x40003C00U)
+#define SPI_CR1 (0x00U)
+/* on; master without a pin for the choice; mode 1: clock low at rest, second edge; 5.3 MHz */
+#define SPI_CR1_ENCODER (0x365UL)
+#define SPI_CR2 (0x04U)
+#define SPI_CR2_16_BITS (0xF00UL)
+#define SPI_SR (0x08U)
+#define SPI_SR_RXNE (1UL << 0) /* a frame was received and not read */
+#define SPI_DR (0x0CU)
 
 /* --- USART, 37.8 ------------------------------------------------------------------------------ */
 #define USART1 (0x40013800U)

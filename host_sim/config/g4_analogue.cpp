@@ -268,6 +268,9 @@ void add_g4_inputs(G4PinBook &book)
     add_shunts(book);
     add_converter_input(book, "hal.bus_pin", "hal.bus_pin", hal.bus_pin);
     add_converter_input(book, "hal.temperature_pin", "hal.temperature_pin", hal.temperature_pin);
+    if (!hal.throttle_pin.empty()) {
+        add_converter_input(book, "hal.throttle_pin", "hal.throttle_pin", hal.throttle_pin);
+    }
 }
 
 void add_g4_comparators(G4PinBook &book)
@@ -294,6 +297,9 @@ void assign_g4_converters(G4PinBook &book)
     assign_bus_and_third(book);
     choose_amplifier_outputs(book);
     book.board().temperature = converter_inputs(book.hal().temperature_pin).front();
+    if (!book.hal().throttle_pin.empty()) {
+        book.board().throttle = converter_inputs(book.hal().throttle_pin).front();
+    }
 }
 
 } // namespace nf

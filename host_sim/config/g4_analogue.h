@@ -7,7 +7,7 @@
 namespace nf
 {
 
-// Shunts, amplifiers, bus and temperature. Throws ConfigError for pins that cannot do it.
+// Shunts, amplifiers, bus, temperature and throttle. Throws ConfigError for pins that cannot do it.
 void add_g4_inputs(G4PinBook &book);
 
 // Comparators at the shunts. Throws ConfigError for a shunt that reaches none.

@@ -5,6 +5,7 @@
 #include "g4_family.h"
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@ namespace nf
 {
 
 enum class PinMode {
+    input,
     output,
     alternate,
     analog
@@ -59,7 +61,12 @@ struct G4Board {
     G4Input bus;
     G4Input temperature;
     int usart = 0;
-    int pll_divider = 4; // M and N of 16 MHz or the crystal, for 170 MHz
+    std::optional<G4Input> throttle;
+    int pulse_channel = 0; // of timer 2; 0: none
+    int encoder_timer = 0; // 3 or 4; 0: no incremental encoder
+    int index_channel = 0; // of that timer, 3 or 4; 0: no index
+    int spi = 0;           // of the absolute encoder; 0: none
+    int pll_divider = 4;   // M and N of 16 MHz or the crystal, for 170 MHz
     int pll_factor = 85;
 };
 

@@ -37,8 +37,9 @@ int g4_number(const std::string &pin);
 
 struct G4Function {
     const char *pin;
-    const char *what; // such as "TIM1_CH1", "ADC1", "OPAMP2 plus", "COMP4 plus", "USART2_TX"
-    int code;         // alternate function, channel of the converter, or code of the input
+    const char
+        *what; // such as "TIM1_CH1", "ADC1", "OPAMP2 plus", "COMP4 plus", "USART2_TX", "SPI1_SCK"
+    int code;  // alternate function, channel of the converter, or code of the input
 };
 
 // The code of a pin's function; -1 if it does not have it.

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "g4_header.h"
 
+#include "g4_input_lines.h"
 #include "g4_resolve.h"
+#include "g4_text.h"
 
 #include <cmath>
 #include <map>
@@ -24,43 +26,6 @@ constexpr int PAGE_KIB = 2;
 constexpr int FLASH_AT = 0x08000000;
 constexpr int CHANNELS_OF_SMPR1 = 10; // the rest is in SMPR2
 
-std::string line(const std::string &name, const std::string &value, const std::string &meaning)
-{
-    return fmt::format("#define HAL_{} ({}) /* {} */\n", name, value, meaning);
-}
-
-std::string number(unsigned long value)
-{
-    return fmt::format("{}U", value);
-}
-
-std::string hex(unsigned long value)
-{
-    return fmt::format("0x{:X}UL", value);
-}
-
-std::string truth(bool value)
-{
-    return value ? "true" : "false";
-}
-
-// `#define HAL_NAME` with rows of a table of the binding, each a line.
-std::string rows_of(const std::string &name, const std::vector<std::string> &rows)
-{
-    std::string text = fmt::format("#define HAL_{}", name);
-    for (const std::string &row : rows) {
-        text += fmt::format(" \\\n    {{{}}},", row);
-    }
-    return text + "\n";
-}
-
-// A row of settings.c.
-std::string setting(const std::string &name, const std::string &mask, const std::string &value,
-                    const char *group)
-{
-    return fmt::format("{0}, {1}, {2}, {3}, \"{0}\"", name, mask, value, group);
-}
-
 // ---- chip and clock ----
 
 std::string chip_lines(const G4Board &board)
@@ -69,13 +34,13 @@ std::string chip_lines(const G4Board &board)
     const int pages = chip.flash_kib / PAGE_KIB;
     const int bank_pages = chip.two_banks ? pages / 2 : pages; // the store is in the last one
     const int at = FLASH_AT + (chip.flash_kib - KEPT_PAGES * PAGE_KIB) * 1024;
-    return line("BOX", hex(static_cast<unsigned long>(at)),
-                "the last eight pages of the flash: black box, store") +
-           line("BOX_PAGE", number(static_cast<unsigned>(bank_pages - KEPT_PAGES)),
-                "the first of them in its bank") +
-           line("STORE_BANK", chip.two_banks ? "FLASH_CR_BKER" : "0U", "that bank in FLASH_CR") +
-           line("FLASH_MODE", chip.two_banks ? "FLASH_OPTR_DBANK" : "0U",
-                "option bits that have to be set for such pages");
+    return g4_line("BOX", g4_hex(static_cast<unsigned long>(at)),
+                   "the last eight pages of the flash: black box, store") +
+           g4_line("BOX_PAGE", g4_unsigned(static_cast<unsigned>(bank_pages - KEPT_PAGES)),
+                   "the first of them in its bank") +
+           g4_line("STORE_BANK", chip.two_banks ? "FLASH_CR_BKER" : "0U", "that bank in FLASH_CR") +
+           g4_line("FLASH_MODE", chip.two_banks ? "FLASH_OPTR_DBANK" : "0U",
+                   "option bits that have to be set for such pages");
 }
 
 std::string clock_lines(const Config &config, const G4Board &board)
@@ -86,10 +51,10 @@ std::string clock_lines(const Config &config, const G4Board &board)
                                         "({}UL << RCC_PLLCFGR_PLLN_SHIFT) | RCC_PLLCFGR_REN",
                                         board.pll_divider - 1, board.pll_factor);
     const double span = crystal ? CRYSTAL_CYCLES * G4_OSCILLATOR_HZ / hz : 0;
-    return line("CRYSTAL_SPAN", number(static_cast<unsigned long>(std::round(span))),
-                "cycles of 16 MHz in 2048 of the crystal") +
-           line("PLL", crystal ? pll : "RCC_PLLCFGR_INSIDE", "RCC_PLLCFGR, for 170 MHz") +
-           line("CR", crystal ? "RCC_CR_INSIDE | RCC_CR_CRYSTAL" : "RCC_CR_INSIDE", "RCC_CR");
+    return g4_line("CRYSTAL_SPAN", g4_unsigned(static_cast<unsigned long>(std::round(span))),
+                   "cycles of 16 MHz in 2048 of the crystal") +
+           g4_line("PLL", crystal ? pll : "RCC_PLLCFGR_INSIDE", "RCC_PLLCFGR, for 170 MHz") +
+           g4_line("CR", crystal ? "RCC_CR_INSIDE | RCC_CR_CRYSTAL" : "RCC_CR_INSIDE", "RCC_CR");
 }
 
 // ---- pins ----
@@ -97,6 +62,8 @@ std::string clock_lines(const Config &config, const G4Board &board)
 const char *mode_name(PinMode mode)
 {
     switch (mode) {
+    case PinMode::input:
+        return "GPIO_MODE_INPUT";
     case PinMode::output:
         return "GPIO_MODE_OUTPUT";
     case PinMode::alternate:
@@ -127,9 +94,9 @@ std::string pin_lines(const G4Board &board)
     for (const G4Pin &pin : board.pins) {
         rows.push_back(fmt::format("{}U, {}U, {}, {}U, {}, {}, \"{}\" /* {} */", g4_port(pin.name),
                                    g4_number(pin.name), mode_name(pin.mode), pin.function,
-                                   pull_name(pin.pull), truth(pin.high), pin.name, pin.use));
+                                   pull_name(pin.pull), g4_truth(pin.high), pin.name, pin.use));
     }
-    return rows_of("PINS", rows);
+    return g4_rows("PINS", rows);
 }
 
 std::string light_lines(const Config &config)
@@ -138,10 +105,10 @@ std::string light_lines(const Config &config)
     const unsigned long set = pin.empty() ? 0 : 1UL << g4_number(pin);
     const unsigned long reset = set << 16;
     const bool inverted = config.hal.led_polarity == Polarity::active_low;
-    return line("LED_PORT", pin.empty() ? "GPIOA" : fmt::format("GPIO{}", pin[1]),
-                pin.empty() ? "there is no LED" : "hal.led_pin") +
-           line("LED_ON", hex(inverted ? reset : set), "of GPIO_BSRR") +
-           line("LED_OFF", hex(inverted ? set : reset), "of GPIO_BSRR");
+    return g4_line("LED_PORT", pin.empty() ? "GPIOA" : fmt::format("GPIO{}", pin[1]),
+                   pin.empty() ? "there is no LED" : "hal.led_pin") +
+           g4_line("LED_ON", g4_hex(inverted ? reset : set), "of GPIO_BSRR") +
+           g4_line("LED_OFF", g4_hex(inverted ? set : reset), "of GPIO_BSRR");
 }
 
 // ---- timer ----
@@ -176,17 +143,18 @@ std::string timer_lines(const Config &config, const G4Board &board)
 {
     const HalSettings &hal = config.hal;
     const double ticks = has_enables(hal) ? 0 : config.board.dead_time_s * G4_CLOCK_HZ;
-    std::string text = line("DEAD_TIME_CODE", number(g4_dead_time_code(ticks)),
-                            has_enables(hal) ? "the driver makes it" : "board.dead_time_s") +
-                       line("OUTPUTS", hex(outputs(hal)), "TIM1_CCER") +
-                       line("IDLE_LEVELS", hex(idle_levels(hal)), "TIM1_CR2, gates off");
+    std::string text = g4_line("DEAD_TIME_CODE", g4_unsigned(g4_dead_time_code(ticks)),
+                               has_enables(hal) ? "the driver makes it" : "board.dead_time_s") +
+                       g4_line("OUTPUTS", g4_hex(outputs(hal)), "TIM1_CCER") +
+                       g4_line("IDLE_LEVELS", g4_hex(idle_levels(hal)), "TIM1_CR2, gates off");
     const char *const phases[] = {"A", "B", "C"};
     for (std::size_t phase = 0; phase < board.channels.size(); phase++) {
-        text += line(fmt::format("CCR_{}", phases[phase]),
-                     fmt::format("TIM1_CCR{}", board.channels[phase]), "TIM1's channel");
+        text += g4_line(fmt::format("CCR_{}", phases[phase]),
+                        fmt::format("TIM1_CCR{}", board.channels[phase]), "TIM1's channel");
     }
-    return text + line("WAKE_US", number(static_cast<unsigned long>(std::ceil(hal.driver_wake_us))),
-                       "hal.driver_wake_us");
+    return text + g4_line("WAKE_US",
+                          g4_unsigned(static_cast<unsigned long>(std::ceil(hal.driver_wake_us))),
+                          "hal.driver_wake_us");
 }
 
 // ---- over-current ----
@@ -226,16 +194,17 @@ std::string comparator_lines(const Config &config, const G4Board &board)
         const G4Comparator &comparator = board.comparators[phase];
         const std::string name = fmt::format("COMP{}_CSR", comparator.number);
         settings.push_back(
-            setting(name, "~COMP_CSR_VALUE",
-                    fmt::format("COMPARATOR | ({}UL << COMP_CSR_INPSEL_SHIFT)", comparator.plus),
-                    "SETTINGS_READ_ONLY"));
+            g4_setting(name, "~COMP_CSR_VALUE",
+                       fmt::format("COMPARATOR | ({}UL << COMP_CSR_INPSEL_SHIFT)", comparator.plus),
+                       "SETTINGS_READ_ONLY"));
         paths.push_back(fmt::format("{}, {}, DAC3_DHR12R{}, "
                                     "\"the comparator of phase {} does not open the gates\"",
                                     name, comparator_source(comparator.number, low),
                                     comparator.number % 2 == 1 ? 1 : 2, phases[phase]));
     }
-    return rows_of("COMPARATORS", settings) + rows_of("PATHS", paths) +
-           line("HAS_COMPARATORS", truth(!paths.empty()), "false: the line at hal.break_pin trips");
+    return g4_rows("COMPARATORS", settings) + g4_rows("PATHS", paths) +
+           g4_line("HAS_COMPARATORS", g4_truth(!paths.empty()),
+                   "false: the line at hal.break_pin trips");
 }
 
 std::string trip_lines(const Config &config, const G4Board &board)
@@ -247,11 +216,11 @@ std::string trip_lines(const Config &config, const G4Board &board)
              {std::pair("DAC3_MCR", "DAC_MCR_INTERNAL"),
               std::pair("DAC3_DHR12R1", "HAL_TRIP_COUNT"),
               std::pair("DAC3_DHR12R2", "HAL_TRIP_COUNT"), std::pair("DAC3_CR", "DAC_CR_BOTH")}) {
-            levels.push_back(setting(name, "ALL", value, "SETTINGS_LEVEL"));
+            levels.push_back(g4_setting(name, "ALL", value, "SETTINGS_LEVEL"));
         }
     }
-    return line("BREAK_SOURCES", break_sources(config, board), "TIM1_AF1") +
-           rows_of("LEVELS", levels) + comparator_lines(config, board);
+    return g4_line("BREAK_SOURCES", break_sources(config, board), "TIM1_AF1") +
+           g4_rows("LEVELS", levels) + comparator_lines(config, board);
 }
 
 // ---- converters ----
@@ -271,14 +240,14 @@ std::string amplifier_lines(const Config &config, const G4Board &board)
     rows.reserve(board.amplifiers.size());
     for (const G4Amplifier &amplifier : board.amplifiers) {
         rows.push_back(
-            setting(fmt::format("OPAMP{}_CSR", amplifier.number), "OPAMP_CSR_COUNTED",
-                    fmt::format("AMPLIFIER | ({}UL << OPAMP_CSR_VPSEL_SHIFT){}", amplifier.plus,
-                                amplifier.internal ? " | OPAMP_CSR_INTEN" : ""),
-                    "SETTINGS_AMPLIFIERS"));
+            g4_setting(fmt::format("OPAMP{}_CSR", amplifier.number), "OPAMP_CSR_COUNTED",
+                       fmt::format("AMPLIFIER | ({}UL << OPAMP_CSR_VPSEL_SHIFT){}", amplifier.plus,
+                                   amplifier.internal ? " | OPAMP_CSR_INTEN" : ""),
+                       "SETTINGS_AMPLIFIERS"));
     }
     const unsigned gain = config.hal.pga_gain > 1 ? log2_of(config.hal.pga_gain) - 1 : 0;
-    return line("AMPLIFIER_GAIN", number(gain), "OPAMP_CSR_PGA_GAIN: 0 is 2, 1 is 4, …") +
-           rows_of("AMPLIFIERS", rows);
+    return g4_line("AMPLIFIER_GAIN", g4_unsigned(gain), "OPAMP_CSR_PGA_GAIN: 0 is 2, 1 is 4, …") +
+           g4_rows("AMPLIFIERS", rows);
 }
 
 using Times = std::map<int, unsigned>; // codes of the sampling times, by channel
@@ -289,6 +258,9 @@ Times sampling_times(const Config &config, const G4Board &board, int converter)
 {
     std::vector<std::pair<G4Input, unsigned>> inputs = {{board.bus, LONGEST_SAMPLING},
                                                         {board.temperature, LONGEST_SAMPLING}};
+    if (board.throttle) {
+        inputs.emplace_back(*board.throttle, LONGEST_SAMPLING);
+    }
     for (const G4Input &current : board.currents) {
         inputs.emplace_back(current, g4_sampling_code(config.hal.adc_sampling_ns));
     }
@@ -338,13 +310,22 @@ std::string one_converter(const Config &config, const G4Board &board, int conver
     }
     const std::string name = fmt::format("ADC{}_", converter);
     const bool measures = board.temperature.converter == converter;
-    const int regular = measures ? board.temperature.channel : channels.front();
+    const bool follows = board.throttle && board.throttle->converter == converter;
+    const int regular = measures  ? board.temperature.channel
+                        : follows ? board.throttle->channel
+                                  : channels.front();
     const Times times = sampling_times(config, board, converter);
-    return line(name + "SMPR1", hex(sampling_register(times, 0)), "sampling times") +
-           line(name + "SMPR2", hex(sampling_register(times, CHANNELS_OF_SMPR1)), "the same") +
-           line(name + "REGULAR", number(static_cast<unsigned>(regular)),
-                measures ? "hal.temperature_pin" : "not used") +
-           line(name + "JSQR", injected_sequence(channels), "the injected sequence");
+    return g4_line(name + "SMPR1", g4_hex(sampling_register(times, 0)), "sampling times") +
+           g4_line(name + "SMPR2", g4_hex(sampling_register(times, CHANNELS_OF_SMPR1)),
+                   "the same") +
+           g4_line(name + "REGULAR", g4_unsigned(static_cast<unsigned>(regular)),
+                   measures  ? "hal.temperature_pin"
+                   : follows ? "hal.throttle_pin"
+                             : "not used") +
+           g4_line(name + "REGULAR_HELD",
+                   measures && follows ? "~(0x1FUL << ADC_SQR1_SQ1_SHIFT)" : "0xFFFFFFFFUL",
+                   "bits of ADC_SQR1 that stay") +
+           g4_line(name + "JSQR", injected_sequence(channels), "the injected sequence");
 }
 
 // Phases a and b are the first of their sequences, bus and phase c the second.
@@ -358,16 +339,16 @@ std::string converter_lines(const Config &config, const G4Board &board)
     const bool has_c = board.currents.size() == 3;
     return amplifier_lines(config, board) + one_converter(config, board, 1) +
            one_converter(config, board, 2) +
-           line("RESULT_A", result(board.currents[0], 1), "phase a") +
-           line("RESULT_B", result(board.currents[1], 1), "phase b, at the same instant") +
-           line("MEASURES_C", truth(has_c), "board.current_sensors") +
-           line("RESULT_C", result(has_c ? board.currents[2] : board.currents[1], has_c ? 2 : 1),
-                "phase c") +
-           line("RESULT_BUS", result(board.bus, 2), "hal.bus_pin") +
-           line("ADC_LAST", fmt::format("ADC{}", board.bus.converter),
-                "its sequence is the longest one") +
-           line("ADC_TEMPERATURE", fmt::format("ADC{}", board.temperature.converter),
-                "hal.temperature_pin");
+           g4_line("RESULT_A", result(board.currents[0], 1), "phase a") +
+           g4_line("RESULT_B", result(board.currents[1], 1), "phase b, at the same instant") +
+           g4_line("MEASURES_C", g4_truth(has_c), "board.current_sensors") +
+           g4_line("RESULT_C", result(has_c ? board.currents[2] : board.currents[1], has_c ? 2 : 1),
+                   "phase c") +
+           g4_line("RESULT_BUS", result(board.bus, 2), "hal.bus_pin") +
+           g4_line("ADC_LAST", fmt::format("ADC{}", board.bus.converter),
+                   "its sequence is the longest one") +
+           g4_line("ADC_TEMPERATURE", fmt::format("ADC{}", board.temperature.converter),
+                   "hal.temperature_pin");
 }
 
 // ---- serial line ----
@@ -375,7 +356,7 @@ std::string converter_lines(const Config &config, const G4Board &board)
 std::string serial_lines(const G4Board &board)
 {
     const std::string name = fmt::format("USART{}", board.usart);
-    return line("USART", name, "hal.serial_pins") +
+    return g4_line("USART", name, "hal.serial_pins") +
            fmt::format("#define HAL_USART_BRR_NAME \"{}_BRR\"\n", name);
 }
 
@@ -387,19 +368,23 @@ std::string peripheral_lines(const G4Board &board)
     for (const G4Pin &pin : board.pins) {
         ports |= 1UL << g4_port(pin.name);
     }
+    const G4InputClocks inputs = g4_input_clocks(board);
     const bool on_second = board.usart == 1;
     const std::string usart =
         fmt::format(" | RCC_{}_USART{}", on_second ? "APB2ENR" : "APB1ENR1", board.usart);
-    return line("AHB2",
-                hex(ports) + " | RCC_AHB2ENR_ADC12" +
-                    (board.comparators.empty() ? "" : " | RCC_AHB2ENR_DAC3"),
-                "clocks that RCC_AHB2ENR switches on") +
-           line("APB1", "RCC_APB1ENR1_RTCAPB | RCC_APB1ENR1_PWR" + (on_second ? "" : usart),
-                "the same for RCC_APB1ENR1") +
-           line("APB2",
-                "RCC_APB2ENR_SYSCFG | RCC_APB2ENR_TIM1 | RCC_APB2ENR_TIM16" +
-                    (on_second ? usart : ""),
-                "the same for RCC_APB2ENR");
+    return g4_line("AHB1", "RCC_AHB1ENR_CRC" + inputs.ahb1, "clocks that RCC_AHB1ENR switches on") +
+           g4_line("AHB2",
+                   g4_hex(ports) + " | RCC_AHB2ENR_ADC12" +
+                       (board.comparators.empty() ? "" : " | RCC_AHB2ENR_DAC3"),
+                   "the same for RCC_AHB2ENR") +
+           g4_line("APB1",
+                   "RCC_APB1ENR1_RTCAPB | RCC_APB1ENR1_PWR" + (on_second ? "" : usart) +
+                       inputs.apb1,
+                   "the same for RCC_APB1ENR1") +
+           g4_line("APB2",
+                   "RCC_APB2ENR_SYSCFG | RCC_APB2ENR_TIM1 | RCC_APB2ENR_TIM16" +
+                       (on_second ? usart : "") + inputs.apb2,
+                   "the same for RCC_APB2ENR");
 }
 
 } // namespace
@@ -444,7 +429,7 @@ std::string g4_header(const Config &config)
     const G4Board board = resolve_g4_board(config);
     return chip_lines(board) + clock_lines(config, board) + pin_lines(board) + light_lines(config) +
            timer_lines(config, board) + trip_lines(config, board) + converter_lines(config, board) +
-           serial_lines(board) + peripheral_lines(board);
+           serial_lines(board) + g4_input_lines(config, board) + peripheral_lines(board);
 }
 
 } // namespace nf

@@ -15,6 +15,7 @@ namespace nf
 {
 
 constexpr int G4_PHASES = 3;
+constexpr char G4_ANY_PIN[] = "a pin that nothing else uses";
 
 // "hal.shunt_pins, phase b" of "hal.shunt_pins" and 1.
 std::string g4_of_phase(const std::string &key, std::size_t phase);

@@ -2,8 +2,10 @@
 #include "g4_resolve.h"
 
 #include "g4_analogue.h"
+#include "g4_commands.h"
 #include "g4_gates.h"
 #include "g4_pin_book.h"
+#include "g4_shaft.h"
 
 #include <cmath>
 #include <optional>
@@ -24,7 +26,6 @@ constexpr int PLL_DIVIDER_MAX = 16;
 constexpr int PLL_FACTOR_MIN = 8;
 constexpr int PLL_FACTOR_MAX = 127;
 constexpr int USARTS = 3;
-constexpr char HELD_PIN[] = "a pin that nothing else uses";
 
 // M and N of the PLL for a clock of 170 MHz. Its input is as near to 4 MHz as can be.
 std::optional<std::pair<int, int>> pll_for(double hz)
@@ -66,7 +67,7 @@ void add_held_outputs(G4PinBook &book)
         {"hal.low_pins", &book.hal().low_pins, false}};
     for (const auto &[key, pins, high] : lists) {
         for (const std::string &pin : *pins) {
-            book.add(key, key, {pin, "", PinMode::output, 0, Pull::none, high}, HELD_PIN);
+            book.add(key, key, {pin, "", PinMode::output, 0, Pull::none, high}, G4_ANY_PIN);
         }
     }
 }
@@ -152,7 +153,7 @@ void add_light(G4PinBook &book)
         book.add("hal.led_pin", "hal.led_pin",
                  {hal.led_pin, "", PinMode::output, 0, Pull::none,
                   hal.led_polarity == Polarity::active_low},
-                 HELD_PIN);
+                 G4_ANY_PIN);
     }
 }
 
@@ -168,6 +169,8 @@ G4Board resolve_g4_board(const Config &config)
     resolve_trip(book);
     add_serial_line(book);
     add_light(book);
+    add_g4_commands(book);
+    add_g4_shaft(book);
     assign_g4_converters(book);
     return book.board();
 }

@@ -42,7 +42,14 @@ struct HalSettings {
     Pins low_pins;
     double driver_wake_us = 0; // after high_pins and low_pins are set
     Pins serial_pins;          // TX, RX
-    std::string led_pin;       // "": there is none
+    std::string throttle_pin;  // "": there is none, as for the two below
+    std::string pulse_pin;
+    std::string button_pin;
+    Polarity button_polarity = Polarity::active_low; // while it is pressed
+    Pins hall_pins;                                  // sensors 1, 2, 3; none: there are none
+    Pins encoder_pins;                               // A, B and, if there is an index, Z
+    Pins spi_encoder_pins;                           // SCK, MISO, MOSI, CS
+    std::string led_pin;                             // "": there is none
     Polarity led_polarity = Polarity::active_high;
     double adc_settling_ns = 0; // low side on before its shunt can be sampled
     double adc_sampling_ns = 0; // sample switch closed

@@ -11,6 +11,7 @@ import tomllib
 import analogue
 import digital
 import g4
+import signals
 from core import NEVER, THREAD, Clock, Core
 from registers import Block, Register, WrongAccess, bit, need
 from wiring import Wiring, port_and_number
@@ -32,29 +33,39 @@ class Chip:
         self.facts = wiring.facts
         self.clock = Clock()
         self.held = NEVER  # what is due then or later has to wait
-        self.pins = dict.fromkeys(wiring.shunts, 0.0) | {wiring.bus: 0.0, wiring.temperature: COLD_ROOM_COUNT}
+        self.pins = dict.fromkeys(wiring.shunts, 0.0) | {wiring.bus: 0.0, wiring.temperature: COLD_ROOM_COUNT, wiring.throttle: 0.0}
+        self.bus = self.memory = None  # of the core
         self.fault_line = 1 - wiring.break_level  # at the break pin, once the gate driver is awake
         self.awake_at = NEVER
         names = [f"ADC{number}" for number in self.facts.numbered("ADC")]
         self.power = digital.Power(self, reset_flags, self._clocked_names(names), crystal_hz)
         self._make_digital(baud, names)
         self._make_analogue(parts)
+        self._make_inputs()
         self.timer.trigger = self._trigger
-        self.timed = [self.power, self.timer, self.watchdog, self.system, self.comparators, *self.converters]
+        self.timed = [self.power, self.timer, self.watchdog, self.system, self.comparators, *self.converters,
+                      *self.inputs]
         self.blocks = [*self.power.blocks, *self.ports.values(), self.timer, self.usart, self.watchdog,
                        self.system, *self.levels.values(), self.comparators, self.amplifiers,
                        *self.converters, *self._common_blocks(), self.configuration, self.pace,
                        digital.Crc(lambda: bit(self.power.rcc["AHB1ENR"], 12)),
-                       digital.debug_block()]
+                       digital.debug_block(), *(block for block in self.inputs if isinstance(block, Block)),
+                       *([self.dma, self.dma.multiplexer] if self.dma else [])]
 
     def _clocked_names(self, converters):
         """The peripherals whose clock the image may enable: those with a model."""
         return [*(f"GPIO{letter}" for letter in self.facts.ports()), *converters, *self.wiring.levels, self.wiring.serial,
-                "SYSCFG", "TIM1", "TIM16"]
+                "SYSCFG", "TIM1", "TIM16", *self._input_names()]
+
+    def _input_names(self):
+        """Of the peripherals behind inputs and sensors of the shaft."""
+        pulses = ["TIM2", "DMA1", "DMAMUX1"] if self.wiring.pulse else []
+        return pulses + [name for name in (self.wiring.encoder_timer, self.wiring.spi) if name]
 
     def _make_digital(self, baud, converters):
         facts, enabled = self.facts, self.power.enabled
-        self.ports = {letter: digital.Port(letter, facts.base(f"GPIO{letter}"), enabled(f"GPIO{letter}"), self.driver_is_awake)
+        self.ports = {letter: digital.Port(letter, facts.base(f"GPIO{letter}"), enabled(f"GPIO{letter}"), self._pins_changed,
+                                           self.signal_level)
                       for letter in facts.ports()}
         self.timer = digital.Timer(self, self.wiring, enabled("TIM1"))
         self.usart = digital.Usart(self, self.wiring.serial, baud, enabled(self.wiring.serial))
@@ -76,6 +87,28 @@ class Chip:
         self.levels = {name: analogue.Level(self, name, enabled(name)) for name in self.wiring.levels}
         self.comparators = analogue.Comparators(self, self.wiring, parts, enabled("SYSCFG"))
         self.amplifiers = analogue.Amplifiers(self, self.wiring, parts, enabled("SYSCFG"))
+
+    def _make_inputs(self):
+        """What reads pins; and what the pins are connected to."""
+        wiring, enabled = self.wiring, self.power.enabled
+        self.signals = signals.Signals(self)
+        self.dma = signals.Dma(self, enabled("DMA1"), enabled("DMAMUX1")) if wiring.pulse else None
+        self.capture = signals.GeneralTimer(self, "TIM2", enabled("TIM2"), self.dma.request) if wiring.pulse else None
+        self.encoder = self.absolute = self.spi = None
+        if wiring.encoder:
+            self.encoder = signals.GeneralTimer(self, wiring.encoder_timer, enabled(wiring.encoder_timer), None)
+        if wiring.spi:
+            self.absolute = signals.AbsoluteEncoder(self, wiring.select, wiring.spi_pins[1].name)
+            self.spi = signals.Spi(self, wiring.spi, self.absolute, enabled(wiring.spi))
+        self.signals.listeners = [timer for timer in (self.capture, self.encoder) if timer]
+        self.inputs = [model for model in (self.signals, self.capture, self.encoder, self.spi) if model]
+
+    def _pins_changed(self):
+        self.driver_is_awake()
+        if self.absolute:
+            self.absolute.look()
+        for timer in self.signals.listeners:
+            timer.look()
 
     def _common_blocks(self):
         """What several converters share."""
@@ -141,6 +174,22 @@ class Chip:
         letter, number = port_and_number(name)
         return self.ports[letter].level(number)
 
+    def resistor(self, name):
+        """The level to which the chip pulls a pin, or None."""
+        letter, number = port_and_number(name)
+        return {1: 1, 2: 0}.get(self.ports[letter]["PUPDR"] >> 2 * number & 3)
+
+    def signal_level(self, name):
+        """Of a pin that the chip or somebody else drives, or that a resistor pulls. An open one floats: 0 here."""
+        for level in (self.pin_level(name), self.signals.levels.get(name), self.resistor(name)):
+            if level is not None:
+                return level
+        return 0
+
+    def write_memory(self, address, word):
+        """By the DMA."""
+        self.memory(address, word)
+
     def set_fault_line(self, level):
         """The break pin, from outside."""
         self.fault_line = level
@@ -153,6 +202,8 @@ class Chip:
     def settle(self):
         """Before the clock gets another speed."""
         self.pace.settle()
+        for timer in self.signals.listeners:
+            timer.settle()
 
     def stretch(self, factor):
         """Behind that, for what counts the clock and has begun."""

@@ -78,7 +78,8 @@ class Core:
         self.chip = chip
         self.image_size = box_of(chip.facts) - FLASH  # black box and store behind it are read as registers: flash.py
         self.ram_end = RAM + chip.facts.ram_bytes
-        self.bus = Bus(chip.blocks)
+        self.bus = chip.bus = Bus(chip.blocks)
+        chip.memory = self._write_by_dma
         self.failure = None
         self.asleep = False
         self._limit = NEVER
@@ -112,6 +113,11 @@ class Core:
     def set_ram(self, data):
         """As another run has left it."""
         self.uc.mem_write(RAM, data)
+
+    def _write_by_dma(self, address, word):
+        if address % 4 or not RAM <= address < self.ram_end:
+            raise WrongAccess(f"the DMA writes to {address:#010x}, where there is no word of RAM")
+        self.uc.mem_write(address, struct.pack("<I", word))
 
     def _load(self, address, data):
         facts = self.chip.facts

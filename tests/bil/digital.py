@@ -250,20 +250,28 @@ class Power:
 
 
 class Port(Block):
-    """A port of pins. `changed` is called when one may drive another level."""
+    """A port of pins. `changed` is called when one may drive another level, or have another function; `level_of` says the level
+    of a pin."""
 
-    def __init__(self, letter, base, clocked, changed):
+    def __init__(self, letter, base, clocked, changed, level_of):
+        self.letter = letter
         self.output = 0
         self.changed = changed
+        self.level_of = level_of
         modes, pulls, speeds = g4.PORT_RESETS.get(letter, g4.OTHER_PORTS_RESET)
         super().__init__(f"GPIO{letter}", base, {
             "MODER": (0x00, Register(modes, on_write=self._set_modes)),
             "OSPEEDR": (0x08, Register(speeds)),
             "PUPDR": (0x0C, Register(pulls)),
+            "IDR": (0x10, Register(0, 0, self._levels)),
             "BSRR": (0x18, Register(on_write=self._set)),
             "AFRL": (0x20, Register()),
             "AFRH": (0x24, Register()),
         }, clocked)
+
+    def _levels(self):
+        """Of an analogue pin 0: its digital input is off."""
+        return sum(bool(self.level_of(f"P{self.letter}{pin}")) << pin for pin in range(16) if self.mode(pin) != 3)
 
     def _set(self, value):
         self.output = self.output & ~(value >> 16) | value & 0xFFFF

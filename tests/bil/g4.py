@@ -7,6 +7,7 @@ They come from tests/chips/NAME.json. The tables here hold what those files do n
 import functools
 import json
 import re
+from dataclasses import dataclass
 from pathlib import Path
 
 FOLDER = Path(__file__).resolve().parents[1] / "chips"
@@ -30,6 +31,14 @@ HSE_32, LSI = 3, 6  # RM0440 30.6, TISEL of TIM16 and TIM17
 # RM0440 9.4: MODER, PUPDR and OSPEEDR after reset. Ports A and B have the debug pins.
 PORT_RESETS = {"A": (0xABFFFFFF, 0x64000000, 0x0C000000), "B": (0xFFFFFEBF, 0x00000100, 0)}
 OTHER_PORTS_RESET = (0xFFFFFFFF, 0, 0)
+
+
+@dataclass(frozen=True)
+class Pin:
+    """One that a peripheral drives or reads, with its alternate function."""
+
+    name: str
+    function: int
 
 
 def polarity_bit(comparator):
@@ -138,6 +147,24 @@ class Facts:
             if re.fullmatch(r"USART[1-3]", name) and f"{name}_RX" in self.signals(receiver):
                 return name
         raise ValueError(f"no serial interface of {self.name} has TX at {sender} and RX at {receiver}")
+
+    def requests(self, peripheral):
+        """{signal: number of its request at the DMA's multiplexer}"""
+        return self._peripherals[peripheral]["requests"]
+
+    @functools.cache
+    def pins_of(self, signal):
+        """All pins with a digital signal, each with its alternate function."""
+        return [Pin(pin, signals[signal]) for pin, signals in self._pins.items() if signal in signals]
+
+    def channel_at(self, timer, pin):
+        """The channel of a timer at a pin, or None."""
+        return next((channel for channel, in self._numbers(pin, rf"{timer}_CH(\d)")), None)
+
+    def spi_of(self, pins):
+        """The interface with SCK, MISO and MOSI at these pins."""
+        return next(f"SPI{number}" for number in (1, 2, 3)
+                    if all(f"SPI{number}_{signal}" in self.signals(pin) for signal, pin in zip(("SCK", "MISO", "MOSI"), pins)))
 
     def interrupt(self, converter):
         return self._interrupts[self._peripherals[converter]["interrupts"]["GLOBAL"]]

@@ -14,7 +14,7 @@ from g4 import RAM
 from rig import CALIBRATION_TICKS, STAGE, WIRING, address_of, answer, booted, gates_are_inputs, make, ready, run, running
 from wiring import port_and_number
 
-ROUND_TICKS = 100  # more than there are registers and pins: one is looked at in each pass of the background
+ROUND_TICKS = 130  # more than there are registers and pins: one is looked at in each pass of the background
 GIVING_UP_S = 0.1  # more than the start takes
 WORD_BYTES, WORDS_A_TICK = 4, 2  # of the flash
 
@@ -32,6 +32,14 @@ FLIPS = {
     "IWDG_RLR": 1 << 4, "SCB_SHPR3": 1 << 28, "NVIC_IPR4": 1 << 22, "NVIC_ISER0": 1 << 3,
     "SYST_RVR": 1 << 3, "USART2_BRR": 1 << 5,
 }
+# On a board with inputs. Where a throttle shares the converter of the temperature, their channel is written before each conversion.
+FLIPS_OF_INPUTS = {
+    "DMAMUX1_C0CR": 1 << 0, "DMA1_CCR1": 1 << 7, "DMA1_CPAR1": 1 << 2, "DMA1_CMAR1": 1 << 4, "DMA1_CMAR2": 1 << 12,
+    "TIM2_PSC": 1 << 3, "TIM2_CCMR1": 1 << 5, "TIM2_CCER": 1 << 5, "TIM2_DIER": 1 << 9, "TIM4_SMCR": 1 << 1, "TIM4_CCMR1": 1 << 8,
+    "RCC_AHB1ENR": 1 << 0,
+}
+if WIRING.pulse and WIRING.encoder:
+    FLIPS = {name: bits for name, bits in FLIPS.items() if name != "ADC1_SQR1"} | FLIPS_OF_INPUTS
 PIN_FLIPS = {WIRING.legs[0].high.name: "mode", WIRING.legs[2].second.name: "function", WIRING.legs[0].second.name: "pull",
              WIRING.shunts[0]: "mode"}
 MAIN_OUTPUT, BREAK_FLAG = 1 << 15, 1 << 7  # of TIM1's BDTR and SR

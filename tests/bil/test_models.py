@@ -110,7 +110,7 @@ class Facts(unittest.TestCase):
         self.assertEqual(found.amplifiers, [1, 2, 3])
         self.assertEqual([found.level_of(phase) for phase in range(3)], [("DAC3", 1), ("DAC3", 2), ("DAC3", 2)])
         self.assertEqual(found.serial, "USART2")
-        self.assertEqual([pin.function for pin in found.alternates], [6, 6, 6, 4, 6, 4, 7, 7])
+        self.assertEqual([pin.function for pin in found.alternates], [6, 6, 6, 4, 6, 4, 7, 7, 1, 2, 2, 2])
         self.assertEqual([found.facts.channel_of("ADC1", pin) for pin in ("PA0", "PA2", "PB14")], [1, 3, 5])
 
 

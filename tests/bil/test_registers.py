@@ -8,7 +8,7 @@ and the board file: a bit that the image forgets, and that no behaviour of the m
 import sys
 import unittest
 
-from rig import CALIBRATION_TICKS, HAL, STAGE, make
+from rig import CALIBRATION_TICKS, HAL, STAGE, address_of, make
 
 CLOCK_HZ = 170e6
 CRYSTAL_HZ = HAL.get("crystal_hz", 0)
@@ -17,11 +17,14 @@ HALF_PERIOD = round(CLOCK_HZ / STAGE["pwm_frequency_hz"] / 2)
 # Pins by number, two bits each.
 ALTERNATE, OUTPUT, ANALOG = 2, 1, 3
 UP, DOWN = 1, 2
+INPUT = 0
 GATES = {"A": (8, 9, 10, 12), "B": (15,), "C": (13,)}
+# The board as it is sold has inputs and a connector for a sensor of the shaft; that of the tests has none.
+HAS_INPUTS = "pulse_pin" in HAL
 
 # Written to make something happen, or by each tick; what they do is tested as behaviour.
 ACTIONS = {"GPIOC_BSRR", "IWDG_KR", "SYSTEM_SYST_CVR", "RCC_CSR", "TIM1_EGR", "TIM1_SR", "TIM1_CCR1", "TIM1_CCR2",
-           "TIM1_CCR3", "TIM16_SR", "CRC_DR", "ADC1_ISR", "ADC2_ISR", "USART2_TDR", *(f"TAMP_BKP{word}R" for word in range(6))}
+           "TIM1_CCR3", "TIM2_EGR", "TIM16_SR", "CRC_DR", "DMA1_CNDTR1", "DMA1_CNDTR2", "ADC1_ISR", "ADC2_ISR", "USART2_TDR", *(f"TAMP_BKP{word}R" for word in range(8))}
 
 
 def placed(reset, width, fields):
@@ -59,17 +62,48 @@ def trip_count():
 
 
 def pins():
-    analog = {"A": (0, 1, 2, 3, 5, 6, 7), "B": (0, 1, 2, 14), "C": ()}
+    analog = {"A": (0, 1, 2, 3, 5, 6, 7), "B": (0, 1, 2, 14) + ((12,) if HAS_INPUTS else ()), "C": ()}
     serial = {"A": (), "B": (3, 4), "C": ()}
+    counted = {"A": (15,), "B": (6, 7, 8), "C": ()} if HAS_INPUTS else dict.fromkeys("ABC", ())
     reset = {"A": (0xABFFFFFF, 0x64000000, 0x0C000000), "B": (0xFFFFFEBF, 0x100, 0), "C": (0xFFFFFFFF, 0, 0)}
     for port in "ABC":
         mode, pull, speed = reset[port]
-        used = GATES[port] + serial[port]
-        led = {6: OUTPUT} if port == "C" else {}
+        used = GATES[port] + serial[port] + counted[port]
+        led = {6: OUTPUT} | ({10: INPUT} if HAS_INPUTS else {}) if port == "C" else {}
         yield f"GPIO{port}_MODER", placed(mode, 2, dict.fromkeys(used, ALTERNATE) | dict.fromkeys(analog[port], ANALOG) | led)
         pulls = dict.fromkeys(GATES[port], DOWN) | ({3: 0, 4: UP} if port == "B" else {})
+        if HAS_INPUTS:
+            pulls |= {"A": {15: DOWN}, "B": dict.fromkeys((6, 7, 8), UP), "C": {10: UP}}[port]
         yield f"GPIO{port}_PUPDR", placed(pull, 2, pulls)
         yield f"GPIO{port}_OSPEEDR", placed(speed, 2, dict.fromkeys(used, 2))
+
+
+def inputs():
+    """Pulses of PA15 by both of the first channels of timer 2; an encoder with index at timer 4."""
+    ring = 1 | 1 << 5 | 1 << 7 | 2 << 8 | 2 << 10    # enabled, circular, the next word of memory; words
+    filtered = 1 | 5 << 4                            # its own input, 8 samples at half the clock
+    return {
+        "DMAMUX1_C0CR": 56,                          # captures of channels 1 and 2
+        "DMAMUX1_C1CR": 57,
+        "DMA1_CCR1": ring,
+        "DMA1_CCR2": ring,
+        "DMA1_CPAR1": 0x40000034,
+        "DMA1_CPAR2": 0x40000038,
+        "DMA1_CMAR1": address_of("pulses_rises"),
+        "DMA1_CMAR2": address_of("pulses_falls"),
+        "TIM2_PSC": 16,                              # 10 MHz
+        "TIM2_ARR": 0xFFFFFFFF,
+        "TIM2_CCMR1": 1 | 7 << 4 | 2 << 8,           # both look at input 1, 8 samples at a quarter of the clock
+        "TIM2_CCER": 1 | 1 << 4 | 1 << 5,            # rising, falling
+        "TIM2_DIER": 1 << 9 | 1 << 10,
+        "TIM2_CR1": 1,
+        "TIM4_CCMR1": filtered | filtered << 8,
+        "TIM4_CCMR2": filtered,
+        "TIM4_CCER": 1 << 8,                         # the index is captured
+        "TIM4_SMCR": 3,
+        "TIM4_ARR": 0xFFFF,
+        "TIM4_CR1": 1,
+    }
 
 
 def expected():
@@ -77,13 +111,15 @@ def expected():
     comparator = 1 | 4 << 4 | 1 << 16 | 1 << 31      # on, against DAC3, 10 mV of hysteresis, locked
     sampling, slow = sampling_code(), 4
     channels = placed(0, 3, {1: slow, 3: sampling, 5: slow})
+    upper = placed(0, 3, {8: sampling} | ({1: slow} if HAS_INPUTS else {}))
     sequence = 1 | 8 << 2 | 1 << 7 | 3 << 9          # two, on the rising edge of TIM1's TRGO2, the first is channel 3
     inverted = 0 if HAL["break_polarity"] == "active_high" else 1 << 10 | 1 << 11 | 1 << 13
-    return dict(pins()) | {
+    return dict(pins()) | (inputs() if HAS_INPUTS else {}) | {
         "SYSTEM_SCB_VTOR": 0x08000000,
-        "RCC_APB1ENR1": 1 << 10 | 1 << 17 | 1 << 28, # backup registers, USART2, PWR
+        # backup registers, USART2, PWR; timers 2 and 4
+        "RCC_APB1ENR1": 1 << 10 | 1 << 17 | 1 << 28 | (1 | 1 << 2 if HAS_INPUTS else 0),
         "RCC_APB2ENR": 1 << 0 | 1 << 11 | 1 << 17,   # SYSCFG, TIM1, TIM16
-        "RCC_AHB1ENR": 1 << 8 | 1 << 12,             # flash as after reset, CRC unit
+        "RCC_AHB1ENR": 1 << 8 | 1 << 12 | (1 | 1 << 2 if HAS_INPUTS else 0), # flash as after reset, CRC unit; DMA
         "CRC_CR": 7 << 5,                            # words and result with the lowest bit first
         "RCC_AHB2ENR": 7 | 1 << 13 | 1 << 18,        # ports, converters, DAC3
         "RCC_CR": 1 << 8 | 1 << 10 | 1 << 24 | 1 << 25 | (1 << 16 | 1 << 17 | 1 << 19 if CRYSTAL_HZ else 0),
@@ -93,9 +129,9 @@ def expected():
         "PWR_CR5": 0,                                # boost
         "PWR_CR3": 0x8000 | 1 << 14,                 # PB4 without the pull-down of a dead battery
         "FLASH_ACR": 0x40000 | 4 | 7 << 8,
-        "GPIOA_AFRH": placed(0, 4, {0: 6, 1: 6, 2: 6, 4: 6}),
-        "GPIOB_AFRL": placed(0, 4, {3: 7, 4: 7}),
-        "GPIOB_AFRH": placed(0, 4, {7: 4}),
+        "GPIOA_AFRH": placed(0, 4, {0: 6, 1: 6, 2: 6, 4: 6} | ({7: 1} if HAS_INPUTS else {})),
+        "GPIOB_AFRL": placed(0, 4, {3: 7, 4: 7} | ({6: 2, 7: 2} if HAS_INPUTS else {})),
+        "GPIOB_AFRH": placed(0, 4, {7: 4} | ({0: 2} if HAS_INPUTS else {})),
         "GPIOC_AFRH": placed(0, 4, {5: 4}),
         "USART2_BRR": round(CLOCK_HZ / STAGE["baud"]),
         "USART2_CR1": 1 | 1 << 2 | 1 << 3 | 1 << 29,
@@ -138,9 +174,9 @@ def expected():
         "ADC2_CFGR": 1 << 31 | 1 << 12,
         "ADC1_SMPR1": channels,
         "ADC2_SMPR1": channels,
-        "ADC1_SMPR2": placed(0, 3, {8: sampling}),
-        "ADC2_SMPR2": placed(0, 3, {8: sampling}),
-        "ADC1_SQR1": 5 << 6,                         # the temperature
+        "ADC1_SMPR2": upper,
+        "ADC2_SMPR2": upper,
+        "ADC1_SQR1": (11 if HAS_INPUTS else 5) << 6, # what was converted last: the throttle, or the temperature
         "ADC2_SQR1": 3 << 6,
         "ADC1_JSQR": sequence | 1 << 15,             # then the bus
         "ADC2_JSQR": sequence | 18 << 15,            # then phase c

@@ -4,14 +4,7 @@
 from dataclasses import dataclass
 
 import g4
-
-
-@dataclass(frozen=True)
-class Pin:
-    """One that a peripheral drives or reads, with its alternate function."""
-
-    name: str
-    function: int
+from g4 import Pin
 
 
 @dataclass(frozen=True)
@@ -48,6 +41,12 @@ class Wiring:
         self.led = hal.get("led_pin", "")
         self.held = dict.fromkeys(hal.get("high_pins", []), 1) | dict.fromkeys(hal.get("low_pins", []), 0)
         self.wake_s = hal.get("driver_wake_us", 0) * 1e-6
+        self.throttle, self.button = hal.get("throttle_pin", ""), hal.get("button_pin", "")
+        self.button_level = int(hal.get("button_polarity") == "active_high")  # while it is pressed
+        self.pulse = self._pulse(hal.get("pulse_pin", ""))
+        self.hall = hal.get("hall_pins", [])
+        self.encoder_timer, self.encoder = self._encoder(hal.get("encoder_pins", []))
+        self.spi, self.spi_pins, self.select = self._absolute(hal.get("spi_encoder_pins", []))
         self.break_line = self._break_line(hal.get("break_pin", ""))
         self.break_level = int(hal["break_polarity"] == "active_high")
 
@@ -57,6 +56,23 @@ class Wiring:
     def _leg(self, high, second):
         channel = self.facts.timer_channel(high)
         return Leg(channel, self._pin(high, f"TIM1_CH{channel}"), self._pin(second, f"TIM1_CH{channel}N"))
+
+    def _pulse(self, name):
+        return self._pin(name, f"TIM2_CH{self.facts.channel_at('TIM2', name)}") if name else None
+
+    def _encoder(self, names):
+        """(timer, pins A, B and Z) of an incremental encoder."""
+        if not names:
+            return None, []
+        timer = next(timer for timer in ("TIM3", "TIM4") if self.facts.channel_at(timer, names[0]) == 1)
+        return timer, [self._pin(name, f"{timer}_CH{self.facts.channel_at(timer, name)}") for name in names]
+
+    def _absolute(self, names):
+        """(interface, pins SCK, MISO and MOSI, chip select) of an absolute encoder."""
+        if not names:
+            return None, [], ""
+        spi = self.facts.spi_of(names[:3])
+        return spi, [self._pin(name, f"{spi}_{signal}") for name, signal in zip(names, ("SCK", "MISO", "MOSI"))], names[3]
 
     def _break_line(self, name):
         return self._pin(name, "TIM1_BKIN") if name else None
@@ -69,12 +85,13 @@ class Wiring:
     @property
     def alternates(self):
         """All pins with an alternate function."""
-        return self.gates + self.serial_pins + ([self.break_line] if self.break_line else [])
+        single = [pin for pin in (self.break_line, self.pulse) if pin]
+        return self.gates + self.serial_pins + single + self.encoder + self.spi_pins
 
     @property
     def converted(self):
         """The pins that a converter can measure without an amplifier of the chip."""
-        return [self.bus, self.temperature] + ([] if self.is_amplified else self.shunts)
+        return [self.bus, self.temperature] + ([self.throttle] if self.throttle else []) + ([] if self.is_amplified else self.shunts)
 
     @property
     def comparators(self):

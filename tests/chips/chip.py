@@ -197,8 +197,13 @@ class Chip:
         return [Fact("value", placed(self._code(fact.path, code), fact.value), f"{fact.path}={code}") for fact in facts]
 
     def _code(self, path, code):
-        """A name of the crate's for a value of a field; TRIGGER:SOURCE for a number of EXTSEL or JEXTSEL."""
-        peripheral, register, field = path.split(".")
+        """A name of the crate's for a value of a field; TRIGGER:SOURCE for a number of EXTSEL or JEXTSEL; REQUEST:PERIPHERAL.SIGNAL
+        for one of the DMA's multiplexer."""
+        peripheral, _, rest = path.partition(".")
+        register, _, field = rest.rpartition(".")
+        if code.startswith("REQUEST:"):
+            source, _, signal = code.removeprefix("REQUEST:").partition(".")
+            return self._request(source, signal)
         if code.startswith("TRIGGER:"):
             return self._trigger(peripheral, field, code.removeprefix("TRIGGER:"))
         kind = self.facts["peripherals"][peripheral]["registers"]
@@ -206,6 +211,12 @@ class Chip:
         if code not in codes:
             raise WrongTable(f"values: {path}={code}: the crate's codes are: {', '.join(codes) or 'none'}")
         return codes[code]
+
+    def _request(self, source, signal):
+        requests = self.facts["peripherals"].get(source, {}).get("requests", {})
+        if signal not in requests:
+            raise WrongTable(f"values: {source} has no request {signal}")
+        return requests[signal]
 
     def _trigger(self, peripheral, field, source):
         name = "ADC_JEXT_TRG" if field == "JEXTSEL" else "ADC_EXT_TRG"

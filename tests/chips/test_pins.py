@@ -13,7 +13,8 @@ import chip
 
 NFCONFIG = sys.argv[1]
 # What the binding uses; of these nothing may be missing in nfconfig.
-USED = re.compile(r"TIM1_(CH[123]N?|BKIN)|ADC[12]_IN\d+|OPAMP[123]_(VINP\d|VINM0|VOUT)|COMP[1-4]_INP\d|USART[123]_(TX|RX)|RCC_OSC_(IN|OUT)")
+USED = re.compile(r"TIM1_(CH[123]N?|BKIN)|TIM[234]_CH[1-4]|SPI[123]_(SCK|MISO|MOSI)|ADC[12]_IN\d+|OPAMP[123]_(VINP\d|VINM0|VOUT)|COMP[1-4]_INP\d|USART[123]_(TX|RX)|"
+                  r"RCC_OSC_(IN|OUT)")
 NAME = re.compile(r"(\w+)(?: \((\d+)\))?")
 
 

@@ -25,9 +25,13 @@ constexpr unsigned DEAD_TIME_MAX = 1008; // ticks
 constexpr unsigned LONGEST_SAMPLING = 4; // code
 constexpr double ADC_CLOCK_MHZ = 42.5;
 
+// The board that is sold, without inputs and sensors: their pins are free.
 nf::Config esc1_with(const Lines &set)
 {
-    return nf::load_parts("outrunner_24v", "b_g431b_esc1", "any", {}, set);
+    Lines all = {R"(hal.throttle_pin="")", R"(hal.pulse_pin="")", R"(hal.button_pin="")",
+                 "hal.hall_pins=[]", "hal.encoder_pins=[]"};
+    all.insert(all.end(), set.begin(), set.end());
+    return nf::load_parts("outrunner_24v", "b_g431b_esc1", "any", {}, all);
 }
 
 nf::G4Board resolved(const Lines &set)
@@ -281,6 +285,108 @@ TEST(a_line_of_the_gate_driver_takes_the_place_of_the_comparators)
         assert_header(set, {low ? "HAL_BREAK_SOURCES (TIM_AF1_BKINE | TIM_AF1_BKINP)"
                                 : "HAL_BREAK_SOURCES (TIM_AF1_BKINE)"});
     }
+}
+
+// ---- inputs and sensors ----
+
+TEST(a_board_without_inputs_has_none)
+{
+    const nf::G4Board board = resolved({});
+    TEST_ASSERT_FALSE(board.throttle.has_value());
+    TEST_ASSERT_EQUAL_INT(0, board.pulse_channel);
+    TEST_ASSERT_EQUAL_INT(0, board.encoder_timer);
+    TEST_ASSERT_EQUAL_INT(0, board.spi);
+    assert_header({}, {"HAL_HAS_THROTTLE (false)", "HAL_HAS_PULSES (false)",
+                       "HAL_HAS_BUTTON (false)", "HAL_SHAFT (BOARD_SHAFT_NONE)",
+                       "#define HAL_PULSE_SETTINGS\n", "#define HAL_SHAFT_SETTINGS\n",
+                       "HAL_AHB1 (RCC_AHB1ENR_CRC)", "HAL_ADC1_REGULAR_HELD (0xFFFFFFFFUL)"});
+}
+
+TEST(a_throttle_that_shares_the_converter_of_the_temperature_leaves_its_channel_unchecked)
+{
+    const nf::G4Board board = resolved({"hal.throttle_pin=PB12"});
+    TEST_ASSERT_EQUAL_STRING("ADC1_IN11", shown(*board.throttle).c_str());
+    assert_header({"hal.throttle_pin=PB12"},
+                  {"HAL_HAS_THROTTLE (true)", "HAL_THROTTLE_CHANNEL (11U)",
+                   "HAL_ADC1_REGULAR_HELD (~(0x1FUL << ADC_SQR1_SQ1_SHIFT))",
+                   "HAL_ADC2_REGULAR_HELD (0xFFFFFFFFUL)"});
+    assert_header({"hal.throttle_pin=PC4"},
+                  {"HAL_ADC_THROTTLE (ADC2)", "HAL_ADC2_REGULAR (5U) /* hal.throttle_pin */",
+                   "HAL_ADC1_REGULAR_HELD (0xFFFFFFFFUL)"});
+}
+
+// A pair of channels looks at the pin, whichever of them it is.
+TEST(pulses_are_captured_by_the_pair_of_channels_of_their_pin)
+{
+    const struct {
+        const char *pin;
+        int channel;
+        const char *mode;
+    } rows[] = {{"PA15", 1, "TIM2 + TIM_CCMR1, ALL, TIM_CCMR_BOTH_OF_FIRST"},
+                {"PB10", 3, "TIM2 + TIM_CCMR2, ALL, TIM_CCMR_BOTH_OF_FIRST"},
+                {"PB11", 4, "TIM2 + TIM_CCMR2, ALL, TIM_CCMR_BOTH_OF_SECOND"}};
+    for (const auto &row : rows) {
+        const Lines set = {fmt::format("hal.pulse_pin={}", row.pin)};
+        TEST_ASSERT_EQUAL_INT(row.channel, resolved(set).pulse_channel);
+        TEST_ASSERT_TRUE(pin_of(resolved(set), row.pin)->pull == nf::Pull::down);
+        assert_header(set,
+                      {row.mode, "RCC_AHB1ENR_DMA1 | RCC_AHB1ENR_DMAMUX1", "| RCC_APB1ENR1_TIM2"});
+    }
+}
+
+TEST(a_button_is_pulled_to_where_nobody_presses_it)
+{
+    for (const bool low : {false, true}) {
+        const Lines set = {"hal.button_pin=PC10", fmt::format("hal.button_polarity={}",
+                                                              low ? "active_low" : "active_high")};
+        const nf::G4Pin *const pin = pin_of(resolved(set), "PC10");
+        TEST_ASSERT_TRUE(pin->mode == nf::PinMode::input);
+        TEST_ASSERT_TRUE(pin->pull == (low ? nf::Pull::up : nf::Pull::down));
+    }
+}
+
+const char *const HALL = R"(hal.hall_pins=["PB6","PB7","PB8"])";
+const char *const ENCODER = R"(hal.encoder_pins=["PB6","PB7","PB8"])";
+
+TEST(hall_sensors_are_read_at_their_pins)
+{
+    TEST_ASSERT_TRUE(pin_of(resolved({HALL}), "PB7")->mode == nf::PinMode::input);
+    assert_header({HALL}, {"HAL_SHAFT (BOARD_SHAFT_HALL)", "HAL_HALL_3_BIT (8U)",
+                           "#define HAL_SHAFT_SETTINGS\n"});
+}
+
+TEST(an_encoder_has_the_timer_of_its_pins_and_may_lack_an_index)
+{
+    const nf::G4Board board = resolved({ENCODER});
+    TEST_ASSERT_EQUAL_INT(4, board.encoder_timer);
+    TEST_ASSERT_EQUAL_INT(3, board.index_channel);
+    const nf::G4Board other =
+        resolved({R"(hal.encoder_pins=["PA6","PA4"])", R"(hal.shunt_pins=["PA1","PA7","PB0"])"});
+    TEST_ASSERT_EQUAL_INT(3, other.encoder_timer);
+    TEST_ASSERT_EQUAL_INT(0, other.index_channel);
+    assert_header({ENCODER}, {"HAL_SHAFT (BOARD_SHAFT_ENCODER)", "HAL_HAS_INDEX (true)",
+                              "HAL_INDEX_AT (TIM_CCR3)", "| RCC_APB1ENR1_TIM4"});
+}
+
+TEST(one_connector_may_be_for_hall_sensors_and_for_an_encoder)
+{
+    const nf::G4Board board = resolved({HALL, ENCODER});
+    TEST_ASSERT_TRUE(pin_of(board, "PB6")->mode == nf::PinMode::alternate);
+    TEST_ASSERT_EQUAL_INT64(1,
+                            std::count_if(board.pins.begin(), board.pins.end(),
+                                          [](const nf::G4Pin &pin) { return pin.name == "PB6"; }));
+}
+
+TEST(an_absolute_encoder_has_the_spi_of_its_pins_and_starts_unselected)
+{
+    const Lines set = {R"(hal.spi_encoder_pins=["PB13","PB14","PA11","PB6"])",
+                       "hal.temperature_pin=PB12"};
+    const nf::G4Board board = resolved(set);
+    TEST_ASSERT_EQUAL_INT(2, board.spi);
+    TEST_ASSERT_TRUE(pin_of(board, "PB6")->high);
+    TEST_ASSERT_TRUE(pin_of(board, "PB14")->pull == nf::Pull::up);
+    assert_header(set, {"HAL_SHAFT (BOARD_SHAFT_ABSOLUTE)", "HAL_SPI_CS_BIT (6U)",
+                        "| RCC_APB1ENR1_SPI2", "SPI2 + SPI_CR1, ALL, SPI_CR1_ENCODER"});
 }
 
 TEST(outputs_are_held_at_their_levels)

@@ -13,7 +13,7 @@
 //!     pins          {pin: {PERIPHERAL_SIGNAL: alternate function, or null where the pin is analogue}}
 //!     peripherals   {name: {base, registers: key of `registers`, and where there are some enable: REGISTER.FIELD of
 //!                   RCC, kernel: the clock, or the field of RCC that chooses it, interrupts: {signal: interrupt},
-//!                   triggers: {signal: source}}}
+//!                   triggers: {signal: source}, requests: {signal: number at the DMA multiplexer}}}
 //!     registers     {kind: {register: [offset, bits, {field: mask}]}}
 //!     codes         {kind: {REGISTER.FIELD: {name: value}}}
 
@@ -31,8 +31,8 @@ const KINDS: &[&str] = &[
 /// Of other kinds only these.
 #[rustfmt::skip]
 const SINGLE: &[&str] = &[
-    "ADC12_COMMON", "ADC345_COMMON", "FDCAN1", "SPI1", "SPI2", "SPI3", "TIM1", "TIM2", "TIM4", "TIM16", "TIM17",
-    "UART4",
+    "ADC12_COMMON", "ADC345_COMMON", "DMA1", "DMAMUX1", "FDCAN1", "SPI1", "SPI2", "SPI3", "TIM1", "TIM2", "TIM3",
+    "TIM4", "TIM16", "TIM17", "UART4",
 ];
 
 type Object = BTreeMap<String, String>;
@@ -180,6 +180,11 @@ fn peripheral(of: &Peripheral) -> String {
     if !of.triggers.is_empty() {
         let triggers = of.triggers.iter().map(|t| (t.signal.to_string(), text(t.source)));
         members.insert("triggers".into(), object(triggers));
+    }
+    let requests = of.dma_channels.iter().filter_map(|dma| dma.request.map(|r| (dma.signal.to_string(), r.to_string())));
+    let requests: Vec<(String, String)> = requests.collect();
+    if !requests.is_empty() {
+        members.insert("requests".into(), object(requests));
     }
     object(members)
 }

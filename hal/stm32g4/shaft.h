@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The sensor of the shaft: Hall sensors, an incremental encoder or an absolute one. RM0440 29.4.20
+ * (encoder mode), 39.5 (SPI).
+ *
+ * Hall sensors are three pins. The edges of an incremental encoder are counted by timer 3 or 4,
+ * which also captures its count at the index. The filter of their inputs takes what is shorter than
+ * 94 ns away.
+ *
+ * An absolute encoder of the AS5047's kind samples its angle when its chip select rises, and sends
+ * it in the next frame. The select rises when a tick begins, and falls when the last frame is read.
+ * The next frame is started when the tick ends. So the frame that a tick reads has the angle at the
+ * beginning of the tick before. AS5047D, timing of the SPI: the select has to be high for 350 ns,
+ * and low for 350 ns before the clock starts.
+ */
+#ifndef SHAFT_H
+#define SHAFT_H
+
+#include "board.h"
+#include "hal.h"
+#include "hal_config.h"
+#include "reg.h"
+#include "stm32g4.h"
+
+#include <stdint.h>
+
+/*
+ * Reads the angle, with an even parity. Of an absolute encoder whose frame was not received, it is
+ * what hal_shaft() returns, too: an angle with the error flag set.
+ */
+#define SHAFT_ONES (0xFFFFU)
+
+/*
+ * Starts timer or SPI. An absolute encoder is asked for its first angle. Call once, after
+ * pins_init().
+ */
+void shaft_init(void);
+
+/* As hal_shaft(). */
+hal_shaft_t shaft_read(void);
+
+/* Lets an absolute encoder sample. Context: control interrupt, first. */
+static inline void shaft_sample(void)
+{
+    if (BOARD.shaft == BOARD_SHAFT_ABSOLUTE) {
+        reg_write(HAL_SPI_CS_PORT + GPIO_BSRR, 1UL << HAL_SPI_CS_BIT);
+    }
+}
+
+/*
+ * Starts the frame of an absolute encoder, if shaft_read() has come in this tick. Context: control
+ * interrupt, last.
+ */
+void shaft_start(void);
+
+#endif
