@@ -2,7 +2,10 @@
 #include "link_frame.h"
 
 #include "crc32.h"
+#include "text.h"
 #include "words.h"
+
+#include <stddef.h>
 
 #define BYTE_BITS (8U)
 #define BYTE_MASK (0xFFU)
@@ -125,10 +128,23 @@ void link_out_word(link_out_t *out, uint32_t value)
     link_out_half(out, value >> (2U * BYTE_BITS));
 }
 
-void link_out_text(link_out_t *out, const char *text)
+static void put_plain(link_out_t *out, const char *text)
 {
     for (uint32_t k = 0U; text[k] != '\0'; k++) {
         link_out_byte(out, (uint8_t)text[k]);
+    }
+}
+
+void link_out_text(link_out_t *out, const char *text)
+{
+    for (uint32_t k = 0U; text[k] != '\0'; k++) {
+        const char *const piece = text_piece(text[k]);
+
+        if (piece == NULL) {
+            link_out_byte(out, (uint8_t)text[k]);
+        } else {
+            put_plain(out, piece);
+        }
     }
 }
 

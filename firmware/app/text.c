@@ -12,6 +12,8 @@
 /* characters that text_add() always leaves free */
 #define LINE_END (2U)
 
+#define FIRST_PIECE (0x80U)
+
 static void add_character(text_t *text, char c)
 {
     if (text->length < (TEXT_MAX - LINE_END)) {
@@ -29,10 +31,40 @@ void text_end_line(text_t *text)
     }
 }
 
-void text_add(text_t *text, const char *string)
+const char *text_piece(char c)
+{
+    static const char *const pieces[] = {
+#define TEXT_PIECE(piece) piece,
+#include "text_pieces.def"
+#undef TEXT_PIECE
+    };
+    const uint32_t code = (uint8_t)c;
+    const uint32_t number = code - FIRST_PIECE;
+    const char *piece = NULL;
+
+    if (code >= FIRST_PIECE) {
+        piece = (number < (sizeof(pieces) / sizeof(pieces[0]))) ? pieces[number] : "";
+    }
+    return piece;
+}
+
+static void add_plain(text_t *text, const char *string)
 {
     for (uint32_t k = 0U; string[k] != '\0'; k++) {
         add_character(text, string[k]);
+    }
+}
+
+void text_add(text_t *text, const char *string)
+{
+    for (uint32_t k = 0U; string[k] != '\0'; k++) {
+        const char *const piece = text_piece(string[k]);
+
+        if (piece == NULL) {
+            add_character(text, string[k]);
+        } else {
+            add_plain(text, piece);
+        }
     }
 }
 

@@ -16,7 +16,14 @@ typedef struct {
     char characters[TEXT_MAX];
 } text_t;
 
-/* Append a string that ends with 0. */
+/*
+ * Constant texts may be packed (text_pieces.def): a character with its highest bit set stands for a
+ * piece. Returns this piece, "" for a number that has none, or NULL for any other character.
+ * Whoever sends constant texts without text_add() uses it.
+ */
+const char *text_piece(char c);
+
+/* Append a string that ends with 0. It may be packed. */
 void text_add(text_t *text, const char *string);
 
 /*

@@ -184,7 +184,7 @@ class Answers(unittest.TestCase):
                 self.tells(wait)
 
     def test_behind_the_watchdog_it_says_both(self):
-        self.assertIn("the watchdog made the last reset", self.tells(WAITS[0], reset_flags=board.WATCHDOG_FLAG))
+        self.assertIn("last reset: watchdog", self.tells(WAITS[0], reset_flags=board.WATCHDOG_FLAG))
 
     def test_behind_an_option_byte_that_protects_less_it_says_both(self):
         self.assertIn("no parity of the RAM", self.tells(WAITS[0], options=flash.GOOD_OPTIONS ^ flash.NO_PARITY))

@@ -3,6 +3,7 @@
 #include "link_frame.h"
 #include "seeded.h"
 #include "testing.h"
+#include "text.h"
 
 #include <string.h>
 
@@ -232,4 +233,19 @@ TEST(test_any_bytes_harm_nothing)
             TEST_ASSERT_GREATER_OR_EQUAL_UINT32(LINK_FRAME_HEAD_BYTES, length);
         }
     }
+}
+
+TEST(test_a_packed_text_goes_out_in_full)
+{
+    const char packed[] = {'a', (char)0x80, 'z', '\0'};
+    const char *const piece = text_piece(packed[1]);
+    const uint32_t length = (uint32_t)strlen(piece);
+
+    link_out_start(&out);
+    link_out_begin(&out, 1U, 2U);
+    link_out_text(&out, packed);
+    TEST_ASSERT_EQUAL_UINT32(LINK_FRAME_HEAD_BYTES + length + 2U, out.length);
+    TEST_ASSERT_EQUAL_CHAR('a', out.bytes[LINK_FRAME_HEAD_BYTES]);
+    TEST_ASSERT_EQUAL_MEMORY(piece, &out.bytes[LINK_FRAME_HEAD_BYTES + 1U], length);
+    TEST_ASSERT_EQUAL_CHAR('z', out.bytes[LINK_FRAME_HEAD_BYTES + 1U + length]);
 }

@@ -4,6 +4,8 @@
 
 #include "testing.h"
 
+#include <stdio.h>
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -152,4 +154,38 @@ TEST(test_the_crc_of_characters_is_the_published_one_also_in_parts)
     TEST_ASSERT_EQUAL_HEX32(0xCBF43926U, ~text_crc(0xFFFFFFFFU, "123456789", 9U));
     TEST_ASSERT_EQUAL_HEX32(0xCBF43926U, ~text_crc(part, "56789", 5U));
     TEST_ASSERT_EQUAL_HEX32(part, text_crc(part, "", 0U));
+}
+
+/* ---- packed texts ---- */
+
+#define FIRST_PIECE (0x80U)
+#define CODES (128U)
+
+static const char *const PIECES[] = {
+#define TEXT_PIECE(piece) piece,
+#include "text_pieces.def"
+#undef TEXT_PIECE
+};
+
+#define PIECES_COUNT (sizeof(PIECES) / sizeof(PIECES[0]))
+
+TEST(test_a_code_stands_for_its_piece_and_a_code_without_one_for_nothing)
+{
+    TEST_ASSERT_LESS_THAN_UINT32(CODES, PIECES_COUNT);
+    for (uint32_t code = 1U; code < (FIRST_PIECE + CODES); code++) {
+        const char string[] = {'<', (char)code, '>', '\0'};
+        const uint32_t number = code - FIRST_PIECE;
+        char expected[64];
+        text_t text = {0};
+
+        if (code < FIRST_PIECE) {
+            (void)snprintf(expected, sizeof expected, "<%c>", (int)code);
+        } else {
+            (void)snprintf(expected, sizeof expected, "<%s>",
+                           (number < PIECES_COUNT) ? PIECES[number] : "");
+        }
+        text_add(&text, string);
+        text.characters[text.length] = '\0';
+        TEST_ASSERT_EQUAL_STRING(expected, text.characters);
+    }
 }
