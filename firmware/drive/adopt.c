@@ -73,12 +73,8 @@ static void adopt(drive_t *drive, const drive_cfg_t *cfg)
     }
 }
 
-/*
- * With INLINES_ALL this function has its own copy of each function that it calls. If it shared them
- * with the tick, the compiler would not inline them there. That would cost a RUN tick on a
- * Cortex-M4 7 instructions, and a tick at rest 20.
- */
-INLINES_ALL NEVER_INLINED void drive_change(drive_t *drive, const drive_cfg_t *cfg)
+/* A change is rare. Inlined into the tick, its code would take registers from a RUN tick. */
+NEVER_INLINED void drive_change(drive_t *drive, const drive_cfg_t *cfg)
 {
     if (cfg->crc == drive->cfg->crc) {
         /*
