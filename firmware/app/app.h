@@ -10,6 +10,7 @@
 #include "drive.h"
 #include "hal.h"
 #include "recorder.h"
+#include "source.h"
 
 #include <stdbool.h>
 
@@ -43,6 +44,8 @@ typedef struct {
     /* Background only: */
     cross_check_t check;
     uint32_t ticket; /* ticket that the next command of a PC has to carry, see commander.h */
+    uint32_t upsets; /* events after which an input has to be seen at rest, see commander.h */
+    source_t source; /* the source that has commanded last, see commander_source() */
     bool failed;     /* the drive was in FAULT at the last commander_step() */
     bool keeps_heat; /* kept_heat_restore() has run, so kept_heat_step() may keep the heat */
     bool unlocked;   /* the next configuration of a PC may protect less, see commander.h */

@@ -9,6 +9,36 @@
 #define NO_POSITION "the rotor is not known at rest; a start counts from its own zero"
 #define RUN_FROM_ZERO (DRIVE_REQUEST_RUN | DRIVE_REQUEST_ZERO)
 
+source_t commander_source(const app_t *app)
+{
+    const uint32_t asked = command_mailbox_take(&app->mailbox).request;
+
+    return ((asked & (DRIVE_REQUEST_RUN | DRIVE_REQUEST_PROBE)) != 0U) ? app->source : SOURCE_NONE;
+}
+
+void commander_upset(app_t *app)
+{
+    app->upsets++;
+}
+
+/*
+ * Whether the source may do this now. If so, it is in command from now on: of its run, or of the
+ * next one. An input that goes on with its own run does not upset itself.
+ */
+static bool admits(app_t *app, source_t source, source_event_t event)
+{
+    const source_t before = commander_source(app);
+    const bool may = source_decide(before, source, event) != SOURCE_REFUSES;
+
+    if (may) {
+        app->source = source;
+        if ((source != SOURCE_INPUT) || (event == SOURCE_EVENT_STOP)) {
+            commander_upset(app);
+        }
+    }
+    return may;
+}
+
 uint32_t commander_ticket(const app_t *app)
 {
     return app->ticket;
@@ -47,33 +77,43 @@ static void request(app_t *app, uint8_t what)
     commander_renew_ticket(app, 0U);
 }
 
-const char *commander_run(app_t *app)
+const char *commander_run(app_t *app, source_t source)
 {
     const char *why = NULL;
 
     if (app->drive.state == DRIVE_STATE_FAULT) {
         why = LATCHED;
-    } else {
+    } else if (admits(app, source, SOURCE_EVENT_RUN)) {
         request(app, DRIVE_REQUEST_RUN);
+    } else {
+        why = COMMANDER_TAKEN;
     }
     return why;
 }
 
-void commander_stop(app_t *app)
+void commander_stop(app_t *app, source_t source)
 {
+    (void)admits(app, source, SOURCE_EVENT_STOP); /* the table admits every stop */
     request(app, 0U);
 }
 
-const char *commander_clear(app_t *app)
+const char *commander_clear(app_t *app, source_t source)
 {
     const char *why = NULL;
 
-    if (app->drive.state == DRIVE_STATE_FAULT) {
+    if (app->drive.state != DRIVE_STATE_FAULT) {
+        why = NO_FAULT;
+    } else if (admits(app, source, SOURCE_EVENT_CLEAR)) {
         request(app, DRIVE_REQUEST_CLEAR);
     } else {
-        why = NO_FAULT;
+        why = COMMANDER_TAKEN;
     }
     return why;
+}
+
+void commander_measures(app_t *app, source_t source)
+{
+    (void)admits(app, source, SOURCE_EVENT_RUN);
 }
 
 const char *commander_zero(app_t *app)
@@ -95,22 +135,29 @@ const char *commander_zero(app_t *app)
     return why;
 }
 
-void commander_set_speed(app_t *app, step_t speed)
+/* Puts a target in force. Returns whether the source may. */
+static bool put_target(app_t *app, source_t source, drive_mode_t mode, int32_t target)
 {
-    drive_command_t command = command_mailbox_take(&app->mailbox);
+    const bool may = admits(app, source, SOURCE_EVENT_TARGET);
 
-    command.target = speed;
-    command.mode = (uint8_t)DRIVE_MODE_SPEED;
-    command_mailbox_post(&app->mailbox, &command);
+    if (may) {
+        drive_command_t command = command_mailbox_take(&app->mailbox);
+
+        command.target = target;
+        command.mode = (uint8_t)mode;
+        command_mailbox_post(&app->mailbox, &command);
+    }
+    return may;
 }
 
-void commander_set_torque(app_t *app, int32_t torque_q28)
+bool commander_set_speed(app_t *app, source_t source, step_t speed)
 {
-    drive_command_t command = command_mailbox_take(&app->mailbox);
+    return put_target(app, source, DRIVE_MODE_SPEED, speed);
+}
 
-    command.target = torque_q28;
-    command.mode = (uint8_t)DRIVE_MODE_TORQUE;
-    command_mailbox_post(&app->mailbox, &command);
+bool commander_set_torque(app_t *app, source_t source, int32_t torque_q28)
+{
+    return put_target(app, source, DRIVE_MODE_TORQUE, torque_q28);
 }
 
 int32_t commander_torque_max(const app_t *app)
@@ -177,6 +224,20 @@ static const char *request_refused(const app_t *app, uint8_t what, bool counts)
     return why;
 }
 
+static source_event_t event_of_request(uint8_t what)
+{
+    source_event_t event = SOURCE_EVENT_RUN;
+
+    if (what == 0U) {
+        event = SOURCE_EVENT_STOP;
+    } else if (what == DRIVE_REQUEST_CLEAR) {
+        event = SOURCE_EVENT_CLEAR;
+    } else {
+        /* a run, also one that begins with zero here */
+    }
+    return event;
+}
+
 const char *commander_command(app_t *app, const drive_command_t *command, bool counts,
                               step_t speed_max)
 {
@@ -187,12 +248,14 @@ const char *commander_command(app_t *app, const drive_command_t *command, bool c
         if (why == NULL) {
             drive_command_t taken = *command;
 
+            (void)admits(app, SOURCE_LINK, event_of_request(command->request));
             taken.request |= zero_to_come(app);
             command_mailbox_post(&app->mailbox, &taken);
             commander_renew_ticket(app, 0U);
         }
     } else if (command->request == 0U) {
-        commander_stop(app); /* a stop is obeyed, whatever else the message says */
+        /* a stop is obeyed, whatever else the message says */
+        commander_stop(app, SOURCE_LINK);
         why = NULL;
     } else {
         /* refused: `why` is the reason */
@@ -202,10 +265,11 @@ const char *commander_command(app_t *app, const drive_command_t *command, bool c
 
 void commander_limit_speed(app_t *app, step_t speed_max)
 {
-    const drive_command_t command = command_mailbox_take(&app->mailbox);
+    drive_command_t command = command_mailbox_take(&app->mailbox);
 
     if (is_too_fast(&command, speed_max)) {
-        commander_set_speed(app, (command.target > 0) ? speed_max : -speed_max);
+        command.target = (command.target > 0) ? speed_max : -speed_max;
+        command_mailbox_post(&app->mailbox, &command);
     }
 }
 
@@ -215,6 +279,7 @@ void commander_begin_anew(app_t *app)
 
     command_mailbox_post(&app->mailbox, &none);
     commander_renew_ticket(app, 0U);
+    commander_upset(app);
 }
 
 bool commander_is_at_rest(const app_t *app)
@@ -263,6 +328,7 @@ void commander_step(app_t *app)
     }
     if (failed && !app->failed) {
         commander_renew_ticket(app, 0U);
+        commander_upset(app);
     }
     app->failed = failed;
     app->unlocked = app->unlocked && commander_is_at_rest(app);

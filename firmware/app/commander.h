@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Commands to the drive while it runs, from a console or another link of the background. Each
- * function changes one part of the command in force and leaves the rest. The last command counts,
- * whoever gave it.
+ * Commands to the drive while it runs, from the sources of the background: the console, the link of
+ * a PC, an input. Each function changes one part of the command in force and leaves the rest. The
+ * table of source.h decides whether the source may; otherwise the command in force stays.
  *
  * Context: background. No function waits. The drive takes the command once a slow period. Of two
  * changes between two takes it sees the later one. A request to clear stays in force until the
@@ -13,6 +13,9 @@
  * clear, each fault and anything else that ends a request makes a new ticket. A message that was
  * sent before carries an old ticket, and its command is refused, however late it arrives. Only a
  * stop is always carried out.
+ *
+ * What console and link command, each stop, each fault and each change of the configuration is an
+ * upset: an input has to be seen at rest afterwards before it may start the motor (input.h).
  */
 #ifndef COMMANDER_H
 #define COMMANDER_H
@@ -21,8 +24,20 @@
 
 #include <stdbool.h>
 
+/* The reason why a command of an input is refused while another source is in command. */
+#define COMMANDER_TAKEN "another source commands the drive"
+
 /* The reason why a command with an old ticket is refused. */
 #define COMMANDER_STALE "the drive has been commanded or has stopped since; ask again"
+
+/*
+ * Returns the source whose run or measurement is in force; SOURCE_NONE: nothing is asked of the
+ * drive, or nobody has asked.
+ */
+source_t commander_source(const app_t *app);
+
+/* An input has to be seen at rest from now on. */
+void commander_upset(app_t *app);
 
 /* Returns the ticket that is valid now. */
 uint32_t commander_ticket(const app_t *app);
@@ -39,14 +54,23 @@ bool commander_take_ticket(app_t *app, uint32_t ticket);
  */
 void commander_renew_ticket(app_t *app, uint32_t salt);
 
-/* Requests a run. Returns NULL, or the reason for a refusal: a fault is latched. */
-const char *commander_run(app_t *app);
+/*
+ * Requests a run. Returns NULL, or the reason for a refusal: a fault is latched, or another source
+ * is in command.
+ */
+const char *commander_run(app_t *app, source_t source);
 
 /* Requests a stop: the gates open, and the motor coasts. */
-void commander_stop(app_t *app);
+void commander_stop(app_t *app, source_t source);
 
-/* Requests to clear the fault. Returns NULL, or the reason for a refusal: there is no fault. */
-const char *commander_clear(app_t *app);
+/*
+ * Requests to clear the fault. Returns NULL, or the reason for a refusal: there is no fault, or
+ * another source is in command.
+ */
+const char *commander_clear(app_t *app, source_t source);
+
+/* The source has begun a measurement of the motor, so it is in command. */
+void commander_measures(app_t *app, source_t source);
 
 /*
  * Makes the present position of the rotor the zero from which positions are counted. In position
@@ -58,15 +82,15 @@ const char *commander_zero(app_t *app);
 
 /*
  * Sets speed mode with this electrical speed. Allowed while the drive runs. The caller must keep
- * the speed within the motor's limit.
+ * the speed within the motor's limit. Returns whether the source may set it.
  */
-void commander_set_speed(app_t *app, step_t speed);
+bool commander_set_speed(app_t *app, source_t source, step_t speed);
 
 /*
  * Sets torque mode with this torque, Q28 of T_b. The caller must keep the torque within
- * ±commander_torque_max().
+ * ±commander_torque_max(). Returns whether the source may set it.
  */
-void commander_set_torque(app_t *app, int32_t torque_q28);
+bool commander_set_torque(app_t *app, source_t source, int32_t torque_q28);
 
 /*
  * Returns the torque of the motor at its largest current, computed from the configuration, Q28 of
@@ -75,12 +99,12 @@ void commander_set_torque(app_t *app, int32_t torque_q28);
 int32_t commander_torque_max(const app_t *app);
 
 /*
- * Puts a whole command of a PC in force. counts: its ticket is valid. speed_max: the motor's limit,
- * electrical, for both directions. Returns NULL, or the reason for a refusal; then the command in
- * force stays. These commands are refused: an unknown request or mode, a run in FAULT, a clear
- * without a fault, a speed beyond speed_max, a torque beyond commander_torque_max(), and a command
- * whose ticket is not valid. A stop is never refused, whatever its ticket. A stop with a wrong mode
- * or target leaves the mode and target in force.
+ * Puts a whole command of the link in force. counts: its ticket is valid. speed_max: the motor's
+ * limit, electrical, for both directions. Returns NULL, or the reason for a refusal; then the
+ * command in force stays. These commands are refused: an unknown request or mode, a run in FAULT, a
+ * clear without a fault, a speed beyond speed_max, a torque beyond commander_torque_max(), and a
+ * command whose ticket is not valid. A stop is never refused, whatever its ticket. A stop with a
+ * wrong mode or target leaves the mode and target in force.
  */
 const char *commander_command(app_t *app, const drive_command_t *command, bool counts,
                               step_t speed_max);

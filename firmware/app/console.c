@@ -53,6 +53,10 @@ static void add_reset(text_t *text, hal_reset_t reset)
 static void show_status(console_t *console, bool asked)
 {
     status_add(&console->out, console->app, console->hal, console->about);
+    if (console->input != NULL) {
+        text_add(&console->out, ", input: ");
+        text_add(&console->out, console->input);
+    }
     if (asked) {
         add_reset(&console->out, hal_reset(console->hal));
     }
@@ -70,7 +74,8 @@ static bool set_speed(console_t *console, const char *argument)
     if (identify_is_busy(&console->identify)) {
         done = answer(console, CONSOLE_MEASURING); /* the target in force is a word of the probe */
     } else if (good && (rpm >= -max_rpm) && (rpm <= max_rpm)) {
-        commander_set_speed(console->app, units_step(&console->about->rotation, rpm));
+        (void)commander_set_speed(console->app, console->source,
+                                  units_step(&console->about->rotation, rpm));
         done = answer(console, NULL);
     } else {
         text_add(&console->out, "error: speed takes a whole number of rpm, at most ");
@@ -97,7 +102,7 @@ static bool set_torque(console_t *console, const char *argument)
     if (identify_is_busy(&console->identify)) {
         done = answer(console, CONSOLE_MEASURING);
     } else if (good && (torque >= -most) && (torque <= most)) {
-        commander_set_torque(console->app, units_torque_q28(base, torque));
+        (void)commander_set_torque(console->app, console->source, units_torque_q28(base, torque));
         done = answer(console, NULL);
     } else {
         text_add(&console->out, "error: torque takes N m, at most ");
@@ -298,7 +303,8 @@ static bool same(const char *line, const char *command)
 
 static const char *run(console_t *console)
 {
-    return identify_is_busy(&console->identify) ? CONSOLE_MEASURING : commander_run(console->app);
+    return identify_is_busy(&console->identify) ? CONSOLE_MEASURING
+                                                : commander_run(console->app, console->source);
 }
 
 static const char *zero(console_t *console)
@@ -308,14 +314,21 @@ static const char *zero(console_t *console)
 
 static const char *identify(console_t *console)
 {
-    return (console->dump_phase == CONSOLE_DUMP_NONE) ? identify_start(&console->identify)
-                                                      : DUMPING;
+    const char *why = DUMPING;
+
+    if (console->dump_phase == CONSOLE_DUMP_NONE) {
+        why = identify_start(&console->identify);
+    }
+    if (why == NULL) {
+        commander_measures(console->app, console->source);
+    }
+    return why;
 }
 
 static void stop(console_t *console)
 {
     identify_stop(&console->identify);
-    commander_stop(console->app);
+    commander_stop(console->app, console->source);
 }
 
 static void do_other_line(console_t *console)
@@ -372,7 +385,7 @@ static bool do_line(console_t *console, bool counts)
         stop(console);
         commands = answer(console, NULL);
     } else if (same(line, "clear")) {
-        commands = answer(console, commander_clear(console->app));
+        commands = answer(console, commander_clear(console->app, console->source));
     } else if (same(line, "zero")) {
         commands = answer(console, zero(console));
     } else if (same(line, "identify")) {
@@ -420,7 +433,11 @@ static void announce(console_t *console)
 
 void console_init(console_t *console, app_t *app, hal_t *hal, const about_t *about)
 {
-    *console = (console_t){.app = app, .hal = hal, .about = about, .announced = DRIVE_STATE_INIT};
+    *console = (console_t){.app = app,
+                           .hal = hal,
+                           .about = about,
+                           .source = SOURCE_CONSOLE,
+                           .announced = DRIVE_STATE_INIT};
     identify_init(&console->identify, app, about);
 }
 

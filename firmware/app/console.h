@@ -37,6 +37,9 @@ typedef struct {
     app_t *app; /* without a recorder, dump and record are refused */
     hal_t *hal;
     const about_t *about;
+    source_t
+        source; /* whose lines they are: SOURCE_CONSOLE, or SOURCE_LINK while a PC has the line */
+    const char *input;       /* input_text(), for the status; NULL: there is no input */
     drive_state_t announced; /* state of the drive that was announced last */
     char line[CONSOLE_LINE_MAX + 1U];
     uint32_t length; /* characters of the line so far */

@@ -23,6 +23,8 @@ const char *app_init(app_t *app, hal_t *hal, const drive_cfg_t *cfg)
     app->out = (drive_out_t){0};
     app->recorder = NULL;
     app->ticket = 0U;
+    app->upsets = 0U;
+    app->source = SOURCE_NONE;
     app->failed = false;
     app->unlocked = false;
     app->keeps_heat = false;

@@ -21,11 +21,15 @@
 #define PAUSE_PASSES (LINK_PAUSE_MS * 1000U)
 
 #define STOPS "the link is silent: the drive stops"
+#define STOPS_TYPED "nothing is typed: the drive stops; Enter keeps it running"
 
 void link_init(link_t *link, live_config_t *live)
 {
     *link = (link_t){.live = live};
+    link->guard.source = SOURCE_LINK;
+    link->typed.source = SOURCE_CONSOLE;
     console_init(&link->console, live->app, live->hal, &live->about);
+    input_init(&link->input);
     link_in_start(&link->in);
     link_out_start(&link->out);
     link_stream_init(&link->stream, &live->about.rotation);
@@ -72,6 +76,7 @@ static void return_line(link_t *link)
     commander_renew_ticket(link->live->app, 0U);
     link->is_linked = false;
     link->is_framing = false;
+    link->console.source = SOURCE_CONSOLE;
 }
 
 /*
@@ -98,14 +103,21 @@ static void take_framed(link_t *link, uint8_t byte)
     link->is_framing = (byte != LINK_FRAME_DELIMITER) || !was_open;
 }
 
+static void take_typed(link_t *link, uint8_t byte)
+{
+    if (console_take(&link->console, byte, true)) {
+        source_guard_leave(&link->guard); /* from now on that person commands the motor */
+        source_guard_commanded(&link->typed);
+    }
+    source_guard_heard(&link->typed, now(link));
+}
+
 static void take_byte(link_t *link, uint8_t byte)
 {
     if (link->is_linked || link->is_framing || (byte == LINK_FRAME_DELIMITER)) {
         take_framed(link, byte);
-    } else if (console_take(&link->console, byte, true)) {
-        link_guard_leave(&link->guard); /* from now on that person commands the motor */
     } else {
-        /* the typed line goes on, or it does not command the drive */
+        take_typed(link, byte);
     }
 }
 
@@ -140,6 +152,7 @@ static void become_linked(link_t *link)
     end_session(link);
     console_forget(&link->console);
     link->is_linked = true;
+    link->console.source = SOURCE_LINK;
 }
 
 static void answer_waiting(link_t *link)
@@ -149,11 +162,11 @@ static void answer_waiting(link_t *link)
 
         link->question = 0U;
         link->still = 0U;
-        link_guard_heard(&link->guard, now(link));
+        source_guard_heard(&link->guard, now(link));
         if (type == (uint8_t)LINK_HELLO) {
             become_linked(link);
         } else if (type == (uint8_t)LINK_BYE) {
-            link_guard_leave(&link->guard);
+            source_guard_leave(&link->guard);
             return_line(link);
         } else {
             /* the line keeps its owner */
@@ -167,14 +180,41 @@ static void watch_line(link_t *link)
     const uint32_t pause = units_ticks(&live->about.rotation, PAUSE_US);
     const uint32_t timeout = live->in_force->cfg.link.timeout_ticks;
     const bool silent =
-        link_guard_is_silent(&link->guard, now(link), pause) || (link->still > PAUSE_PASSES);
+        source_guard_is_silent(&link->guard, now(link), pause) || (link->still > PAUSE_PASSES);
 
     if (link->is_linked && silent) {
         return_line(link);
     }
-    if (link_guard_step(&link->guard, live->app, &link->console.identify, now(link), timeout)) {
+    if (source_guard_step(&link->guard, live->app, &link->console.identify, now(link), timeout)) {
         link_say(link, STOPS);
     }
+}
+
+/* Nobody types during a measurement of the motor, which ends by itself. */
+static void watch_person(link_t *link)
+{
+    const live_config_t *const live = link->live;
+    const uint32_t timeout = live->in_force->cfg.console.timeout_ticks;
+
+    if (identify_is_busy(&link->console.identify)) {
+        source_guard_heard(&link->typed, now(link));
+    }
+    if (source_guard_step(&link->typed, live->app, &link->console.identify, now(link), timeout)) {
+        link_say(link, STOPS_TYPED);
+    }
+}
+
+static void watch_input(link_t *link)
+{
+    const char *const lost =
+        input_step(&link->input, link->live, &link->console.identify, now(link));
+
+    if (lost != NULL) {
+        text_add(&link->console.out, "the input is lost: ");
+        text_add(&link->console.out, lost);
+        link_say(link, ": the drive stops");
+    }
+    link->console.input = input_text(&link->input);
 }
 
 static void text_is_sent(link_t *link, uint32_t count)
@@ -270,6 +310,8 @@ void link_step(link_t *link)
     answer_waiting(link);
     live_config_step(link->live);
     watch_line(link);
+    watch_person(link);
+    watch_input(link);
     console_step(&link->console);
     speak(link);
     link_send(link);

@@ -134,6 +134,13 @@ static void put_health(link_t *link)
     link_out_word(out, commander_ticket(link->live->app));
 }
 
+/* The PC commands the drive, and nobody else does any more. */
+static void link_commanded(link_t *link)
+{
+    source_guard_commanded(&link->guard);
+    source_guard_leave(&link->typed);
+}
+
 /*
  * Carries out LINK_COMMAND. A stop ends a measurement of the motor. During a measurement every
  * other command is refused, because the target in force is a word of the probe.
@@ -155,7 +162,7 @@ static const char *do_command(link_t *link, const uint8_t *body)
                                 units_step(&about->rotation, about->speed_max_rpm));
     }
     if (why == NULL) {
-        link_guard_commanded(&link->guard);
+        link_commanded(link);
     }
     return why;
 }
@@ -163,7 +170,7 @@ static const char *do_command(link_t *link, const uint8_t *body)
 static void take_character(link_t *link, uint8_t byte, bool counts)
 {
     if (console_take(&link->console, byte, counts)) {
-        link_guard_commanded(&link->guard);
+        link_commanded(link);
     }
 }
 

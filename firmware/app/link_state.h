@@ -4,10 +4,11 @@
 #define LINK_STATE_H
 
 #include "console.h"
+#include "input.h"
 #include "link_frame.h"
-#include "link_guard.h"
 #include "link_stream.h"
 #include "live_config.h"
+#include "source_guard.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -32,7 +33,9 @@ typedef struct {
     link_answered_t last;
     link_in_t in;
     link_out_t out;
-    link_guard_t guard;
+    source_guard_t guard; /* of the PC */
+    source_guard_t typed; /* of the person at the console */
+    input_t input;
     link_stream_t stream;
 } link_t;
 

@@ -224,6 +224,9 @@ live_config_verdict_t live_config_store(live_config_t *live)
 static void adapt_command(const live_config_t *live, const drive_cfg_t *before)
 {
     if (config_change_refused(before, &live->in_force->cfg) == NULL) {
+        if (commander_source(live->app) != SOURCE_INPUT) {
+            commander_upset(live->app); /* an input that runs the motor has the same settings */
+        }
         commander_limit_speed(live->app,
                               units_step(&live->about.rotation, live->about.speed_max_rpm));
     } else {

@@ -2,6 +2,7 @@
 #include "status.h"
 
 #include "barrier.h"
+#include "commander.h"
 #include "diagnosis.h"
 #include "fault_text.h"
 #include "transitions.h"
@@ -235,6 +236,17 @@ static void add_speed(text_t *text, const app_t *app, const about_t *about)
     }
 }
 
+/* Says who commands the drive, if anybody does. */
+static void add_source(text_t *text, const app_t *app)
+{
+    const source_t source = commander_source(app);
+
+    if (source != SOURCE_NONE) {
+        text_add(text, ", by ");
+        text_add(text, source_name(source));
+    }
+}
+
 void status_add(text_t *text, const app_t *app, const hal_t *hal, const about_t *about)
 {
     add_state(text, &app->drive, about);
@@ -250,4 +262,5 @@ void status_add(text_t *text, const app_t *app, const hal_t *hal, const about_t 
     add_quantity(text, " C, late ", (int32_t)hal_health(hal).late_ticks, 0U);
     add_quantity(text, ", load ", (int32_t)hal_health(hal).load_pct, 0U);
     text_add(text, " %");
+    add_source(text, app);
 }

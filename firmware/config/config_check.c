@@ -156,6 +156,20 @@ static const char *check_sensor(const char *before, const drive_cfg_t *cfg)
     return in_order(bad, "observer.momentum_q15", cfg->observer.momentum_q15, 0);
 }
 
+/* The readings of an input are in order, and its times are not 0. */
+static const char *check_input(const char *before, const input_cfg_t *cfg)
+{
+    const char *bad = before;
+
+    bad = in_order(bad, "input.low", cfg->least, cfg->low);
+    bad = in_order(bad, "input.middle", cfg->low, cfg->middle);
+    bad = in_order(bad, "input.high", (int64_t)cfg->middle + 1, cfg->high);
+    bad = in_order(bad, "input.most", cfg->high, cfg->most);
+    bad = in_order(bad, "input.slope_q30", 1, cfg->slope_q30);
+    bad = in_order(bad, "input.timeout_ticks", 1, (int64_t)cfg->timeout_ticks);
+    return in_order(bad, "input.arm_ticks", 1, (int64_t)cfg->arm_ticks);
+}
+
 /* Rules between two settings. */
 static const char *check_rules(const drive_cfg_t *cfg)
 {
@@ -168,6 +182,9 @@ static const char *check_rules(const drive_cfg_t *cfg)
     }
     if (cfg->sampling.sensor_pole_pairs != 0U) {
         bad = check_sensor(bad, cfg);
+    }
+    if (cfg->input.kind != (uint32_t)INPUT_KIND_NONE) {
+        bad = check_input(bad, &cfg->input);
     }
     return bad;
 }

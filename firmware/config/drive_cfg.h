@@ -14,6 +14,7 @@
 #include "current_reference.h"
 #include "derating.h"
 #include "fx.h"
+#include "input_cfg.h"
 #include "model.h"
 #include "modulator.h"
 #include "motion_loop.h"
@@ -96,6 +97,8 @@ typedef struct {
     torque_loop_cfg_t torque_loop;
     safe_state_cfg_t safe_state;
     link_cfg_t link;
+    console_cfg_t console;
+    input_cfg_t input;
     uint32_t crc; /* CRC of all fields before it, see config_guard.h; must be the last field */
 } drive_cfg_t;
 

@@ -60,6 +60,21 @@ bool has_notch(const Config &config)
     return config.tuning.notch_hz > 0;
 }
 
+bool has_input(const Config &config)
+{
+    return config.tuning.input.kind != InputKind::none;
+}
+
+bool has_voltage_input(const Config &config)
+{
+    return config.tuning.input.kind == InputKind::voltage;
+}
+
+bool has_pulse_input(const Config &config)
+{
+    return config.tuning.input.kind == InputKind::rc_pulse;
+}
+
 bool has_oscillation(const Config &config)
 {
     return config.tuning.oscillation != OscillationAct::off;

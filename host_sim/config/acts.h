@@ -29,6 +29,9 @@ bool has_voltage_speed(const Config &config);
 bool has_saliency(const Config &config);
 bool has_notch(const Config &config);
 bool has_oscillation(const Config &config);
+bool has_input(const Config &config);
+bool has_voltage_input(const Config &config);
+bool has_pulse_input(const Config &config);
 bool has_angle_sensor(const Config &config);
 bool has_noise(const Config &config);
 bool has_ripple(const Config &config);
@@ -66,6 +69,9 @@ constexpr Acting WITH_SALIENCY = {
 constexpr Acting WITH_NOTCH = {"only with speed_loop.notch_hz above 0", has_notch};
 constexpr Acting WITH_OSCILLATION = {"only with supervision.oscillation other than \"off\"",
                                      has_oscillation};
+constexpr Acting WITH_INPUT = {"only with input.kind other than \"none\"", has_input};
+constexpr Acting WITH_VOLTAGE_INPUT = {"only with input.kind = \"voltage\"", has_voltage_input};
+constexpr Acting WITH_PULSE_INPUT = {"only with input.kind = \"rc_pulse\"", has_pulse_input};
 constexpr Acting WITH_ANGLE_SENSOR = {"only with drive.angle_source = \"sensor\"",
                                       has_angle_sensor};
 constexpr Acting WITH_NOISE = {"only with plant.adc_noise_lsb above 0", has_noise};

@@ -5,6 +5,7 @@
 #include "current_reference_units.h"
 #include "derating_units.h"
 #include "hold_loop_units.h"
+#include "input_units.h"
 #include "link_units.h"
 #include "model_units.h"
 #include "modulator_units.h"
@@ -67,6 +68,8 @@ drive_cfg_t convert(const MotorSettings &motor, const BoardSettings &board,
     c.torque_loop = make_torque_loop(motor, tuning, c.speed_loop, b);
     c.safe_state = make_safe_state(motor, board, b);
     c.link = make_link(tuning, b);
+    c.console = make_console(tuning, b);
+    c.input = make_input(tuning.input, b);
     c.speed_shift = static_cast<uint32_t>(b.speed_shift);
     c.slow_ticks = static_cast<uint32_t>(tuning.slow_ticks);
     c.crc = config_guard_crc(&c);

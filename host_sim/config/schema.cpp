@@ -31,6 +31,12 @@ template <auto Member> constexpr auto measured = at<&Config::measured, Member>;
 template <auto Member> constexpr auto board = at<&Config::board, Member>;
 template <auto Member> constexpr auto hal = at<&Config::hal, Member>;
 template <auto Member> constexpr auto tuning = at<&Config::tuning, Member>;
+template <auto Member> Target in_input(Config &config)
+{
+    return &(config.tuning.input.*Member);
+}
+
+template <auto Member> constexpr auto input = in_input<Member>;
 template <auto Member> constexpr auto model = at<&Config::model, Member>;
 template <auto Member> constexpr auto plant = at<&Config::plant, Member>;
 template <auto Member> constexpr auto scenario = at<&Config::scenario, Member>;
@@ -40,6 +46,7 @@ using E = MeasuredSettings;
 using B = BoardSettings;
 using H = HalSettings;
 using T = TuningSettings;
+using I = InputSettings;
 using S = ScenarioSettings;
 using P = PlantSettings;
 
@@ -167,6 +174,7 @@ const std::vector<Field> FIELDS = {
 
     {"tuning", "name", "", 1, NAME_CHARS_MAX, NEEDED, tuning<&T::name>, "what it is called in reports"},
     {"tuning", "command_timeout_s", "s", 0, 3600, OPTIONAL, tuning<&T::command_timeout_s>, "the drive ramps to a stop when a PC that has commanded it by the link sends no message for so long; 0: it never does"},
+    {"tuning", "console_timeout_s", "s", 0, 3600, OPTIONAL, tuning<&T::console_timeout_s>, "the drive ramps to a stop when a person who has commanded it at the console types nothing for so long; 0: it never does"},
     {"drive", "method", "", 0, 0, OPTIONAL, tuning<&T::method>, "what controls the motor in RUN"},
     {"drive", "angle_source", "", 0, 0, OPTIONAL, tuning<&T::angle_source>, "where the rotor's angle is from; with a sensor there is no start-up"},
     {"observer", "kappa", "", 0, 0.5, NEEDED, tuning<&T::observer_kappa>, "κ = η·(φ/L)²/(1−α): speed error removed per sample; 0: by rule", WITH_OBSERVER},
@@ -224,6 +232,25 @@ const std::vector<Field> FIELDS = {
     {"supervision", "oscillation", "", 0, 0, OPTIONAL, tuning<&T::oscillation>, "what follows when the torque current swings at a constant command: nothing, half the speed bandwidth and if that does not help a fault, or a fault"},
     {"supervision", "oscillation_amplitude_pct", "%", 1, 200, OPTIONAL, tuning<&T::oscillation_amplitude_pct>, "amplitude of the torque current that is a swing, of motor.continuous_current_a", WITH_OSCILLATION},
     {"supervision", "oscillation_half_waves", "", 4, 1000, OPTIONAL, tuning<&T::oscillation_half_waves>, "half-waves in a row that are a swing", WITH_OSCILLATION},
+
+    {"input", "kind", "", 0, 0, OPTIONAL, input<&I::kind>, "what commands the drive without a PC: nothing, a voltage as of a potentiometer, servo pulses of a receiver, or DShot"},
+    {"input", "commands", "", 0, 0, OPTIONAL, input<&I::commands>, "of what full throttle commands the largest", WITH_INPUT},
+    {"input", "button", "", 0, 0, OPTIONAL, input<&I::button>, "what the button does: nothing; the motor runs only while it is pressed; a press starts and the next one stops", WITH_INPUT},
+    {"input", "both_ways", "", 0, 0, OPTIONAL, input<&I::both_ways>, "the middle is no throttle, and below it the motor turns backwards", WITH_INPUT},
+    {"input", "reversed", "", 0, 0, OPTIONAL, input<&I::reversed>, "the motor turns the other way", WITH_INPUT},
+    {"input", "largest_pct", "%", 1, 100, OPTIONAL, input<&I::largest_pct>, "at full throttle, of motor.max_speed_rpm or of the torque at motor.max_current_a", WITH_INPUT},
+    {"input", "dead_band_pct", "%", 0.5, 50, OPTIONAL, input<&I::dead_band_pct>, "of the way from no to full throttle that still is no throttle", WITH_INPUT},
+    {"input", "expo_pct", "%", 0, 100, OPTIONAL, input<&I::expo_pct>, "share of a cube in the curve from throttle to demand: finer at small demands", WITH_INPUT},
+    {"input", "slope_pct_s", "%/s", 1, 1e5, OPTIONAL, input<&I::slope_pct_s>, "the demand follows the throttle with at most so much of the largest in a second", WITH_INPUT},
+    {"input", "voltage_low_pct", "%", 0, 99, OPTIONAL, input<&I::voltage_low_pct>, "of the converter's full scale: no throttle", WITH_VOLTAGE_INPUT},
+    {"input", "voltage_high_pct", "%", 1, 100, OPTIONAL, input<&I::voltage_high_pct>, "of the converter's full scale: full throttle", WITH_VOLTAGE_INPUT},
+    {"input", "voltage_margin_pct", "%", 0, 20, OPTIONAL, input<&I::voltage_margin_pct>, "of the converter's full scale, at both of its ends: a wire is open or shorted, and the input is lost; 0: that is not told from the ends of a potentiometer", WITH_VOLTAGE_INPUT},
+    {"input", "voltage_filter_s", "s", 0, 1, OPTIONAL, input<&I::voltage_filter_s>, "time constant of the voltage's low-pass; 0: none", WITH_VOLTAGE_INPUT},
+    {"input", "pulse_low_s", "s", 0.0006, 0.002, OPTIONAL, input<&I::pulse_low_s>, "servo pulse that is no throttle", WITH_PULSE_INPUT},
+    {"input", "pulse_high_s", "s", 0.001, 0.0024, OPTIONAL, input<&I::pulse_high_s>, "servo pulse that is full throttle", WITH_PULSE_INPUT},
+    {"input", "pulse_margin_s", "s", 0.00005, 0.0004, OPTIONAL, input<&I::pulse_margin_s>, "beyond both a pulse is no servo pulse", WITH_PULSE_INPUT},
+    {"input", "timeout_s", "s", 0.05, 2, OPTIONAL, input<&I::timeout_s>, "without a good reading for so long the input is lost, and the drive ramps to a stop", WITH_INPUT},
+    {"input", "arm_s", "s", 0.2, 10, OPTIONAL, input<&I::arm_s>, "the input has to be seen at rest for so long before it may start the motor", WITH_INPUT},
 
     {"model", "resistance", "", 0.1, 10, OPTIONAL, model<&ModelScales::resistance>, "controller's belief / motor file"},
     {"model", "inductance", "", 0.1, 10, OPTIONAL, model<&ModelScales::inductance>, "controller's belief / motor file"},
@@ -306,6 +333,7 @@ const std::vector<Section> SECTIONS = {
     {"voltage_loop", {FileKind::tuning, FileKind::scenario}},
     {"phase_compensator", {FileKind::tuning, FileKind::scenario}},
     {"supervision", {FileKind::tuning, FileKind::scenario}},
+    {"input", {FileKind::board, FileKind::tuning, FileKind::scenario}},
     {"model", {FileKind::scenario, FileKind::imperfection}},
     {"plant", {FileKind::scenario, FileKind::imperfection}},
     {"scenario", {FileKind::scenario}},
@@ -353,6 +381,21 @@ Words words_of(const Polarity *)
 Words words_of(const CurrentPosition *)
 {
     return {"low_side", "in_line"};
+}
+
+Words words_of(const InputKind *)
+{
+    return {"none", "voltage", "rc_pulse", "dshot"};
+}
+
+Words words_of(const InputCommands *)
+{
+    return {"speed", "torque"};
+}
+
+Words words_of(const InputButton *)
+{
+    return {"none", "enable", "start_stop"};
 }
 
 template <typename... Visitors> struct Overloaded : Visitors... {

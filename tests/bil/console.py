@@ -4,7 +4,7 @@
 import re
 
 STATE = re.compile(r"([A-Z_]+), speed (?:unknown, asked -?\d+|-?\d+ of -?\d+) rpm, phases (?:-?\d+\.\d{3} ){3}A,"
-                   r" bus \d+\.\d{3} V, -?\d+ C, late \d+, load \d+ %")
+                   r" bus \d+\.\d{3} V, -?\d+ C, late \d+, load \d+ %(?:, by \w+)?")
 
 
 def lines(said):

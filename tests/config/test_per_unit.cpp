@@ -29,6 +29,9 @@ namespace
 // What example_cfg.h takes in place of the tuning `published` and of what follows from the motor.
 const std::vector<std::string> AS_BY_HAND = {
     "tuning.command_timeout_s=0",
+    "tuning.console_timeout_s=0",
+    "input.kind=voltage",
+    "input.both_ways=true",
     "motor.continuous_current_a=6.719",
     "startup.current_pct=119.0653", // 8 A
     "supervision.oscillation=fault",
@@ -544,6 +547,58 @@ TEST(flying_start)
 }
 
 // At 10 kHz 1 s where nothing is written; 0.1 of a tick counts as one, or it would mean never.
+TEST(the_time_without_a_typed_byte)
+{
+    expect(100000, motor_b().console.timeout_ticks);
+    expect(0, motor_b({"tuning.console_timeout_s=0"}).console.timeout_ticks);
+    expect(1, motor_b({"tuning.console_timeout_s=1e-5"}).console.timeout_ticks);
+}
+
+TEST(without_a_word_of_it_there_is_no_input)
+{
+    expect(0, motor_b().input.kind);
+    expect(0, motor_b().input.button);
+}
+
+// Readings are tenths of a microsecond.
+TEST(servo_pulses)
+{
+    const input_cfg_t c = motor_b({"input.kind=rc_pulse"}).input;
+    expect(2, c.kind);
+    expect(8000, c.least);
+    expect(10000, c.low);
+    expect(10000, c.middle);
+    expect(20000, c.high);
+    expect(22000, c.most);
+    expect(32767, c.share_q15);
+    const input_cfg_t other =
+        motor_b({"input.kind=rc_pulse", "input.both_ways=true", "input.reversed=true",
+                 "input.largest_pct=50", "input.pulse_low_s=0.0011", "input.pulse_high_s=0.0019",
+                 "input.pulse_margin_s=0.0001", "input.expo_pct=100", "input.commands=torque",
+                 "input.button=start_stop"})
+            .input;
+    expect(10000, other.least);
+    expect(11000, other.low);
+    expect(15000, other.middle);
+    expect(19000, other.high);
+    expect(20000, other.most);
+    expect(-16384, other.share_q15);
+    expect(32767, other.expo_q15);
+    expect(1, other.commands);
+    expect(2, other.button);
+}
+
+// Throttle 48 to 2047, less 47.
+TEST(dshot)
+{
+    const input_cfg_t c = motor_b({"input.kind=dshot"}).input;
+    expect(3, c.kind);
+    expect(0, c.low);
+    expect(0, c.middle);
+    expect(2000, c.high);
+    expect(1000, motor_b({"input.kind=dshot", "input.both_ways=true"}).input.middle);
+}
+
 TEST(the_time_without_a_message)
 {
     expect(10000, motor_b().link.timeout_ticks);

@@ -40,7 +40,7 @@ typedef struct {
 typedef struct {
     const uint8_t *at;
     size_t left;
-} input_t;
+} fed_t;
 
 static line_t line;
 static drive_in_t measured;
@@ -140,7 +140,7 @@ bool hal_store_program(hal_t *hal, uint32_t slot, uint32_t unit,
     return false;
 }
 
-static uint8_t next_byte(input_t *input)
+static uint8_t next_byte(fed_t *input)
 {
     uint8_t byte = 0U;
 
@@ -152,14 +152,14 @@ static uint8_t next_byte(input_t *input)
     return byte;
 }
 
-static uint16_t next_half(input_t *input)
+static uint16_t next_half(fed_t *input)
 {
     const unsigned low = next_byte(input);
 
     return (uint16_t)(low | ((unsigned)next_byte(input) << 8U));
 }
 
-static uint16_t next_count(input_t *input)
+static uint16_t next_count(fed_t *input)
 {
     return next_half(input) & COUNT_MAX;
 }
@@ -174,7 +174,7 @@ static void measure_nothing(void)
     measured.adc_ib = measured.adc_ia;
 }
 
-static void receive(input_t *input, size_t count)
+static void receive(fed_t *input, size_t count)
 {
     line.in = input->at;
     line.in_left = (count < input->left) ? count : input->left;
@@ -235,7 +235,7 @@ static void console_holds(void)
           "the answer stays within its buffer");
 }
 
-static size_t step(input_t *input)
+static size_t step(fed_t *input)
 {
     const uint8_t what = next_byte(input);
     const uint8_t count = next_byte(input);
@@ -272,7 +272,7 @@ static size_t step(input_t *input)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    input_t input = {data, size};
+    fed_t input = {data, size};
     size_t ticks = 0U;
 
     line = (line_t){0};

@@ -52,7 +52,7 @@ typedef struct {
 typedef struct {
     const uint8_t *at;
     size_t left;
-} input_t;
+} fed_t;
 
 static line_t line;
 static drive_in_t measured;
@@ -223,7 +223,7 @@ bool hal_store_program(hal_t *hal, uint32_t slot, uint32_t unit,
     return true;
 }
 
-static uint8_t next_byte(input_t *input)
+static uint8_t next_byte(fed_t *input)
 {
     uint8_t byte = 0U;
 
@@ -235,14 +235,14 @@ static uint8_t next_byte(input_t *input)
     return byte;
 }
 
-static uint16_t next_half(input_t *input)
+static uint16_t next_half(fed_t *input)
 {
     const unsigned low = next_byte(input);
 
     return (uint16_t)(low | ((unsigned)next_byte(input) << 8U));
 }
 
-static uint16_t next_count(input_t *input)
+static uint16_t next_count(fed_t *input)
 {
     return next_half(input) & COUNT_MAX;
 }
@@ -257,7 +257,7 @@ static void measure_nothing(void)
     measured.adc_ib = measured.adc_ia;
 }
 
-static void receive(input_t *input, size_t count)
+static void receive(fed_t *input, size_t count)
 {
     line.in_at = 0U;
     line.in_length = 0U;
@@ -287,7 +287,7 @@ static void give_ticket(uint8_t *message, uint32_t length)
 }
 
 /* A frame around the next bytes. */
-static void receive_frame(input_t *input, size_t count)
+static void receive_frame(fed_t *input, size_t count)
 {
     const size_t most = (count < LINK_MESSAGE_BYTES_MAX) ? count : LINK_MESSAGE_BYTES_MAX;
     uint8_t bytes[LINK_FRAME_BYTES_MAX] = {0};
@@ -358,7 +358,7 @@ static void tick(void)
     may_command = is_waiting();
 }
 
-static size_t step(input_t *input)
+static size_t step(fed_t *input)
 {
     const uint8_t what = next_byte(input);
     const uint8_t count = next_byte(input);
@@ -410,7 +410,7 @@ static void start(void)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    input_t input = {data, size};
+    fed_t input = {data, size};
     size_t ticks = 0U;
 
     start();

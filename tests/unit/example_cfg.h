@@ -354,6 +354,29 @@ static inline safe_state_cfg_t example_safe_state_cfg(step_t open_speed, int32_t
 }
 
 /* As published: no start-up, the model as it is, no dead time. */
+/*
+ * A potentiometer from 5 to 95 % of the converter's full scale, with no demand half way; lost
+ * within 1 % of the ends, after 0.1 s. Full throttle is the highest speed, after half a second.
+ */
+static inline input_cfg_t example_input_cfg(void)
+{
+    return (input_cfg_t){
+        .kind = (uint32_t)INPUT_KIND_VOLTAGE,
+        .least = 328,
+        .low = 1638,
+        .middle = 16383,
+        .high = 31129,
+        .most = 32439,
+        .dead_q15 = 983, /* 3 % */
+        .expo_q15 = 0,
+        .share_q15 = 32767,
+        .slope_q30 = 214748, /* 2/s·T, times 2^30 */
+        .filter_q15 = 326,   /* 10 ms */
+        .timeout_ticks = 1000U,
+        .arm_ticks = 5000U,
+    };
+}
+
 static inline drive_cfg_t example_drive_cfg(void)
 {
     drive_cfg_t cfg = {

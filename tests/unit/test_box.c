@@ -94,7 +94,7 @@ static void pass(uint32_t ticks)
 static void run_for(uint32_t ticks)
 {
     pass(EXAMPLE_CALIBRATION_TICKS + 20U);
-    TEST_ASSERT_NULL(commander_run(&app));
+    TEST_ASSERT_NULL(commander_run(&app, SOURCE_LINK));
     pass(ticks);
     TEST_ASSERT_GREATER_THAN(DRIVE_STATE_READY, app.drive.state);
     TEST_ASSERT_NOT_EQUAL(DRIVE_STATE_FAULT, app.drive.state);
@@ -247,7 +247,7 @@ TEST(test_the_second_fault_takes_the_other_place_and_is_the_newest)
     fail_after(1500U);
     save();
     place = box.place;
-    TEST_ASSERT_NULL(commander_clear(&app));
+    TEST_ASSERT_NULL(commander_clear(&app, SOURCE_LINK));
     pass(50U);
     fail_after(1700U);
     save();
@@ -264,7 +264,7 @@ TEST(test_nothing_is_written_while_the_drive_is_not_at_rest)
     fail_after(1500U);
     pass(100U);
     TEST_ASSERT_TRUE(box_is_saving(&box));
-    TEST_ASSERT_NULL(commander_clear(&app));
+    TEST_ASSERT_NULL(commander_clear(&app, SOURCE_LINK));
     pass(2U * cfg.slow_ticks);
     TEST_ASSERT_FALSE(box_is_saving(&box));
     run_for(2U * cfg.slow_ticks); /* it began again while the drive was READY */
@@ -272,7 +272,7 @@ TEST(test_nothing_is_written_while_the_drive_is_not_at_rest)
     pass(300U);
     TEST_ASSERT_EQUAL_UINT32(steps, flash.steps);
     TEST_ASSERT_TRUE(recorder.held); /* it is not saved */
-    commander_stop(&app);
+    commander_stop(&app, SOURCE_LINK);
     save();
     assert_file_repeats();
 }
@@ -293,14 +293,14 @@ TEST(test_a_reader_keeps_the_recording_that_is_saved)
 {
     fail_after(1500U);
     save();
-    TEST_ASSERT_NULL(commander_clear(&app));
+    TEST_ASSERT_NULL(commander_clear(&app, SOURCE_LINK));
     for (uint32_t k = 0U; k < 400U; k++) {
         control_isr(&app);
         recorder_service(&recorder, &app.drive);
         commander_step(&app);
         box_step(&box, true);
     }
-    TEST_ASSERT_NULL(commander_run(&app));
+    TEST_ASSERT_NULL(commander_run(&app, SOURCE_LINK));
     for (uint32_t k = 0U; k < 100U; k++) {
         control_isr(&app);
         recorder_service(&recorder, &app.drive);
@@ -316,7 +316,7 @@ TEST(test_the_flash_is_spared_after_eight_savings)
     for (uint32_t k = 0U; k < BOX_SAVES_MAX; k++) {
         fail_after(400U);
         save();
-        TEST_ASSERT_NULL(commander_clear(&app));
+        TEST_ASSERT_NULL(commander_clear(&app, SOURCE_LINK));
         pass(50U);
     }
     const uint32_t steps = flash.steps;
@@ -550,7 +550,7 @@ TEST(test_power_that_fails_in_a_saving_leaves_the_old_recording_or_the_new_one)
     fail_after(1200U);
     before = app.drive.fault.tick;
     save();
-    TEST_ASSERT_NULL(commander_clear(&app));
+    TEST_ASSERT_NULL(commander_clear(&app, SOURCE_LINK));
     pass(50U);
     fail_after(1300U);
     assert_cuts(before, app.drive.fault.tick);

@@ -25,10 +25,10 @@ TEST(test_run_and_stop_leave_the_speed_and_the_mode)
         .target = -77, .mode = (uint8_t)DRIVE_MODE_POSITION, .request = 0U};
 
     command_mailbox_post(&app.mailbox, &before);
-    TEST_ASSERT_NULL(commander_run(&app));
+    TEST_ASSERT_NULL(commander_run(&app, SOURCE_LINK));
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, taken().request);
     TEST_ASSERT_EQUAL_INT32(-77, taken().target);
-    commander_stop(&app);
+    commander_stop(&app, SOURCE_LINK);
     TEST_ASSERT_EQUAL_UINT8(0U, taken().request);
     TEST_ASSERT_EQUAL_INT32(-77, taken().target);
     TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_POSITION, taken().mode);
@@ -36,8 +36,8 @@ TEST(test_run_and_stop_leave_the_speed_and_the_mode)
 
 TEST(test_a_speed_leaves_the_request)
 {
-    TEST_ASSERT_NULL(commander_run(&app));
-    commander_set_speed(&app, EXAMPLE_SPEED_STEP);
+    TEST_ASSERT_NULL(commander_run(&app, SOURCE_LINK));
+    (void)commander_set_speed(&app, SOURCE_LINK, EXAMPLE_SPEED_STEP);
     TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, taken().target);
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, taken().request);
 }
@@ -45,10 +45,11 @@ TEST(test_a_speed_leaves_the_request)
 TEST(test_a_latched_fault_is_not_run_and_stays_until_it_is_cleared)
 {
     fail();
-    TEST_ASSERT_EQUAL_STRING("a fault is latched; clear it first", commander_run(&app));
+    TEST_ASSERT_EQUAL_STRING("a fault is latched; clear it first",
+                             commander_run(&app, SOURCE_LINK));
     TEST_ASSERT_EQUAL_UINT8(0U, taken().request);
     TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, app.drive.state);
-    TEST_ASSERT_NULL(commander_clear(&app));
+    TEST_ASSERT_NULL(commander_clear(&app, SOURCE_LINK));
     tick_period();
     TEST_ASSERT_NOT_EQUAL(DRIVE_STATE_FAULT, app.drive.state);
 }
@@ -56,7 +57,7 @@ TEST(test_a_latched_fault_is_not_run_and_stays_until_it_is_cleared)
 TEST(test_a_clear_is_in_force_until_the_fault_is_left_and_no_longer)
 {
     fail();
-    TEST_ASSERT_NULL(commander_clear(&app));
+    TEST_ASSERT_NULL(commander_clear(&app, SOURCE_LINK));
     commander_step(&app);
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_CLEAR, taken().request);
     commander_step(&app);
@@ -65,13 +66,13 @@ TEST(test_a_clear_is_in_force_until_the_fault_is_left_and_no_longer)
 
 TEST(test_where_there_is_no_fault_nothing_is_cleared)
 {
-    TEST_ASSERT_EQUAL_STRING("there is no fault to clear", commander_clear(&app));
+    TEST_ASSERT_EQUAL_STRING("there is no fault to clear", commander_clear(&app, SOURCE_LINK));
     TEST_ASSERT_EQUAL_UINT8(0U, taken().request);
 }
 
 TEST(test_a_run_is_not_taken_back)
 {
-    TEST_ASSERT_NULL(commander_run(&app));
+    TEST_ASSERT_NULL(commander_run(&app, SOURCE_LINK));
     commander_step(&app);
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, taken().request);
 }
@@ -82,16 +83,16 @@ TEST(test_a_speed_ends_position_mode)
         .target = -77, .mode = (uint8_t)DRIVE_MODE_POSITION, .request = 0U};
 
     command_mailbox_post(&app.mailbox, &position);
-    commander_set_speed(&app, EXAMPLE_SPEED_STEP);
+    (void)commander_set_speed(&app, SOURCE_LINK, EXAMPLE_SPEED_STEP);
     TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_SPEED, taken().mode);
     TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, taken().target);
 }
 
 TEST(test_a_torque_ends_speed_mode_and_leaves_the_request)
 {
-    commander_set_speed(&app, 77);
-    TEST_ASSERT_NULL(commander_run(&app));
-    commander_set_torque(&app, -123456);
+    (void)commander_set_speed(&app, SOURCE_LINK, 77);
+    TEST_ASSERT_NULL(commander_run(&app, SOURCE_LINK));
+    (void)commander_set_torque(&app, SOURCE_LINK, -123456);
     TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_TORQUE, taken().mode);
     TEST_ASSERT_EQUAL_INT32(-123456, taken().target);
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, taken().request);
@@ -121,8 +122,8 @@ TEST(test_a_stop_is_taken_and_leaves_the_target_where_its_own_is_none)
         {.target = 77, .mode = (uint8_t)DRIVE_MODE_SPEED}};
 
     for (uint32_t k = 0U; k < (sizeof stops / sizeof stops[0]); k++) {
-        commander_set_speed(&app, 77);
-        TEST_ASSERT_NULL(commander_run(&app));
+        (void)commander_set_speed(&app, SOURCE_LINK, 77);
+        TEST_ASSERT_NULL(commander_run(&app, SOURCE_LINK));
         TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, taken().request);
         TEST_ASSERT_NULL(commander_command(&app, &stops[k], false, EXAMPLE_SPEED_STEP));
         TEST_ASSERT_EQUAL_UINT8(0U, taken().request);
@@ -150,15 +151,15 @@ TEST(test_a_ticket_is_good_once_and_until_the_drive_is_commanded_or_fails)
     for (uint32_t k = 0U; k < 5U; k++) {
         ticket = commander_ticket(&app);
         if (k == 0U) {
-            commander_stop(&app);
+            commander_stop(&app, SOURCE_LINK);
         } else if (k == 1U) {
-            TEST_ASSERT_NULL(commander_run(&app));
+            TEST_ASSERT_NULL(commander_run(&app, SOURCE_LINK));
         } else if (k == 2U) {
             commander_begin_anew(&app);
         } else if (k == 3U) {
             commander_renew_ticket(&app, 0xFFFFFFFEU);
         } else {
-            TEST_ASSERT_NULL(commander_run(&app));
+            TEST_ASSERT_NULL(commander_run(&app, SOURCE_LINK));
             ticket = commander_ticket(&app);
             app.drive.state = DRIVE_STATE_FAULT;
             commander_step(&app);
@@ -172,11 +173,11 @@ TEST(test_a_ticket_is_good_once_and_until_the_drive_is_commanded_or_fails)
 /* Whatever leaves FAULT then, nothing asks for a run. */
 TEST(test_a_run_ends_with_a_fault)
 {
-    TEST_ASSERT_NULL(commander_run(&app));
+    TEST_ASSERT_NULL(commander_run(&app, SOURCE_LINK));
     app.drive.state = DRIVE_STATE_FAULT;
     commander_step(&app);
     TEST_ASSERT_EQUAL_UINT8(0U, taken().request);
-    TEST_ASSERT_NULL(commander_clear(&app));
+    TEST_ASSERT_NULL(commander_clear(&app, SOURCE_LINK));
     commander_step(&app);
     TEST_ASSERT_EQUAL_UINT8_MESSAGE(DRIVE_REQUEST_CLEAR, taken().request, "until it is taken");
 }
@@ -185,7 +186,7 @@ TEST(test_a_run_ends_with_a_fault)
 TEST(test_a_clear_that_is_taken_back_leaves_the_ticket)
 {
     app.drive.state = DRIVE_STATE_FAULT;
-    TEST_ASSERT_NULL(commander_clear(&app));
+    TEST_ASSERT_NULL(commander_clear(&app, SOURCE_LINK));
     const uint32_t ticket = commander_ticket(&app);
 
     app.drive.state = DRIVE_STATE_READY;

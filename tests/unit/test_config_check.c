@@ -88,6 +88,14 @@ static const field_t RULES[] = {
     UP_TO(startup.settle_periods, 0, 99),    /* below handover_periods */
     RULE(startup.residual_max, "startup.residual_max", 1, 4915, "startup.residual_lost"),
     UP_TO(startup.residual_lost, 1638, 16384), /* from residual_max on */
+    RULE(input.least, "input.least", 0, 1638, "input.low"),
+    RULE(input.low, "input.low", 328, 16383, "input.middle"),
+    RULE(input.middle, "input.middle", 1638, 31128, "input.high"), /* below high */
+    RULE(input.high, "input.high", 16384, 32439, "input.most"),
+    UP_TO(input.most, 31129, 32767),
+    UP_TO(input.slope_q30, 1, 0x3FFFFFFF), /* no input does nothing for ever */
+    UP_TO(input.timeout_ticks, 1, 0x40000000),
+    UP_TO(input.arm_ticks, 1, 0x40000000),
 };
 
 /* What the example may have there. */
@@ -111,6 +119,7 @@ static const char *check_with(const field_t *field, int32_t value)
     drive_cfg_t cfg = example_drive_cfg_with_startup();
 
     cfg.voltage_drive = example_voltage_drive_cfg();
+    cfg.input = example_input_cfg();
     set(&cfg, field, value);
     return config_check(&cfg);
 }
@@ -189,6 +198,9 @@ TEST(test_all_fields_are_accepted_at_the_upper_ends_of_their_rows)
     cfg.sampling.sensor_pole_pairs = 0U;
     cfg.sampling.current_shift = 0U; /* 16384 − 1 − 1 − 16382 leaves no offset */
     cfg.protection.offset_max = 0;
+    cfg.input.least--; /* up to the middle, which is below high */
+    cfg.input.low--;
+    cfg.input.middle--;
     TEST_ASSERT_NULL(config_check(&cfg));
     cfg.observer.speed_limit++; /* elsewhere a rule refuses it too */
     TEST_ASSERT_EQUAL_STRING("observer.speed_limit", config_check(&cfg));

@@ -228,7 +228,7 @@ TEST(test_a_fault_that_is_cleared_meanwhile_has_ended_it)
     fail();
     text.length = 1U;
     identify_step(&identify, &text);
-    TEST_ASSERT_NULL(commander_clear(&app));
+    TEST_ASSERT_NULL(commander_clear(&app, SOURCE_LINK));
     tick_period();
     TEST_ASSERT_NOT_EQUAL(DRIVE_STATE_FAULT, app.drive.state);
     commander_step(&app);
@@ -240,7 +240,7 @@ TEST(test_a_fault_that_is_cleared_meanwhile_has_ended_it)
 TEST(test_a_drive_that_leaves_probe_by_another_command_ends_it)
 {
     begin();
-    TEST_ASSERT_NULL(commander_run(&app));
+    TEST_ASSERT_NULL(commander_run(&app, SOURCE_LINK));
     tick_period();
     TEST_ASSERT_NOT_EQUAL(DRIVE_STATE_PROBE, app.drive.state);
     TEST_ASSERT_EQUAL_STRING("identify refused: another command has ended it\r\n", pass());
@@ -321,7 +321,7 @@ TEST(test_it_can_be_started_again)
 /* Before the drive has taken it. */
 TEST(test_a_run_that_was_asked_for_is_not_asked_for_again_at_the_end)
 {
-    (void)commander_run(&app);
+    (void)commander_run(&app, SOURCE_LINK);
     start();
     identify_stop(&identify);
     TEST_ASSERT_EQUAL_UINT8(0U, command_mailbox_take(&app.mailbox).request);

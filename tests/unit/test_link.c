@@ -879,7 +879,7 @@ TEST(test_a_line_that_comes_again_is_typed_once)
     const uint32_t length = put_line(body, "speed 30");
 
     assert_verdict("", LINK_LINE, body, length);
-    commander_set_speed(&app, 77);
+    (void)commander_set_speed(&app, SOURCE_LINK, 77);
     tag--;
     assert_verdict("", LINK_LINE, body, length);
     TEST_ASSERT_EQUAL_INT32(77, command_mailbox_take(&app.mailbox).target);

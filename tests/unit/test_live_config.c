@@ -92,13 +92,13 @@ static void bring_into_force(void)
 
 static void stop(void)
 {
-    commander_stop(&app);
+    commander_stop(&app, SOURCE_LINK);
     tick_period();
 }
 
 static void run(void)
 {
-    TEST_ASSERT_NULL(commander_run(&app));
+    TEST_ASSERT_NULL(commander_run(&app, SOURCE_LINK));
     tick_period();
     tick(2U);
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, app.drive.state);
@@ -466,12 +466,12 @@ TEST(test_name_and_motor_of_the_block_in_force_are_those_of_about)
 TEST(test_a_speed_in_force_stays_within_the_new_limit)
 {
     run();
-    commander_set_speed(&app, -EXAMPLE_SPEED_STEP);
+    (void)commander_set_speed(&app, SOURCE_LINK, -EXAMPLE_SPEED_STEP);
     wanted.about.speed_max_rpm = 1000;
     want_gain();
     bring_into_force();
     TEST_ASSERT_EQUAL_INT32(-14316558, command_mailbox_take(&app.mailbox).target);
-    commander_set_speed(&app, EXAMPLE_SPEED_STEP);
+    (void)commander_set_speed(&app, SOURCE_LINK, EXAMPLE_SPEED_STEP);
     commander_limit_speed(&app, 14316558);
     TEST_ASSERT_EQUAL_INT32(14316558, command_mailbox_take(&app.mailbox).target);
 }

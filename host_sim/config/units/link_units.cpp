@@ -5,14 +5,25 @@
 
 namespace nf
 {
+namespace
+{
+
+// Rounded up: a time that is not 0 is not "never".
+uint32_t timeout_ticks(double timeout_s, const Bases &b)
+{
+    return static_cast<uint32_t>(std::ceil(timeout_s / b.control_period_s));
+}
+
+} // namespace
 
 link_cfg_t make_link(const TuningSettings &tuning, const Bases &b)
 {
-    link_cfg_t c{};
-    // Rounded up: a time that is not 0 is not "never".
-    c.timeout_ticks =
-        static_cast<uint32_t>(std::ceil(tuning.command_timeout_s / b.control_period_s));
-    return c;
+    return {timeout_ticks(tuning.command_timeout_s, b)};
+}
+
+console_cfg_t make_console(const TuningSettings &tuning, const Bases &b)
+{
+    return {timeout_ticks(tuning.console_timeout_s, b)};
 }
 
 } // namespace nf

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-// The firmware's numbers of the line between the drive and a PC.
+// The firmware's numbers of the serial line: a PC, or a person at the console.
 #pragma once
 
 #include "bases.h"
@@ -8,5 +8,7 @@ namespace nf
 {
 
 link_cfg_t make_link(const TuningSettings &tuning, const Bases &b);
+
+console_cfg_t make_console(const TuningSettings &tuning, const Bases &b);
 
 } // namespace nf

@@ -132,12 +132,58 @@ enum class OscillationAct {
     fault
 };
 
+// What commands the drive without a PC; as input_kind_t.
+enum class InputKind {
+    none,
+    voltage,
+    rc_pulse,
+    dshot
+};
+
+// As input_commands_t.
+enum class InputCommands {
+    speed,
+    torque
+};
+
+// As input_button_t.
+enum class InputButton {
+    none,
+    enable,
+    start_stop
+};
+
+// [input]
+struct InputSettings {
+    InputKind kind = InputKind::none;
+    InputCommands commands = InputCommands::speed;
+    InputButton button = InputButton::none;
+    bool both_ways = false;
+    bool reversed = false;
+    double largest_pct = 100;       // at full throttle, of the highest speed or largest torque
+    double dead_band_pct = 3;       // of each side
+    double expo_pct = 0;            // share of the cube
+    double slope_pct_s = 200;       // the demand changes by so much in a second
+    double voltage_low_pct = 5;     // of the converter's full scale: no throttle
+    double voltage_high_pct = 95;   // likewise: full throttle
+    double voltage_margin_pct = 1;  // of it, at both of its ends: an open or shorted wire
+    double voltage_filter_s = 0.01; // time constant
+    double pulse_low_s = 1e-3;      // no throttle
+    double pulse_high_s = 2e-3;     // full throttle
+    double pulse_margin_s = 2e-4;   // beyond both: no servo pulse
+    double timeout_s = 0.1;         // without a good reading the input is lost
+    double arm_s = 0.5;             // seen at rest
+};
+
 // [drive], [observer], [startup], [adaptation], [current_loop], [speed_loop], [position_loop],
 // [voltage_loop], [phase_compensator], [supervision]
 struct TuningSettings {
     std::string name;
     // So long without a message of a PC that has commanded, and the drive stops; 0: it never does.
     double command_timeout_s = 1;
+    // Likewise of a person at the console, who types nothing.
+    double console_timeout_s = 10;
+    InputSettings input;
     ControlMethod method = ControlMethod::current;
     AngleSource angle_source = AngleSource::observer;
     double observer_kappa = 0;    // share of the speed error removed per sample

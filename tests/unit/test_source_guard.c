@@ -2,12 +2,12 @@
 /* When nothing is heard of the PC: what stops, how, and what is left as it is. */
 #include "commander.h"
 #include "example_app.h"
-#include "link_guard.h"
+#include "source_guard.h"
 #include "testing.h"
 
 #define TIMEOUT (50U)
 
-static link_guard_t guard;
+static source_guard_t guard;
 static identify_t identify;
 static text_t text;
 
@@ -16,19 +16,19 @@ void setUp(void)
     power_on();
     calibrate();
     identify_init(&identify, &app, &ABOUT);
-    guard = (link_guard_t){0};
+    guard = (source_guard_t){.source = SOURCE_LINK};
 }
 
 static bool pass(uint32_t at)
 {
-    return link_guard_step(&guard, &app, &identify, at, TIMEOUT);
+    return source_guard_step(&guard, &app, &identify, at, TIMEOUT);
 }
 
 /* A frame of the PC that commands the drive. */
 static void command_at(uint32_t at)
 {
-    link_guard_commanded(&guard);
-    link_guard_heard(&guard, at);
+    source_guard_commanded(&guard);
+    source_guard_heard(&guard, at);
 }
 
 static drive_command_t command(void)
@@ -42,6 +42,7 @@ static void run(uint8_t mode)
         .target = EXAMPLE_SPEED_STEP, .mode = mode, .request = DRIVE_REQUEST_RUN};
 
     command_mailbox_post(&app.mailbox, &asked);
+    app.source = SOURCE_LINK;
     tick_period();
     tick(2U);
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, app.drive.state);
@@ -100,7 +101,7 @@ TEST(test_a_request_that_somebody_else_has_ended_is_not_ended_again)
 {
     stop_as_silent();
     turn(cfg.speed_loop.speed_max / 2);
-    commander_stop(&app);
+    commander_stop(&app, SOURCE_LINK);
     TEST_ASSERT_FALSE(pass(102U + TIMEOUT));
     run((uint8_t)DRIVE_MODE_SPEED);
     turn(0);
@@ -112,7 +113,7 @@ TEST(test_a_time_of_0_never_runs_out)
 {
     run((uint8_t)DRIVE_MODE_SPEED);
     command_at(100U);
-    TEST_ASSERT_FALSE(link_guard_step(&guard, &app, &identify, 100U + 0x7FFFFFFFU, 0U));
+    TEST_ASSERT_FALSE(source_guard_step(&guard, &app, &identify, 100U + 0x7FFFFFFFU, 0U));
     TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, command().target);
 }
 
@@ -129,7 +130,7 @@ TEST(test_without_a_pc_and_after_its_leave_nothing_is_watched)
     run((uint8_t)DRIVE_MODE_SPEED);
     TEST_ASSERT_FALSE(pass(1000U));
     command_at(1000U);
-    link_guard_leave(&guard);
+    source_guard_leave(&guard);
     TEST_ASSERT_FALSE(pass(2000U));
     TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, command().target);
 }
@@ -138,7 +139,7 @@ TEST(test_without_a_pc_and_after_its_leave_nothing_is_watched)
 TEST(test_a_pc_that_only_reads_is_not_waited_for)
 {
     run((uint8_t)DRIVE_MODE_SPEED);
-    link_guard_heard(&guard, 100U);
+    source_guard_heard(&guard, 100U);
     TEST_ASSERT_FALSE(pass(101U + TIMEOUT));
     TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, command().target);
 }
@@ -148,7 +149,7 @@ TEST(test_a_pc_that_goes_on_reading_keeps_its_command_alive)
 {
     run((uint8_t)DRIVE_MODE_SPEED);
     command_at(100U);
-    link_guard_heard(&guard, 140U);
+    source_guard_heard(&guard, 140U);
     TEST_ASSERT_FALSE(pass(140U + TIMEOUT));
     TEST_ASSERT_TRUE(pass(141U + TIMEOUT));
 }
@@ -181,7 +182,7 @@ TEST(test_a_command_gives_a_stop_up)
 TEST(test_a_leave_gives_a_stop_up)
 {
     stop_as_silent();
-    link_guard_leave(&guard);
+    source_guard_leave(&guard);
     turn(0);
     TEST_ASSERT_FALSE(pass(102U + TIMEOUT));
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, command().request);
@@ -191,7 +192,7 @@ TEST(test_a_command_from_before_the_silence_does_not_count_behind_it)
 {
     const uint32_t before = commander_ticket(&app);
 
-    commander_set_speed(&app, EXAMPLE_SPEED_STEP);
+    (void)commander_set_speed(&app, SOURCE_LINK, EXAMPLE_SPEED_STEP);
     command_at(100U);
     TEST_ASSERT_FALSE(pass(101U + TIMEOUT));
     TEST_ASSERT_FALSE(commander_take_ticket(&app, before));
@@ -199,7 +200,7 @@ TEST(test_a_command_from_before_the_silence_does_not_count_behind_it)
 
 TEST(test_a_drive_that_is_not_asked_to_run_is_left_alone)
 {
-    commander_set_speed(&app, EXAMPLE_SPEED_STEP);
+    (void)commander_set_speed(&app, SOURCE_LINK, EXAMPLE_SPEED_STEP);
     command_at(100U);
     TEST_ASSERT_FALSE(pass(101U + TIMEOUT));
     TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, command().target);
