@@ -85,7 +85,10 @@ static bool take_edge(ring_t *ring, uint32_t *edge)
     return taken;
 }
 
-/* Another capture came before the DMA had moved the last one. */
+/*
+ * Another capture came before the DMA had moved the last one: there is a gap, and an edge of before
+ * it may still be moved. So no rising edge of before this instant is paired any more.
+ */
 static void watch_loss(void)
 {
     if (reg_any(TIM2 + TIM_SR, HAL_PULSES_LOST)) {

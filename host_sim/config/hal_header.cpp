@@ -355,14 +355,17 @@ std::string trip_range(const Config &config)
                                         trip_a + G4_TRIP_LATE_V / rise_per_ampere);
 }
 
-// What the image needs beside the flight recorder's ring, rounded up; the linker knows it exactly.
+// What the image needs beside the flight recorder's ring, and what a command pin needs besides. The
+// linker knows it exactly.
 constexpr int BESIDE_RING_BYTES = 15200;
+constexpr int PULSES_BYTES = 448;
 constexpr int RING_ENTRY_BYTES = 16;
 
 void check_ring(const Config &config)
 {
     const int ram = find_g4_chip(config.hal.chip)->ram_kib * 1024;
-    const int most = (ram - BESIDE_RING_BYTES) / RING_ENTRY_BYTES;
+    const int pulses = config.hal.pulse_pin.empty() ? 0 : PULSES_BYTES;
+    const int most = (ram - BESIDE_RING_BYTES - pulses) / RING_ENTRY_BYTES;
     const double entries = config.board.recorder_entries;
     need(entries <= most, config, "board.recorder_entries", entries,
          fmt::format("does not fit the {} KiB of RAM of {}", ram / 1024, config.hal.chip),

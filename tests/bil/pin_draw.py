@@ -11,7 +11,7 @@ import pin_rules
 BOARDS = Path(__file__).resolve().parents[2] / "host_sim/boards"
 AMPLIFIED, EXTERNAL = "b_g431b_esc1", "g474_in_line"  # the chip's amplifiers; others
 MOTORS = {AMPLIFIED: "outrunner_24v", EXTERNAL: "outrunner_48v"}
-ENTRIES = 1168        # of the recorder: for the smallest RAM
+ENTRIES = 1024        # of the recorder: for the smallest RAM
 TRIP_A = 76           # of EXTERNAL with comparators; within what its amplifiers show, and above the drive's limit
 LOW_SIDE = ({"duty_margin_pct": 15}, {"current_position": "low_side", "adc_settling_ns": 700, "amplifier_gain": -20})
 CRYSTALS = (0, 0, 4e6, 8e6, 10e6, 12e6, 16e6, 20e6, 24e6, 25e6, 48e6)
@@ -101,12 +101,39 @@ class Draw:
         self.hal["driver_wake_us"] = self.random.choice((0, 0, 50, 1000))
 
 
+    def inputs(self):
+        """Some of those that the pins that are left allow."""
+        self.maybe("throttle_pin", lambda: self.pin("ADC[12]_IN.*"))
+        self.maybe("pulse_pin", lambda: self.pin("TIM2_CH[1-4]"))
+        self.maybe("button_pin", self.any_pin)
+        self.hal["button_polarity"] = self.random.choice(LEVELS)
+        timer, number = self.random.choice((3, 4)), self.random.choice((1, 2, 3))
+        kind = self.random.choice(("", "hall", "encoder", "both", "absolute"))
+        if kind in ("encoder", "both"):
+            channels = self.random.choice((("1", "2"), ("1", "2", "[34]"), ("1", "2", "[34]")))
+            self.maybe("encoder_pins", lambda: [self.pin(f"TIM{timer}_CH{channel}") for channel in channels], 1)
+        if kind in ("hall", "both"):
+            shared = self.hal.get("encoder_pins", []) if kind == "both" else []
+            self.maybe("hall_pins", lambda: (shared + [self.any_pin() for _ in range(3)])[:3], 1)
+        if kind == "absolute":
+            self.maybe("spi_encoder_pins", lambda: [*(self.pin(f"SPI{number}_{signal}") for signal in ("SCK", "MISO", "MOSI")),
+                                                    self.any_pin()], 1)
+
+    def maybe(self, key, choose, share=0.5):
+        """With this probability, and if there is a pin. Pins that it has taken in vain stay without a use."""
+        try:
+            if self.random.random() < share:
+                self.hal[key] = choose()
+        except NoPin:
+            pass
+
+
 def anything(random):
     """A board whose pins can each do what they are named for; whether together, nobody has looked."""
     while True:
         draw = Draw(random)
         try:
-            for part in (draw.shunts, draw.gates, draw.trip, draw.rest):
+            for part in (draw.shunts, draw.gates, draw.trip, draw.rest, draw.inputs):
                 part()
             return draw
         except NoPin:

@@ -15,9 +15,9 @@ CHIPS = sorted(path.stem for path in FOLDER.glob("stm32*.json"))
 # RM0440 21.4: (converter, channel) that measures an amplifier inside of the chip.
 INSIDE = {1: (1, 13), 2: (2, 16), 3: (2, 18)}
 DEBUGGER_AND_RESET = ("PA13", "PA14", "PG10")
-PIN_KEYS = ("bus_pin", "temperature_pin", "break_pin", "led_pin")
+PIN_KEYS = ("bus_pin", "temperature_pin", "break_pin", "led_pin", "throttle_pin", "pulse_pin", "button_pin")
 LIST_KEYS = ("gate_high_pins", "gate_low_pins", "gate_enable_pins", "shunt_pins", "shunt_ground_pins", "high_pins", "low_pins",
-             "serial_pins")
+             "serial_pins", "hall_pins", "encoder_pins", "spi_encoder_pins")
 GATE_KEYS = ("gate_high_pins", "gate_low_pins", "gate_enable_pins")
 CRYSTAL_HZ = (4e6, 48e6)  # data sheet, as the next two
 PLL_IN_HZ = (2.66e6, 16e6)
@@ -65,7 +65,8 @@ class Rules:
     def problems(self):
         if self.signals is None:
             return [Problem(("chip",), "no such chip")]
-        found = [*self._crystal(), *self._uses(), *self._gates(), *self._trip(), *self._serial(), *self._counts(), *self._inputs()]
+        found = [*self._crystal(), *self._uses(), *self._gates(), *self._trip(), *self._serial(), *self._counts(), *self._inputs(),
+                 *self._commands(), *self._shaft()]
         return found or [*self._sampling()]
 
     def _has(self, pin, signal):
@@ -85,12 +86,40 @@ class Rules:
         if self.hal.get("crystal_hz"):
             users |= {pin: ["crystal_hz"] for pin, signals in self.signals.items() if {"RCC_OSC_IN", "RCC_OSC_OUT"} & signals.keys()}
         for key, pin in pins_of(self.hal):
-            users.setdefault(pin, []).append(key)
+            if not self._is_shared(key, pin):
+                users.setdefault(pin, []).append(key)
             if pin not in self.signals:
                 yield Problem((key,), f"{pin} is no pin")
         for pin, keys in users.items():
             if len(keys) > 1:
                 yield Problem(tuple(keys), f"{pin} has {len(keys)} uses")
+
+    def _is_shared(self, key, pin):
+        """One connector may be for Hall sensors or an encoder."""
+        return key == "hall_pins" and pin in self.hal.get("encoder_pins", []) and self.hal[key].count(pin) == 1
+
+    def _commands(self):
+        throttle, pulses = self.hal.get("throttle_pin"), self.hal.get("pulse_pin")
+        if throttle and not self._converters(throttle):
+            yield Problem(("throttle_pin",), "no input of a converter")
+        if pulses and not self._numbers(pulses, r"TIM2_CH([1-4])"):
+            yield Problem(("pulse_pin",), "no channel of timer 2")
+
+    def _shaft(self):
+        hall, encoder, absolute = (self.hal.get(key, []) for key in ("hall_pins", "encoder_pins", "spi_encoder_pins"))
+        if len(hall) not in (0, 3):
+            yield Problem(("hall_pins",), "not three sensors")
+        if encoder and not any(self._is_encoder(encoder, timer) for timer in (3, 4)):
+            yield Problem(("encoder_pins",), "not A, B and perhaps Z of one timer")
+        if absolute and not (len(absolute) == 4 and any(self._is_spi(absolute, number) for number in (1, 2, 3))):
+            yield Problem(("spi_encoder_pins",), "not one SPI and a select")
+
+    def _is_encoder(self, pins, timer):
+        channels = ("1", "2", "[34]")[:len(pins)]
+        return len(pins) in (2, 3) and all(self._numbers(pin, rf"TIM{timer}_CH({channel})") for pin, channel in zip(pins, channels))
+
+    def _is_spi(self, pins, number):
+        return all(self._has(pin, f"SPI{number}_{signal}") for pin, signal in zip(pins, ("SCK", "MISO", "MOSI")))
 
     def _gates(self):
         hal = self.hal

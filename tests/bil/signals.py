@@ -191,7 +191,7 @@ class Multiplexer(Block):
 
 
 class Dma(Block):
-    """DMA1: words from a register into memory. A request is obeyed at once, unless `stands` is set."""
+    """DMA1: words from a register into memory. A request is obeyed at once, or when it no longer stands still."""
 
     CHANNELS = 2
     RING = 1 << 0 | 1 << 5 | 1 << 7 | 2 << 8 | 2 << 10  # enabled, circular, the next word in memory; words both ways
@@ -199,6 +199,7 @@ class Dma(Block):
     def __init__(self, chip, clocked, multiplexer_clocked):
         self.chip = chip
         self.stands = False
+        self.waiting = set()  # requests
         self.multiplexer = Multiplexer(chip, self.CHANNELS, multiplexer_clocked)
         self.sizes = [0] * self.CHANNELS
         registers = {}
@@ -225,10 +226,20 @@ class Dma(Block):
             self[f"CCR{number}"] = value
         return write
 
+    def stand(self, stands):
+        """It does not get the bus, or gets it again."""
+        self.stands = stands
+        waiting, self.waiting = self.waiting, set()
+        for request in sorted(waiting):
+            self.request(request)
+
     def request(self, request):
+        if self.stands:
+            self.waiting.add(request)
+            return
         for number in range(1, self.CHANNELS + 1):
             obeys = self.clocked() and self.multiplexer.clocked() and self.multiplexer[f"C{number - 1}CR"] == request
-            if obeys and bit(self[f"CCR{number}"], 0) and not self.stands:
+            if obeys and bit(self[f"CCR{number}"], 0):
                 self._transfer(number)
 
     def _transfer(self, number):

@@ -33,6 +33,7 @@ WITH_UPPER_PARTS = {
     "shunt_pins": ["PB13", "PB11", "PB14"], "shunt_ground_pins": ["PB10", "PA1", "PB15"],
     "bus_pin": "PC0", "temperature_pin": "PC1", "serial_pins": ["PA2", "PA3"], "break_polarity": "active_low", "pga_gain": 16,
 }
+OF_G474 = tomllib.loads((Path(__file__).parents[2] / "host_sim/boards/g474_in_line.toml").read_text(encoding="utf-8"))["hal"]
 OF_ESC1 = tomllib.loads((Path(__file__).parents[2] / "host_sim/boards/b_g431b_esc1.toml").read_text(encoding="utf-8"))["hal"]
 
 
@@ -276,6 +277,147 @@ class Flash(unittest.TestCase):
         self.assertFalse(bare.read("FLASH_SR") & BSY)
         self.assertEqual(flash.content(), [])
         self.assertEqual(flash["CR"] & (LOCK | OPTLOCK), OPTLOCK)
+
+
+RISE_FALL, BOTH_OF_FIRST, ENCODER = 0x31, 1 | 7 << 4 | 2 << 8, 0x5151
+RING = 1 | 1 << 5 | 1 << 7 | 2 << 8 | 2 << 10
+
+
+class Captures(unittest.TestCase):
+    """RM0440 29.4.6, input capture; 12, DMA; 13, its multiplexer."""
+
+    def setUp(self):
+        self.bare = Bare(OF_ESC1)
+        self.chip = self.bare.chip
+        self.chip.bus, self.memory = self.bare.bus, {}
+        self.chip.memory = self.memory.__setitem__
+        self.cycle = self.chip.power.cycle
+        self.bare.write("RCC_AHB1ENR", 1 | 1 << 2)
+        self.bare.set_function(self.bare.wiring.pulse)
+        for name, value in (("CCMR1", BOTH_OF_FIRST), ("CCER", RISE_FALL), ("DIER", 0x600), ("CR1", 1)):
+            self.bare.write(f"TIM2_{name}", value)
+
+    def start_ring(self, number, slots):
+        for name, value in ((f"DMA1_CNDTR{number}", slots), (f"DMA1_CPAR{number}", 0x40000030 + 4 * number),
+                            (f"DMA1_CMAR{number}", 0x20000000 + 256 * number), (f"DMAMUX1_C{number - 1}CR", 55 + number),
+                            (f"DMA1_CCR{number}", RING)):
+            self.bare.write(name, value)
+
+    def pulse(self, cycles):
+        for level in (1, 0):
+            self.chip.signals.set("PA15", level)
+            self.bare.wait(cycles * self.cycle)
+
+    def test_a_level_has_to_last_for_the_filter(self):
+        self.pulse(31)
+        self.assertEqual(self.bare.read("TIM2_SR"), 0)
+        self.pulse(33)
+        self.assertEqual(self.bare.read("TIM2_SR"), 1 << 1 | 1 << 2)
+        width = self.bare.read("TIM2_CCR2") - self.bare.read("TIM2_CCR1")
+        self.assertEqual(width, 33)
+        self.assertEqual(self.bare.read("TIM2_SR"), 0)
+
+    def test_a_capture_that_was_not_read_is_lost_and_that_is_told(self):
+        self.pulse(100)
+        self.pulse(100)
+        self.assertEqual(self.bare.read("TIM2_SR"), 0x606)
+
+    def test_a_pin_without_the_function_gives_none(self):
+        self.chip.ports["A"]["MODER"] |= 3 << 30
+        self.pulse(100)
+        self.assertEqual(self.bare.read("TIM2_SR"), 0)
+
+    def test_the_dma_fills_a_ring_by_the_request_of_its_channel(self):
+        self.start_ring(1, 3)
+        for _ in range(4):
+            self.pulse(100)
+        self.assertEqual(sorted(self.memory), [0x20000100, 0x20000104, 0x20000108])
+        self.assertEqual(self.bare.read("DMA1_CNDTR1"), 2)
+        self.assertEqual(self.memory[0x20000100] - self.memory[0x20000108], 200)
+        self.assertFalse(self.bare.read("TIM2_SR") & 0x202)
+
+    def test_a_channel_that_is_enabled_is_not_changed_and_none_is_enabled_without_transfers(self):
+        with self.assertRaisesRegex(WrongAccess, "for no transfers"):
+            self.bare.write("DMA1_CCR1", RING)
+        self.start_ring(1, 3)
+        with self.assertRaisesRegex(WrongAccess, "while the channel is enabled"):
+            self.bare.write("DMA1_CMAR1", 0x20000000)
+        with self.assertRaisesRegex(WrongAccess, "does not fill a ring"):
+            self.bare.write("DMA1_CCR2", 1)
+
+
+class EncoderCounter(unittest.TestCase):
+    """RM0440 29.4.20."""
+
+    def setUp(self):
+        self.bare = Bare(OF_ESC1)
+        for pin in self.bare.wiring.encoder:
+            self.bare.set_function(pin)
+            self.bare.chip.signals.set(pin.name, 0)
+
+    def test_input_1_before_input_2_counts_up(self):
+        for name, value in (("CCMR1", ENCODER), ("SMCR", 3), ("ARR", 0xFFFF), ("CR1", 1)):
+            self.bare.write(f"TIM4_{name}", value)
+        counts = []
+        for pin, level in (("PB6", 1), ("PB7", 1), ("PB6", 0), ("PB7", 0), ("PB7", 1), ("PB6", 1)):
+            self.bare.chip.signals.set(pin, level)
+            self.bare.wait(100 * self.bare.chip.power.cycle)
+            counts.append(self.bare.read("TIM4_CNT"))
+        self.assertEqual(counts, [1, 2, 3, 4, 3, 2])
+
+    def test_one_that_does_not_look_at_its_inputs_is_found(self):
+        for name, value in (("CCMR1", 0), ("SMCR", 3), ("CR1", 1)):
+            self.bare.write(f"TIM4_{name}", value)
+        with self.assertRaisesRegex(WrongAccess, "not its inputs"):
+            self.bare.chip.signals.set("PB6", 1)
+
+
+class Absolute(unittest.TestCase):
+    """An AS5047D at an SPI."""
+
+    def setUp(self):
+        self.bare = Bare(OF_G474)
+        self.encoder = self.bare.chip.absolute
+        self.bare.write("SPI1_CR2", 0xF00)
+        self.bare.write("SPI1_CR1", 1 | 1 << 2 | 4 << 3 | 1 << 6 | 3 << 8)
+        self.bare.write("GPIOB_BSRR", 1 << 6)
+        self.bare.chip.ports["B"]["MODER"] = 1 << 12
+        self.bare.wait(US)
+
+    def exchange(self, command, low=US):
+        self.bare.write("GPIOB_BSRR", 1 << 22)
+        self.bare.wait(low)
+        self.bare.write("SPI1_DR", command)
+        self.bare.wait(100 * US)
+        self.bare.write("GPIOB_BSRR", 1 << 6)
+        self.assertTrue(self.bare.read("SPI1_SR") & 1)
+        self.bare.wait(US)
+        return self.bare.read("SPI1_DR")
+
+    def test_an_answer_comes_with_the_next_frame_and_has_an_even_parity(self):
+        self.encoder.angle = 1
+        self.exchange(0xFFFF)
+        self.encoder.angle = 3
+        self.assertEqual(self.exchange(0xFFFF), 1 | 1 << 15)
+        self.assertEqual(self.exchange(0xFFFF), 3)
+
+    def test_a_wrong_command_sets_the_error_flag_until_the_errors_are_read(self):
+        self.exchange(0x7FFF)
+        self.assertTrue(self.exchange(0xFFFF) & 1 << 14)
+        self.assertTrue(self.exchange(0x4001) & 1 << 14)
+        self.assertEqual(self.exchange(0xFFFF), 1 | 1 << 15)
+        self.assertFalse(self.exchange(0xFFFF) & 1 << 14)
+
+    def test_a_select_that_is_too_short_is_found(self):
+        with self.assertRaisesRegex(WrongAccess, "too early"):
+            self.exchange(0xFFFF, low=US // 4)
+        self.setUp()
+        self.bare.write("GPIOB_BSRR", 1 << 22)
+        self.bare.wait(US)
+        self.bare.write("GPIOB_BSRR", 1 << 6)
+        self.bare.wait(US // 4)
+        with self.assertRaisesRegex(WrongAccess, "is high for"):
+            self.bare.write("GPIOB_BSRR", 1 << 22)
 
 
 class Crystal(unittest.TestCase):

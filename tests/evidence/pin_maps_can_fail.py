@@ -83,7 +83,7 @@ class PinMapsCanFail(unittest.TestCase):
     def test_an_image_that_is_wired_otherwise_fails_in_the_emulator(self):
         self.assertFalse(self.failure())
         for changes in ({"bus_pin": "PA4"}, {"led_pin": "PC4"}, {"high_pins": ["PB5"]},
-                        {"serial_pins": ["PB6", "PB7"]}, {"gate_low_polarity": "active_low"}, {"break_polarity": "active_low", "current_position": "in_line"},
+                        {"serial_pins": ["PB10", "PB11"]}, {"gate_low_polarity": "active_low"}, {"break_polarity": "active_low", "current_position": "in_line"},
                         {"gate_low_pins": ["PB13", "PA12", "PB15"]}):
             with self.subTest(changes):
                 self.assertTrue(self.failure(**changes))
