@@ -6,6 +6,7 @@
 #include "fault_text.h"
 #include "flash_unit.h"
 #include "fx.h"
+#include "inlining.h"
 #include "recording_about.h"
 #include "status.h"
 
@@ -394,8 +395,9 @@ static void note_reset(box_t *box, const drive_t *end, bool cut)
     }
 }
 
-static void save_at_once(box_t *box, const recorder_t *recorder, const live_config_t *live,
-                         bool cut)
+/* Apart, so that its facts are not on the stack while the drive is stepped. */
+RARE static void save_at_once(box_t *box, const recorder_t *recorder, const live_config_t *live,
+                              bool cut)
 {
     const drive_cfg_t *const cfg = recorder_end_state(recorder)->cfg;
     about_t about = *box->about;

@@ -2,6 +2,7 @@
 #include "recorder.h"
 
 #include "barrier.h"
+#include "drive_words.h"
 #include "fx.h"
 #include "inlining.h"
 #include "ring.h"
@@ -382,6 +383,21 @@ static void prepare(recorder_t *recorder, const volatile drive_t *live)
     }
 }
 
+uint32_t recorder_hash(const drive_t *state)
+{
+    return drive_words_hash(state) | 1U;
+}
+
+/* Once for each segment. The interrupt neither writes the state of the current one nor its hash. */
+static void note_hash(recorder_t *recorder)
+{
+    const uint32_t segment = recorder->current;
+
+    if ((segment < NONE) && (recorder->segments[segment].hash == 0U)) {
+        recorder->segments[segment].hash = recorder_hash(&recorder->states[segment]);
+    }
+}
+
 void recorder_service(recorder_t *recorder, const drive_t *drive)
 {
     const volatile drive_t *const live = drive;
@@ -398,6 +414,7 @@ void recorder_service(recorder_t *recorder, const drive_t *drive)
             begin_anew(recorder);
         }
     } else if (!recorder->offered) {
+        note_hash(recorder);
         prepare(recorder, live);
     } else {
         /* the next tick decides */

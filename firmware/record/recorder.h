@@ -55,7 +55,12 @@ typedef struct {
     /* counts the segments from 1 on, wrapping; 0: the segment is empty */
     uint32_t number;
     uint32_t config_crc; /* CRC of the configuration before the first frame of the segment */
-    bool follows;        /* the segment continues the one before it without a gap */
+    /*
+     * recorder_hash() of the state before its first frame, for whoever finds it in a memory after a
+     * reset; 0: not computed yet
+     */
+    uint32_t hash;
+    bool follows; /* the segment continues the one before it without a gap */
 } recorder_segment_t;
 
 typedef struct {
@@ -134,6 +139,9 @@ void recorder_change(recorder_t *recorder, const drive_cfg_t *before);
  * anywhere.
  */
 void recorder_service(recorder_t *recorder, const drive_t *drive);
+
+/* Returns a check word of a state: its hash, but not 0. About 16000 instructions. */
+uint32_t recorder_hash(const drive_t *state);
 
 /*
  * recorder_hold freezes the recording as soon as possible and holds it; after a fault it does not

@@ -88,13 +88,26 @@ static const drive_cfg_t *any_config(const recorder_place_t *place)
 }
 
 /*
- * Makes all pointers of the recorder pointers that may be followed. A segment whose configuration
- * is not known gets another one with a wrong CRC, so it is not a part of a history.
+ * Whether the state before a segment has the configuration of this place, and the hash that was
+ * noted of it.
+ */
+static bool is_state_whole(const recorder_t *recorder, const recorder_place_t *place,
+                           uint32_t segment)
+{
+    const drive_t *const state = &recorder->states[segment];
+    const uint32_t hash = recorder->segments[segment].hash;
+
+    return is_config(place, state->cfg) && ((hash == 0U) || (hash == recorder_hash(state)));
+}
+
+/*
+ * Makes all pointers of the recorder pointers that may be followed. A segment whose state is not
+ * whole gets a configuration with a wrong CRC, so it is not a part of a history.
  */
 static void mend_pointers(recorder_t *recorder, const recorder_place_t *place)
 {
     for (uint32_t k = 0U; k < RECORDER_SEGMENTS; k++) {
-        if (!is_config(place, recorder->states[k].cfg)) {
+        if (!is_state_whole(recorder, place, k)) {
             recorder->states[k].cfg = any_config(place);
             recorder->segments[k].config_crc = ~any_config(place)->crc;
         }

@@ -15,6 +15,7 @@
 #include "hal_config.h"
 #include "hal_g4.h"
 #include "image.h"
+#include "inlining.h"
 #include "kept_heat.h"
 #include "led.h"
 #include "link.h"
@@ -163,8 +164,8 @@ static void greet(void)
     tell_options();
 }
 
-/* The log survives the test. */
-static void test_kept(void)
+/* The log survives the test. Apart, so that it is not on the stack all the time. */
+RARE static void test_kept(void)
 {
     const fault_log_t log = faults;
 
@@ -176,7 +177,7 @@ static void test_kept(void)
  * Saves what the run before has left in the RAM, and then tests that part of the RAM. If something
  * in it leads the program astray, the watchdog makes the next start begin with an empty RAM.
  */
-static void rescue(const about_t *of_image)
+RARE static void rescue(const about_t *of_image)
 {
     recorder_place_t place = {.entries = ring, .segment_entries = DRIVE_RECORDER_ENTRIES};
 
@@ -192,9 +193,31 @@ static void rescue(const about_t *of_image)
     test_kept();
 }
 
+static const about_t of_image = {DRIVE_ABOUT, .build = &build_id_note[BUILD_ID_FIRST_WORD]};
+
+/* Returns why the drive cannot start. Apart, so that only its own calls have its variables. */
+NEVER_INLINED static const char *start(const char *before)
+{
+    const char *why = before;
+
+    live_config_init(&live, &app, &hardware, &of_image, &DRIVE_CONFIG);
+    link_init(&serial, &live);
+    box.about = &live.about;
+    greet();
+    if (why == NULL) {
+        why = clock_crystal_fault();
+    }
+    if ((why == NULL) && ((reg_read(FLASH_OPTR) & HAL_FLASH_MODE) != HAL_FLASH_MODE)) {
+        why = "option bytes: the flash has one bank, set DBANK = 1";
+    }
+    if ((why == NULL) && !image_is_whole()) {
+        why = CHECK_IMAGE;
+    }
+    return (why == NULL) ? bring_up() : why;
+}
+
 int main(void)
 {
-    static const about_t of_image = {DRIVE_ABOUT, .build = &build_id_note[BUILD_ID_FIRST_WORD]};
     const char *why = NULL;
 
     reg_write(SCB_VTOR, SCB_VTOR_IMAGE);
@@ -210,22 +233,7 @@ int main(void)
     if ((why == NULL) && (ram_fault != 0U)) {
         why = "the RAM does not hold what is written";
     }
-    live_config_init(&live, &app, &hardware, &of_image, &DRIVE_CONFIG);
-    link_init(&serial, &live);
-    box.about = &live.about;
-    greet();
-    if (why == NULL) {
-        why = clock_crystal_fault();
-    }
-    if ((why == NULL) && ((reg_read(FLASH_OPTR) & HAL_FLASH_MODE) != HAL_FLASH_MODE)) {
-        why = "option bytes: the flash has one bank, set DBANK = 1";
-    }
-    if ((why == NULL) && !image_is_whole()) {
-        why = CHECK_IMAGE;
-    }
-    if (why == NULL) {
-        why = bring_up();
-    }
+    why = start(why);
     if (why != NULL) {
         stay((hardware.why_barred == NULL) ? why : hardware.why_barred);
     }

@@ -20,7 +20,7 @@ from rig import BUS, CALIBRATION_TICKS, MIDDLE, answer, instant, make
 MOTORSIM = Path(sys.argv[4])
 OVERVOLTAGE = 4000  # of the bus' converter, beyond bus_max_v of the board
 NOISE = 8           # counts
-HISTORY_TICKS = 767  # three segments less their margins and the ticks of a slow period: recorder_entries of the board
+HISTORY_TICKS = 746  # three segments less their margins and the ticks of a slow period: recorder_entries of the board
 POST_TICKS = 64
 COPY_INSTRUCTIONS = 188  # of a pass that copies the state at least: a word each
 RECORDED, DEPARTS, REFUSED = 0, 1, 2

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The line: whose it is, each question with its answer, and a person who still has the console. */
+#include "box.h"
 #include "commander.h"
 #include "drive_words.h"
 #include "example_app.h"
@@ -1181,4 +1182,46 @@ TEST(test_without_ticks_a_pc_that_is_gone_gives_the_line_back_and_one_that_asks_
     line_frame(HELLO, sizeof HELLO, 1U); /* broken: nobody is heard by it */
     passes_without_ticks(2U * SHORT_WHILE);
     TEST_ASSERT_FALSE(serial.is_linked);
+}
+
+/* ---- the black box ---- */
+
+static fault_log_t log_;
+static box_t box;
+
+TEST(test_the_log_of_the_black_box_is_read_in_pieces)
+{
+    const fault_t fault = {.id = FAULT_STALL, .value = 7, .limit = 9};
+
+    box_init(&box, &app, &hardware, &live.about, &log_, true);
+    fault_log_fault(&log_, &fault);
+    for (uint32_t first = 0U; first < FAULT_LOG_WORDS; first += LINK_READ_WORDS_MAX) {
+        const uint32_t left = FAULT_LOG_WORDS - first;
+        const uint32_t count = (left < LINK_READ_WORDS_MAX) ? left : LINK_READ_WORDS_MAX;
+        const uint8_t body[] = {LINK_BOX_LOG, (uint8_t)first, 0U, LINK_READ_WORDS_MAX};
+        const line_message_t *const answer = ask(LINK_BOX, body, sizeof body);
+
+        TEST_ASSERT_EQUAL_UINT32(3U + (4U * count), answer->length - 2U);
+        TEST_ASSERT_EQUAL_UINT32(count, answer->bytes[4]);
+        for (uint32_t k = 0U; k < count; k++) {
+            TEST_ASSERT_EQUAL_HEX32(fault_log_word(&log_, first + k),
+                                    words_get(&answer->bytes[5U + (4U * k)]));
+        }
+    }
+    app.box = NULL;
+}
+
+TEST(test_without_a_recording_a_box_or_a_known_part_there_are_no_words)
+{
+    const uint8_t parts[] = {LINK_BOX_LOG, LINK_BOX_RECORDING, 9U};
+
+    box_init(&box, &app, &hardware, &live.about, &log_, true);
+    for (uint32_t k = 1U; k < sizeof parts; k++) {
+        const uint8_t body[] = {parts[k], 0U, 0U, 8U};
+
+        TEST_ASSERT_EQUAL_UINT32(0U, ask(LINK_BOX, body, sizeof body)->bytes[4]);
+    }
+    app.box = NULL;
+    const uint8_t body[] = {LINK_BOX_LOG, 0U, 0U, 8U};
+    TEST_ASSERT_EQUAL_UINT32(0U, ask(LINK_BOX, body, sizeof body)->bytes[4]);
 }
