@@ -121,13 +121,24 @@ static void put_identity(link_t *link)
     link_out_word(out, commander_ticket(link->live->app));
 }
 
+/* Returns the flags of the health. */
+static uint32_t health_flags(const link_t *link, bool tick_lost)
+{
+    const uint32_t source = (uint32_t)commander_source(link->live->app);
+    const bool has_input = link->input.kind != (uint8_t)INPUT_KIND_NONE;
+    const uint32_t lost = has_input ? link->input.signal.lost : (uint32_t)INPUT_LOST_NOT;
+
+    return (tick_lost ? LINK_HEALTH_TICK_LOST : 0U) | (source << LINK_HEALTH_SOURCE) |
+           (lost << LINK_HEALTH_INPUT);
+}
+
 static void put_health(link_t *link)
 {
     const hal_health_t health = hal_health(link->live->hal);
     link_out_t *const out = &link->out;
 
     link_out_byte(out, smaller(health.load_pct, LOAD_MAX));
-    link_out_byte(out, health.tick_lost ? 1U : 0U);
+    link_out_byte(out, health_flags(link, health.tick_lost));
     link_out_half(out, health.adc_ic);
     link_out_word(out, health.late_ticks);
     link_out_word(out, link->stream.lost);

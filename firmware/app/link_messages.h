@@ -18,7 +18,7 @@
 
 #include <stdint.h>
 
-#define LINK_VERSION (3U)
+#define LINK_VERSION (4U)
 #define LINK_MESSAGE_BYTES_MAX (160U) /* type, tag, body */
 #define LINK_CRC_BYTES (4U)
 
@@ -114,9 +114,17 @@ typedef enum {
 
 /*
  * Health, the answer to LINK_PING: hal_health_t, and the losses and the ticket of the link
- *     load u8 in %, tick lost u8, adc_ic u16, late ticks u32,
+ *     load u8 in %, flags u8, adc_ic u16, late ticks u32,
  *     ticks that the stream has left out u32, ticket u32
+ *
+ * Flags: bit 0: the tick is lost; bits 1 and 2: the source in command (source_t); bits 3 to 5: why
+ * the input is lost (input_lost_t; 0: it is there, or the board has none).
  */
+#define LINK_HEALTH_TICK_LOST (0x01U)
+#define LINK_HEALTH_SOURCE (1U) /* lowest bit */
+#define LINK_HEALTH_SOURCE_MASK (3U)
+#define LINK_HEALTH_INPUT (3U) /* lowest bit */
+#define LINK_HEALTH_INPUT_MASK (7U)
 #define LINK_HEALTH_BYTES (16U)
 
 /*

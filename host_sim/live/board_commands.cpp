@@ -631,8 +631,10 @@ std::string status_text(const Follower &follower)
                                   ? drive_text(follower.shadow().sim()) +
                                         fault_advice(follower.shadow().sim(), follower.board())
                                   : "not in step";
-    return fmt::format("{}, load {} %, late {}, gaps {}{}", drive, health.load_pct,
-                       health.late_ticks, follower.gaps().size(),
+    const std::string input =
+        health.input_lost.empty() ? "" : ", the input is lost: " + health.input_lost;
+    return fmt::format("{}, load {} %, late {}, gaps {}, by {}{}{}", drive, health.load_pct,
+                       health.late_ticks, follower.gaps().size(), health.source, input,
                        health.tick_lost ? ", THE CONTROL TICK STAYS AWAY" : "");
 }
 

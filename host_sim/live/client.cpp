@@ -9,6 +9,8 @@
 
 extern "C" {
 #include "frame_code.h"
+#include "input_signal.h"
+#include "source.h"
 }
 
 #include <fmt/format.h>
@@ -74,6 +76,19 @@ Words words_of(BodyReader &reader, link_question_t type)
         refuse_answer(type);
     }
     return words;
+}
+
+// Of the flags of a health.
+std::string who(uint8_t flags)
+{
+    return source_name(
+        static_cast<source_t>((flags >> LINK_HEALTH_SOURCE) & LINK_HEALTH_SOURCE_MASK));
+}
+
+std::string why_lost(uint8_t flags)
+{
+    const uint32_t lost = (flags >> LINK_HEALTH_INPUT) & LINK_HEALTH_INPUT_MASK;
+    return lost == INPUT_LOST_NOT ? "" : input_signal_text(lost);
 }
 
 } // namespace
@@ -248,7 +263,12 @@ std::optional<Health> Client::ping()
         return std::nullopt;
     }
     BodyReader reader(*body);
-    const Health health = {reader.u8(), reader.u8() != 0, reader.u16(), reader.u32(), reader.u32()};
+    const uint8_t load_pct = reader.u8();
+    const uint8_t flags = reader.u8();
+    const Health health = {load_pct,     (flags & LINK_HEALTH_TICK_LOST) != 0,
+                           who(flags),   why_lost(flags),
+                           reader.u16(), reader.u32(),
+                           reader.u32()};
     const uint32_t ticket = reader.u32();
     if (!reader.is_done()) {
         refuse_answer(LINK_PING);

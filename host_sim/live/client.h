@@ -50,6 +50,8 @@ struct Identity {
 struct Health {
     uint8_t load_pct;
     bool tick_lost;
+    std::string source;     // who commands the drive, as its console says it
+    std::string input_lost; // why the input is lost; "": it is there, or there is none
     uint16_t adc_ic;
     uint32_t late_ticks;
     uint32_t frames_lost;

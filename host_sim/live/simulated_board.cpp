@@ -82,6 +82,8 @@ void SimulatedBoard::start(const Config &config)
     Simulation &sim = run_.sim();
     sim.hal().line = &line_;
     sim.hal().flash = &flash_;
+    hal_host_inputs_init(&inputs_, about_.rotation.tick_ps);
+    sim.hal().inputs = &inputs_;
     sim.hal().reset.reason = HAL_RESET_SUPPLY;
     live_config_init(&live_, &sim.app(), &sim.hal(), &about_, &cfg_);
     link_init(&link_, &live_);

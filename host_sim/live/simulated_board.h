@@ -74,6 +74,11 @@ public:
     {
         return flash_;
     }
+    // Throttle, button and pulses, for whoever simulates them.
+    hal_host_inputs_t &inputs()
+    {
+        return inputs_;
+    }
 
 private:
     void start(const Config &config);
@@ -86,6 +91,7 @@ private:
     ScriptedRun run_;
     hal_host_line_t line_{};
     hal_host_flash_t flash_{};
+    hal_host_inputs_t inputs_{};
     std::vector<recorder_entry_t> ring_;
     recorder_t recorder_{};
     live_config_t live_{};

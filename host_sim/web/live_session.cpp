@@ -402,7 +402,8 @@ Json health_json(const live::Follower &follower)
             {"tick_lost", health.tick_lost},       {"gaps", follower.gaps().size()},
             {"departures", follower.departures()}, {"hashes", follower.shadow().hashes_compared()},
             {"broken", follower.broken()},         {"bytes", follower.bytes_in()},
-            {"no_stream", follower.no_stream()}};
+            {"no_stream", follower.no_stream()},   {"source", health.source},
+            {"input_lost", health.input_lost}};
 }
 
 Json pass(const Json &given)

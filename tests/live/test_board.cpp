@@ -186,4 +186,37 @@ TEST(a_bad_line_spoils_as_many_bytes_as_it_is_told)
                            static_cast<int>(came.size()) - static_cast<int>(same));
 }
 
+// Without anybody at the line: closed loop with the motor of the scenario.
+TEST(a_potentiometer_turns_the_motor_and_its_open_wire_ramps_it_to_a_stop)
+{
+    constexpr uint16_t REST = 164; // 4 % of full scale
+    constexpr uint16_t HALF = 2048;
+    constexpr double SHARE = (0.5 - 0.03) / 0.97; // behind the dead band
+    constexpr double STEADY = 0.02;               // ripple and steps of the converter
+    constexpr int SECOND = 10000;
+    const nf::Config config =
+        nf::load_scenario("any", {}, {"input.kind=voltage", "input.arm_s=0.2"});
+    SimulatedBoard board(config);
+    board.inputs().now.throttle = REST;
+    pass(board, READY_TICKS);
+    type(board, "stop\n"); // the script's run
+    pass(board, SECOND);
+    const drive_t &drive = board.run().sim().drive();
+    TEST_ASSERT_EQUAL(DRIVE_STATE_READY, drive.state);
+    board.inputs().now.throttle = HALF;
+    pass(board, 4 * SECOND);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, drive.state);
+    TEST_ASSERT_DOUBLE_WITHIN(
+        STEADY, SHARE, static_cast<double>(drive_speed(&drive)) / drive.cfg->speed_loop.speed_max);
+    (void)board.take();
+    board.inputs().now.throttle = 0;
+    pass(board, SECOND / 10 + 2 * SECOND);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_READY, drive.state);
+    assert_has("the input is lost: its voltage is below its range: the drive stops",
+               text(board.take()));
+    board.inputs().now.throttle = HALF;
+    pass(board, SECOND);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_READY, drive.state);
+}
+
 } // namespace

@@ -400,6 +400,17 @@ TEST(test_a_ping_is_answered_with_the_health)
     TEST_ASSERT_EQUAL_HEX32(commander_ticket(&app), words_get(&body[12]));
 }
 
+TEST(test_the_health_says_who_commands_and_why_the_input_is_lost)
+{
+    TEST_ASSERT_NULL(commander_run(&app, SOURCE_INPUT));
+    TEST_ASSERT_EQUAL_UINT8(0x06U, ask(LINK_PING, NULL, 0U)->bytes[3]);
+    TEST_ASSERT_NULL(commander_run(&app, SOURCE_LINK));
+    live.in_force->cfg.input = example_input_cfg();
+    serial.input.kind = (uint8_t)INPUT_KIND_VOLTAGE;
+    serial.input.signal.lost = (uint8_t)INPUT_LOST_HIGH;
+    TEST_ASSERT_EQUAL_UINT8(0x04U | (4U << 3U), ask(LINK_PING, NULL, 0U)->bytes[3]);
+}
+
 TEST(test_a_message_of_a_wrong_length_or_no_type_is_refused_and_does_nothing)
 {
     static const struct {
