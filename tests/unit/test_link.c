@@ -1078,6 +1078,58 @@ TEST(test_a_line_that_does_not_command_the_drive_leaves_it_watched)
     TEST_ASSERT_EQUAL_UINT8(0U, command_mailbox_take(&app.mailbox).request);
 }
 
+/* ---- a person who types nothing ---- */
+
+#define TYPED_TIMEOUT (1000U)
+
+/*
+ * The line is a person's, and that person has started the motor. At speed 0: no motor turns behind
+ * these inputs.
+ */
+static void run_by_a_person(void)
+{
+    drive_cfg_t settings = live.in_force->cfg;
+
+    settings.console.timeout_ticks = TYPED_TIMEOUT;
+    TEST_ASSERT_EQUAL_STRING("", change_to(&settings));
+    TEST_ASSERT_NOT_NULL(ask(LINK_BYE, NULL, 0U));
+    line_type("speed 0\nrun\n");
+    hear(200U);
+    TEST_ASSERT_EQUAL(SOURCE_CONSOLE, commander_source(&app));
+}
+
+TEST(test_the_motor_of_a_person_who_types_nothing_comes_to_rest_and_that_is_said)
+{
+    run_by_a_person();
+    passes(TYPED_TIMEOUT - 300U);
+    TEST_ASSERT_EQUAL(SOURCE_CONSOLE, commander_source(&app));
+    hear(400U);
+    TEST_ASSERT_EQUAL(SOURCE_NONE, commander_source(&app));
+    TEST_ASSERT_NOT_NULL(
+        strstr(line.text, "nothing is typed: the drive stops; Enter keeps it running\r\n"));
+}
+
+TEST(test_enter_keeps_the_motor_of_a_person_running)
+{
+    run_by_a_person();
+    for (uint32_t k = 0U; k < 5U; k++) {
+        passes(TYPED_TIMEOUT - 300U);
+        line_type("\n");
+        hear(10U);
+        TEST_ASSERT_EQUAL(SOURCE_CONSOLE, commander_source(&app));
+    }
+}
+
+/* A PC has taken the motor over, and has a time-out of its own. */
+TEST(test_a_person_whose_motor_a_pc_has_taken_is_not_waited_for)
+{
+    run_by_a_person();
+    hello();
+    assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 0);
+    passes(2U * TYPED_TIMEOUT);
+    TEST_ASSERT_EQUAL(SOURCE_LINK, commander_source(&app));
+}
+
 /* In this time nobody is heard, and the link lasts. */
 #define SHORT_TIMEOUT (500U)
 
