@@ -31,57 +31,57 @@ _Static_assert(HAL_BOX_SLOTS == (BOX_PLACES * PLACE_SLOTS), "places of whole slo
 _Static_assert(offsetof(recorder_header_t, words) == (LENGTH_WORD * sizeof(uint32_t)),
                "place of the length");
 
-static uint32_t slot_of(uint32_t place, uint32_t unit)
+static uint32_t box_slot_of(uint32_t place, uint32_t unit)
 {
     return HAL_STORE_SLOTS + (place * PLACE_SLOTS) + (unit / HAL_STORE_UNITS);
 }
 
-static flash_unit_stamps_t stamps_of(uint32_t place)
+static flash_unit_stamps_t box_stamps_of(uint32_t place)
 {
-    return (flash_unit_stamps_t){.slot = slot_of(place, PLACE_UNITS - 1U),
+    return (flash_unit_stamps_t){.slot = box_slot_of(place, PLACE_UNITS - 1U),
                                  .first = HAL_STORE_UNITS - STAMP_UNITS,
                                  .end = HAL_STORE_UNITS};
 }
 
 /* Reads word `at` of a place. Sets *bad when the flash cannot read it. */
-static uint32_t read_word(hal_t *hal, uint32_t place, uint32_t at, bool *bad)
+static uint32_t read_place_word(hal_t *hal, uint32_t place, uint32_t at, bool *bad)
 {
     const uint32_t unit = at / FLASH_UNIT_WORDS;
     uint32_t words[FLASH_UNIT_WORDS];
 
-    if (!flash_unit_read(hal, slot_of(place, unit), unit % HAL_STORE_UNITS, words)) {
+    if (!flash_unit_read(hal, box_slot_of(place, unit), unit % HAL_STORE_UNITS, words)) {
         *bad = true;
     }
     return words[at % FLASH_UNIT_WORDS];
 }
 
 /* Returns the length of the recording in a place; 0: it has none. */
-static uint32_t length_in(hal_t *hal, uint32_t place, bool *bad)
+static uint32_t recording_in(hal_t *hal, uint32_t place, bool *bad)
 {
-    const uint32_t magic = read_word(hal, place, FILE_WORD, bad);
-    const uint32_t words = read_word(hal, place, FILE_WORD + LENGTH_WORD, bad);
+    const uint32_t magic = read_place_word(hal, place, FILE_WORD, bad);
+    const uint32_t words = read_place_word(hal, place, FILE_WORD + LENGTH_WORD, bad);
 
     return ((magic == RECORDER_MAGIC) && (words <= FILE_WORDS_MAX)) ? words : 0U;
 }
 
 /* The words that a stamp covers come in whole units. */
-static uint32_t units_with(uint32_t file_words)
+static uint32_t units_of_place(uint32_t file_words)
 {
     return (FILE_WORD + file_words + (FLASH_UNIT_WORDS - 1U)) / FLASH_UNIT_WORDS;
 }
 
 /* Takes note of a place if it is whole and newer than what was found before. */
-static void look_at(box_t *box, uint32_t place)
+static void look_at_place(box_t *box, uint32_t place)
 {
-    const flash_unit_stamps_t stamps = stamps_of(place);
+    const flash_unit_stamps_t stamps = box_stamps_of(place);
     bool bad = false;
-    const uint32_t words = length_in(box->hal, place, &bad);
-    const uint32_t end = units_with(words) * FLASH_UNIT_WORDS;
+    const uint32_t words = recording_in(box->hal, place, &bad);
+    const uint32_t end = units_of_place(words) * FLASH_UNIT_WORDS;
     uint32_t crc = CRC32_START;
     uint32_t sequence = 0U;
 
     for (uint32_t at = 0U; (at < end) && (words > 0U) && !bad; at++) {
-        crc = crc32_word(crc, read_word(box->hal, place, at, &bad));
+        crc = crc32_word(crc, read_place_word(box->hal, place, at, &bad));
     }
     if ((words > 0U) && !bad && flash_unit_find_stamp(box->hal, &stamps, crc, &sequence) &&
         (!box->found || (fx_signed(sequence - box->sequence) > 0))) {
@@ -93,12 +93,12 @@ static void look_at(box_t *box, uint32_t place)
     }
 }
 
-static void read_log(const box_t *box)
+static void read_place_log(const box_t *box)
 {
     bool bad = false;
 
     for (uint32_t at = 0U; at < FAULT_LOG_WORDS; at++) {
-        fault_log_set_word(box->log, at, read_word(box->hal, box->place, at, &bad));
+        fault_log_set_word(box->log, at, read_place_word(box->hal, box->place, at, &bad));
     }
 }
 
@@ -108,11 +108,11 @@ void box_init(box_t *box, app_t *app, hal_t *hal, const about_t *about, fault_lo
     *box = (box_t){.hal = hal, .app = app, .about = about, .log = log, .works = true};
     app->box = box;
     for (uint32_t place = 0U; place < BOX_PLACES; place++) {
-        look_at(box, place);
+        look_at_place(box, place);
     }
     if (is_power_up || !fault_log_is_whole(log)) {
         if (box->found) {
-            read_log(box);
+            read_place_log(box);
         } else {
             fault_log_init(log);
         }
@@ -137,26 +137,26 @@ static uint32_t other_place(const box_t *box)
     return box->found ? (BOX_PLACES - 1U - box->place) : 0U;
 }
 
-static void give_up(box_t *box, bool works)
+static void give_up_saving(box_t *box, bool works)
 {
     box->works = works;
     box->phase = BOX_IDLE;
 }
 
-static void note_saved(box_t *box)
+static void note_that_saved(box_t *box)
 {
     box->log->saved = recorder_newest(box->pack.dump.recorder);
     fault_log_seal(box->log);
 }
 
 /* Begins a writing when it is known what fits. A recording without entries has nothing to save. */
-static void measure(box_t *box)
+static void measure_recording(box_t *box)
 {
     if (recorder_pack_measure(&box->pack)) {
         /* a piece more in the next pass */
     } else if (box->pack.dump.header.entries == 0U) {
-        note_saved(box);
-        give_up(box, true);
+        note_that_saved(box);
+        give_up_saving(box, true);
     } else {
         box->log->saves++;
         fault_log_seal(box->log);
@@ -165,10 +165,10 @@ static void measure(box_t *box)
 }
 
 /* Step 1. The number goes up even if no unit takes a stamp. */
-static void keep(box_t *box)
+static void keep_place(box_t *box)
 {
     if (box->found) {
-        const flash_unit_stamps_t stamps = stamps_of(box->place);
+        const flash_unit_stamps_t stamps = box_stamps_of(box->place);
 
         box->sequence += KEPT_AHEAD;
         (void)flash_unit_put_stamps(box->hal, &stamps, STAMPS_TO_KEEP, box->sequence, box->crc);
@@ -177,13 +177,13 @@ static void keep(box_t *box)
     box->phase = BOX_ERASES;
 }
 
-static void erase(box_t *box)
+static void erase_slot(box_t *box)
 {
-    const uint32_t slot = slot_of(other_place(box), box->at * HAL_STORE_UNITS);
+    const uint32_t slot = box_slot_of(other_place(box), box->at * HAL_STORE_UNITS);
 
     box->at++;
     if (!hal_store_erase(box->hal, slot)) {
-        give_up(box, false);
+        give_up_saving(box, false);
     } else if (box->at >= PLACE_SLOTS) {
         box->at = 0U;
         box->new_crc = CRC32_START;
@@ -194,7 +194,7 @@ static void erase(box_t *box)
 }
 
 /* Returns the next word to be written: of the log, then of the recording. */
-static uint32_t next_word(box_t *box, uint32_t at)
+static uint32_t next_place_word(box_t *box, uint32_t at)
 {
     uint32_t word = FILLING;
 
@@ -208,26 +208,27 @@ static uint32_t next_word(box_t *box, uint32_t at)
     return word;
 }
 
-static void write(box_t *box)
+static void write_unit(box_t *box)
 {
     const uint32_t at = box->at * FLASH_UNIT_WORDS;
-    const uint32_t first = next_word(box, at);
-    const uint32_t second = next_word(box, at + 1U);
+    const uint32_t first = next_place_word(box, at);
+    const uint32_t second = next_place_word(box, at + 1U);
 
     box->new_crc = crc32_word(crc32_word(box->new_crc, first), second);
-    if (!flash_unit_program(box->hal, slot_of(other_place(box), box->at), box->at % HAL_STORE_UNITS,
-                            first, second)) {
-        give_up(box, false);
+    if (!flash_unit_program(box->hal, box_slot_of(other_place(box), box->at),
+                            box->at % HAL_STORE_UNITS, first, second)) {
+        give_up_saving(box, false);
     } else {
         box->at++;
-        box->phase = (box->at < units_with(box->pack.dump.header.words)) ? BOX_WRITES : BOX_STAMPS;
+        box->phase =
+            (box->at < units_of_place(box->pack.dump.header.words)) ? BOX_WRITES : BOX_STAMPS;
     }
 }
 
-static void stamp(box_t *box)
+static void stamp_place(box_t *box)
 {
     const uint32_t place = other_place(box);
-    const flash_unit_stamps_t stamps = stamps_of(place);
+    const flash_unit_stamps_t stamps = box_stamps_of(place);
     const uint32_t sequence = box->sequence + 1U;
     const bool good = flash_unit_put_stamps(box->hal, &stamps, 1U, sequence, box->new_crc);
 
@@ -237,35 +238,35 @@ static void stamp(box_t *box)
         box->sequence = sequence;
         box->crc = box->new_crc;
         box->file_words = box->pack.dump.header.words;
-        note_saved(box);
+        note_that_saved(box);
     }
-    give_up(box, good);
+    give_up_saving(box, good);
 }
 
-static void go_on(box_t *box)
+static void go_on_saving(box_t *box)
 {
     switch (box->phase) {
     case BOX_MEASURES:
-        measure(box);
+        measure_recording(box);
         break;
     case BOX_KEEPS:
-        keep(box);
+        keep_place(box);
         break;
     case BOX_ERASES:
-        erase(box);
+        erase_slot(box);
         break;
     case BOX_WRITES:
-        write(box);
+        write_unit(box);
         break;
     case BOX_STAMPS:
-        stamp(box);
+        stamp_place(box);
         break;
     default: /* BOX_IDLE */
         break;
     }
 }
 
-static void begin(box_t *box, const recorder_t *recorder, const about_t *about, bool cut)
+static void begin_saving(box_t *box, const recorder_t *recorder, const about_t *about, bool cut)
 {
     recorder_about_t facts = recording_about(about, hal_reset(box->hal));
 
@@ -275,7 +276,7 @@ static void begin(box_t *box, const recorder_t *recorder, const about_t *about, 
 }
 
 /* Whether the recorder keeps the recording of a fault that is not saved. */
-static bool has_to_save(const box_t *box)
+static bool has_fault_to_save(const box_t *box)
 {
     const recorder_t *const recorder = box->app->recorder;
 
@@ -288,28 +289,28 @@ static bool has_to_save(const box_t *box)
  * Whether the flash may be written. If the chip has a fault, it is not: the recording stays in the
  * RAM, and the next start saves it.
  */
-static bool may_write(const box_t *box)
+static bool may_write_flash(const box_t *box)
 {
     const hal_health_t health = hal_health(box->hal);
 
     return commander_is_at_rest(box->app) && (health.why_barred == NULL) && !health.tick_lost;
 }
 
-static void save(box_t *box)
+static void save_fault(box_t *box)
 {
-    if (!has_to_save(box) || !may_write(box)) {
+    if (!has_fault_to_save(box) || !may_write_flash(box)) {
         box->phase = BOX_IDLE;
     } else if (box_is_saving(box)) {
-        go_on(box);
+        go_on_saving(box);
     } else if (box->log->saves < BOX_SAVES_MAX) {
-        begin(box, box->app->recorder, box->about, false);
+        begin_saving(box, box->app->recorder, box->about, false);
     } else {
         /* the recording stays in the RAM until it is read */
     }
 }
 
 /* The log is not changed while it is written. */
-static void note(box_t *box)
+static void note_fault(box_t *box)
 {
     const drive_t *const drive = &box->app->drive;
     const bool failed = drive->state == DRIVE_STATE_FAULT;
@@ -329,7 +330,7 @@ static void note(box_t *box)
     box->failed = failed;
 }
 
-static void release(box_t *box)
+static void release_recorder(box_t *box)
 {
     const drive_state_t state = box->app->drive.state;
     const bool runs = (state > DRIVE_STATE_READY) && (state != DRIVE_STATE_FAULT);
@@ -341,16 +342,16 @@ static void release(box_t *box)
 
 void box_step(box_t *box, bool reads)
 {
-    if ((box->phase != BOX_WRITES) || (box->at >= units_with(0U))) {
-        note(box);
+    if ((box->phase != BOX_WRITES) || (box->at >= units_of_place(0U))) {
+        note_fault(box);
     }
     if (!reads) {
-        release(box);
+        release_recorder(box);
     }
-    save(box);
+    save_fault(box);
 }
 
-static const drive_cfg_t *config_of(const config_block_t *block, const about_t *about)
+static const drive_cfg_t *whole_config_of(const config_block_t *block, const about_t *about)
 {
     const bool good = config_block_check(block, &about->identity).fault == CONFIG_BLOCK_GOOD;
 
@@ -358,7 +359,7 @@ static const drive_cfg_t *config_of(const config_block_t *block, const about_t *
 }
 
 /* Returns why the recording that was rescued is not saved; NULL: it is to be saved. */
-static const char *why_not(const box_t *box, const recorder_t *recorder, bool cut)
+static const char *why_not_saved(const box_t *box, const recorder_t *recorder, bool cut)
 {
     const drive_t *const end = recorder_end_state(recorder);
     const bool failed = end->state == DRIVE_STATE_FAULT;
@@ -382,7 +383,7 @@ static const char *why_not(const box_t *box, const recorder_t *recorder, bool cu
  * Notes a reset that was not asked for, and a fault that came so shortly before the reset that the
  * background has not noted it. end: the state at the end of the recording, NULL: there is none.
  */
-static void note_reset(box_t *box, const drive_t *end, bool cut)
+static void note_last_reset(box_t *box, const drive_t *end, bool cut)
 {
     const hal_reset_t reset = hal_reset(box->hal);
     const bool in_run = cut && (end != NULL) && (end->state > DRIVE_STATE_READY);
@@ -403,9 +404,9 @@ RARE static void save_at_once(box_t *box, const recorder_t *recorder, const live
     about_t about = *box->about;
 
     stored_config_about((cfg == &live->other.cfg) ? &live->other : &live->stored.block, &about);
-    begin(box, recorder, &about, cut);
+    begin_saving(box, recorder, &about, cut);
     while (box_is_saving(box)) {
-        go_on(box);
+        go_on_saving(box);
     }
     box->rescued = box->works && (box->log->saved != 0U);
     box->why_none = box->rescued ? NULL : "the flash does not keep what is written";
@@ -417,12 +418,12 @@ void box_rescue(box_t *box, recorder_t *recorder, recorder_place_t *place,
     bool cut = false;
     bool good;
 
-    place->configs[0] = config_of(&live->stored.block, box->about);
-    place->configs[1] = config_of(&live->other, box->about);
+    place->configs[0] = whole_config_of(&live->stored.block, box->about);
+    place->configs[1] = whole_config_of(&live->other, box->about);
     good = recorder_rescue(recorder, place, &box->app->drive, &cut);
-    note_reset(box, good ? recorder_end_state(recorder) : NULL, cut);
+    note_last_reset(box, good ? recorder_end_state(recorder) : NULL, cut);
     if (good) {
-        box->why_none = why_not(box, recorder, cut);
+        box->why_none = why_not_saved(box, recorder, cut);
     } else {
         box->why_none = "what lies in the RAM is no recording";
     }
@@ -439,7 +440,7 @@ uint32_t box_word(const box_t *box, uint32_t at)
     uint32_t word = 0U;
 
     if (at < box->file_words) {
-        word = read_word(box->hal, box->place, FILE_WORD + at, &bad);
+        word = read_place_word(box->hal, box->place, FILE_WORD + at, &bad);
     }
     return bad ? 0U : word;
 }
@@ -464,15 +465,18 @@ void box_tell_entry(text_t *text, const box_t *box, uint32_t age)
 {
     const fault_log_entry_t *const entry = fault_log_entry(box->log, age);
     const uint32_t id = entry->what & BYTE_MASK;
+    const uint32_t number = box->log->count - age;
+    const uint32_t power_up = entry->what >> POWER_UP_SHIFT;
 
-    text_number(text, (int32_t)(box->log->count - age), 0U);
+    text_number(text, (int32_t)number, 0U);
     text_add(text, ": power-up ");
-    text_number(text, (int32_t)(entry->what >> POWER_UP_SHIFT), 0U);
+    text_number(text, (int32_t)power_up, 0U);
     text_add(text, ", ");
     text_number(text, (int32_t)entry->seconds, 0U);
     text_add(text, " s: ");
     if (id >= FAULT_LOG_RESET) {
-        const hal_reset_t reset = {.reason = (hal_reset_reason_t)(id - FAULT_LOG_RESET),
+        const uint32_t reason = id - FAULT_LOG_RESET;
+        const hal_reset_t reset = {.reason = (hal_reset_reason_t)reason,
                                    .exception = (entry->what >> EXCEPTION_SHIFT) & BYTE_MASK};
 
         text_add(text, "reset: ");

@@ -235,10 +235,10 @@ static const char *ask_for_faults(console_t *console)
 static void send_last(console_t *console)
 {
     const box_t *const box = console->app->box;
-    char line[RECORDER_LINE_CHARACTERS + 1U];
 
     if (console->line_sent < recorder_lines(box->file_words)) {
         uint32_t words[RECORDER_LINE_WORDS];
+        char line[RECORDER_LINE_CHARACTERS + 1U];
 
         for (uint32_t k = 0U; k < RECORDER_LINE_WORDS; k++) {
             words[k] = box_word(box, (console->line_sent * RECORDER_LINE_WORDS) + k);

@@ -13,15 +13,17 @@
 uint32_t fault_log_word(const fault_log_t *log, uint32_t at)
 {
     const uint8_t *const bytes = (const uint8_t *)log;
+    const uint32_t offset = at * WORDS_BYTES;
 
-    return words_get(&bytes[at * WORDS_BYTES]);
+    return words_get(&bytes[offset]);
 }
 
 void fault_log_set_word(fault_log_t *log, uint32_t at, uint32_t word)
 {
     uint8_t *const bytes = (uint8_t *)log;
+    const uint32_t offset = at * WORDS_BYTES;
 
-    words_put(&bytes[at * WORDS_BYTES], word);
+    words_put(&bytes[offset], word);
 }
 
 static uint32_t crc_of(const fault_log_t *log)

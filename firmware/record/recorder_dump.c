@@ -139,7 +139,7 @@ static uint32_t word_of(const recorder_dump_t *dump, uint32_t at)
 }
 
 /* Returns the next word of the file, or zero after the end of the file. */
-static uint32_t next_word(recorder_dump_t *dump)
+static uint32_t next_file_word(recorder_dump_t *dump)
 {
     const uint32_t last = dump->header.words - 1U;
     uint32_t word = 0U;
@@ -204,7 +204,7 @@ bool recorder_dump_line(recorder_dump_t *dump, char line[RECORDER_LINE_CHARACTER
         uint32_t words[RECORDER_LINE_WORDS];
 
         for (uint32_t k = 0U; k < RECORDER_LINE_WORDS; k++) {
-            words[k] = next_word(dump);
+            words[k] = next_file_word(dump);
         }
         recorder_line(dump->line, words, line);
         dump->line++;

@@ -44,7 +44,9 @@ static uint32_t make_piece(recorder_pack_t *pack, const recorder_entry_t *entrie
     pack->piece[0] = put | (length << LENGTH_SHIFT);
     pack->piece[1] = crc_of_outputs(entries, put);
     for (uint32_t k = 0U; k < words; k++) {
-        pack->piece[HEAD_WORDS + k] = words_get(&bytes[k * WORDS_BYTES]);
+        const uint32_t offset = k * WORDS_BYTES;
+
+        pack->piece[HEAD_WORDS + k] = words_get(&bytes[offset]);
     }
     pack->in_piece = HEAD_WORDS + words;
     pack->at = 0U;
@@ -146,9 +148,11 @@ static void next_piece(recorder_pack_t *pack)
 {
     const recorder_history_t *const history = &pack->dump.history;
     uint32_t end = history->of_segment[0];
+    uint32_t segment = 0U;
 
-    for (uint32_t k = 1U; pack->entry >= end; k++) {
-        end += history->of_segment[k];
+    while (pack->entry >= end) {
+        segment++;
+        end += history->of_segment[segment];
     }
     pack->entry += make_piece(pack, recorder_entry(pack->dump.recorder, history, pack->entry),
                               end - pack->entry);

@@ -29,7 +29,7 @@ static const drive_cfg_t *config_with(const recorder_place_t *place, uint32_t cr
 }
 
 /* Gives the drive the configuration that a change names. False when it is not known. */
-static bool take_change(drive_t *drive, const recorder_place_t *place,
+static bool roll_change(drive_t *drive, const recorder_place_t *place,
                         const recorder_entry_t *entry)
 {
     const drive_cfg_t *const cfg = config_with(place, entry->word[3]);
@@ -40,7 +40,7 @@ static bool take_change(drive_t *drive, const recorder_place_t *place,
     return cfg != NULL;
 }
 
-static bool is_same(const drive_out_t *computed, const drive_out_t *recorded)
+static bool is_as_recorded(const drive_out_t *computed, const drive_out_t *recorded)
 {
     const uint32_t third = computed->compare.phase[2] & COMPARE_MASK;
 
@@ -54,8 +54,8 @@ static bool is_same(const drive_out_t *computed, const drive_out_t *recorded)
  * Steps the drive over entries of a segment. Returns the number of entries before the first one
  * that is not as recorded.
  */
-static uint32_t roll(drive_t *drive, const recorder_place_t *place, const recorder_entry_t *entries,
-                     uint32_t count)
+static uint32_t roll_entries(drive_t *drive, const recorder_place_t *place,
+                             const recorder_entry_t *entries, uint32_t count)
 {
     recorder_frame_t frame = {0};
     uint32_t done = 0U;
@@ -68,9 +68,9 @@ static uint32_t roll(drive_t *drive, const recorder_place_t *place, const record
             drive_out_t out = {0};
 
             drive_step(drive, &frame.in, &out);
-            good = is_same(&out, &frame.out);
+            good = is_as_recorded(&out, &frame.out);
         } else {
-            good = take_change(drive, place, entry);
+            good = roll_change(drive, place, entry);
         }
         done += good ? 1U : 0U;
     }
@@ -130,7 +130,7 @@ static bool is_of_place(const recorder_t *recorder, const recorder_place_t *plac
            (recorder->current < RECORDER_SEGMENTS);
 }
 
-static const recorder_entry_t *first_of(const recorder_place_t *place, uint32_t segment)
+static const recorder_entry_t *first_entry_of(const recorder_place_t *place, uint32_t segment)
 {
     const uint32_t at = segment * place->segment_entries;
 
@@ -141,7 +141,7 @@ static const recorder_entry_t *first_of(const recorder_place_t *place, uint32_t 
 static uint32_t entries_to(const recorder_place_t *place, uint32_t segment,
                            const recorder_entry_t *end)
 {
-    const size_t count = ring_entries_between(first_of(place, segment), end);
+    const size_t count = ring_entries_between(first_entry_of(place, segment), end);
 
     return (count <= place->segment_entries) ? (uint32_t)count : 0U;
 }
@@ -169,14 +169,14 @@ static bool freeze_here(recorder_t *recorder, const recorder_place_t *place, dri
 {
     const uint32_t count = find_end(recorder, place);
     const uint32_t segment = recorder->current;
-    const recorder_entry_t *const first = first_of(place, segment);
+    const recorder_entry_t *const first = first_entry_of(place, segment);
     uint32_t whole;
 
     copy_state(work, &recorder->states[segment]);
-    whole = roll(work, place, first, count);
+    whole = roll_entries(work, place, first, count);
     if ((whole < count) && ((whole + 1U) == count)) {
         copy_state(work, &recorder->states[segment]); /* the last entry has stepped it */
-        whole = roll(work, place, first, whole);
+        whole = roll_entries(work, place, first, whole);
     }
     recorder->segments[segment].end = &first[whole];
     copy_state(&recorder->states[SPARE], work);
@@ -191,7 +191,7 @@ static bool leads_to(const recorder_t *recorder, const recorder_place_t *place, 
     const uint32_t count = entries_to(place, segment, recorder->segments[segment].end);
 
     copy_state(work, &recorder->states[segment]);
-    return (roll(work, place, first_of(place, segment), count) == count) &&
+    return (roll_entries(work, place, first_entry_of(place, segment), count) == count) &&
            (drive_words_hash(work) == drive_words_hash(&recorder->states[after]));
 }
 

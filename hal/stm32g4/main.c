@@ -177,7 +177,7 @@ RARE static void test_kept(void)
  * Saves what the run before has left in the RAM, and then tests that part of the RAM. If something
  * in it leads the program astray, the watchdog makes the next start begin with an empty RAM.
  */
-RARE static void rescue(const about_t *of_image)
+RARE static void rescue(const about_t *facts)
 {
     recorder_place_t place = {.entries = ring, .segment_entries = DRIVE_RECORDER_ENTRIES};
 
@@ -185,7 +185,7 @@ RARE static void rescue(const about_t *of_image)
     if (ram_is_kept()) {
         guard_watch_start();
     }
-    box_init(&box, &app, &hardware, of_image, &faults, !ram_is_kept());
+    box_init(&box, &app, &hardware, facts, &faults, !ram_is_kept());
     if (ram_is_kept()) {
         box_rescue(&box, &recorder, &place, &live);
         guard_feed();

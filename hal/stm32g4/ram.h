@@ -30,6 +30,12 @@
  */
 extern uint32_t ram_fault;
 
+/* Where reset_entry has ended its test: the end of the RAM, or the beginning of .kept. */
+extern const uint32_t *ram_tested_end;
+
+/* Returns where reset_entry has to end its test. Only for it. */
+const uint32_t *ram_test_end(void);
+
 /*
  * Tests the words from `first` to before `end`, and returns as ram_fault. Uses registers only. What
  * they held is lost. reset_entry and ram_test_kept() call it.
