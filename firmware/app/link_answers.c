@@ -10,6 +10,7 @@
 #include <stddef.h>
 
 #define LOAD_MAX (100U)
+#define EXCEPTION_MAX (255U)
 #define DUMP_FIRST "a dump is under way; ask again when it has ended"
 #define TAKES_WORDS (3U) /* bytes of the body before the words of LINK_WRITE */
 #define TAKES_LINE (4U)  /* bytes of the body before the characters of LINK_LINE */
@@ -135,6 +136,7 @@ static uint32_t health_flags(const link_t *link, bool tick_lost)
 static void put_health(link_t *link)
 {
     const hal_health_t health = hal_health(link->live->hal);
+    const hal_reset_t reset = hal_reset(link->live->hal);
     link_out_t *const out = &link->out;
 
     link_out_byte(out, smaller(health.load_pct, LOAD_MAX));
@@ -142,6 +144,8 @@ static void put_health(link_t *link)
     link_out_half(out, health.adc_ic);
     link_out_word(out, health.late_ticks);
     link_out_word(out, link->stream.lost);
+    link_out_byte(out, (uint32_t)reset.reason);
+    link_out_byte(out, smaller(reset.exception, EXCEPTION_MAX));
     link_out_word(out, commander_ticket(link->live->app));
 }
 

@@ -113,9 +113,10 @@ typedef enum {
 #define LINK_IDENTITY_BYTES (56U)
 
 /*
- * Health, the answer to LINK_PING: hal_health_t, and the losses and the ticket of the link
+ * Health, the answer to LINK_PING: hal_health_t, the losses of the link, why the chip has started
+ * (hal_reset_t), and the ticket of the link
  *     load u8 in %, flags u8, adc_ic u16, late ticks u32,
- *     ticks that the stream has left out u32, ticket u32
+ *     ticks that the stream has left out u32, reason u8, exception u8, ticket u32
  *
  * Flags: bit 0: the tick is lost; bits 1 and 2: the source in command (source_t); bits 3 to 5: why
  * the input is lost (input_lost_t; 0: it is there, or the board has none).
@@ -125,7 +126,7 @@ typedef enum {
 #define LINK_HEALTH_SOURCE_MASK (3U)
 #define LINK_HEALTH_INPUT (3U) /* lowest bit */
 #define LINK_HEALTH_INPUT_MASK (7U)
-#define LINK_HEALTH_BYTES (16U)
+#define LINK_HEALTH_BYTES (18U)
 
 /*
  * A segment (LINK_SEGMENT): number u32, tick of its first frame u32, hash of the state before it

@@ -633,8 +633,9 @@ std::string status_text(const Follower &follower)
                                   : "not in step";
     const std::string input =
         health.input_lost.empty() ? "" : ", the input is lost: " + health.input_lost;
-    return fmt::format("{}, load {} %, late {}, gaps {}, by {}{}{}", drive, health.load_pct,
-                       health.late_ticks, follower.gaps().size(), health.source, input,
+    return fmt::format("{}, load {} %, late {}, gaps {}, by {}{}, last reset: {}{}", drive,
+                       health.load_pct, health.late_ticks, follower.gaps().size(), health.source,
+                       input, health.reset,
                        health.tick_lost ? ", THE CONTROL TICK STAYS AWAY" : "");
 }
 

@@ -8,9 +8,11 @@
 #include <utility>
 
 extern "C" {
+#include "fault_log.h"
 #include "frame_code.h"
 #include "input_signal.h"
 #include "source.h"
+#include "text.h"
 }
 
 #include <fmt/format.h>
@@ -256,6 +258,19 @@ void Client::bye()
     (void)ask(patient(LINK_BYE));
 }
 
+namespace
+{
+
+std::string reset_of(BodyReader &reader)
+{
+    const auto reason = static_cast<hal_reset_reason_t>(reader.u8());
+    text_t text = {};
+    fault_log_tell_reset(&text, {reason, reader.u8()});
+    return {text.characters, text.length};
+}
+
+} // namespace
+
 std::optional<Health> Client::ping()
 {
     const std::optional<Bytes> body = ask_once(LINK_PING, {});
@@ -268,7 +283,7 @@ std::optional<Health> Client::ping()
     const Health health = {load_pct,     (flags & LINK_HEALTH_TICK_LOST) != 0,
                            who(flags),   why_lost(flags),
                            reader.u16(), reader.u32(),
-                           reader.u32()};
+                           reader.u32(), reset_of(reader)};
     const uint32_t ticket = reader.u32();
     if (!reader.is_done()) {
         refuse_answer(LINK_PING);

@@ -55,6 +55,7 @@ struct Health {
     uint16_t adc_ic;
     uint32_t late_ticks;
     uint32_t frames_lost;
+    std::string reset; // why the chip has started, for a person
 };
 
 // LINK_SEGMENT.

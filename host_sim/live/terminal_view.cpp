@@ -90,6 +90,7 @@ Rows rows_of(const Follower &follower, double bytes_per_s)
     rows.emplace_back("processor",
                       fmt::format("load {} %, late ticks {}{}", health.load_pct, health.late_ticks,
                                   health.tick_lost ? ", NO CONTROL TICK" : ""));
+    rows.emplace_back("command", fmt::format("by {}, last reset: {}", health.source, health.reset));
     rows.emplace_back("line", fmt::format("{:.0f} bytes/s, {} broken, {} gaps", bytes_per_s,
                                           follower.broken(), follower.gaps().size()));
     rows.emplace_back("checked", fmt::format("tick {}, {} hashes, {} departures", shadow.next(),

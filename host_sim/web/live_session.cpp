@@ -403,7 +403,7 @@ Json health_json(const live::Follower &follower)
             {"departures", follower.departures()}, {"hashes", follower.shadow().hashes_compared()},
             {"broken", follower.broken()},         {"bytes", follower.bytes_in()},
             {"no_stream", follower.no_stream()},   {"source", health.source},
-            {"input_lost", health.input_lost}};
+            {"input_lost", health.input_lost},     {"reset", health.reset}};
 }
 
 Json pass(const Json &given)

@@ -187,7 +187,7 @@ TEST(a_clear_asks_for_the_ticket_first)
     FakeBoard board;
     board.answer = [&](const Message &question) {
         const bool pings = question.type == LINK_PING;
-        const Bytes health = nf::live::BodyWriter().u32(0).u32(0).u32(0).u32(77).body();
+        const Bytes health = nf::live::BodyWriter().u32(0).u32(0).u32(0).u16(0).u32(77).body();
         board.say(pings ? Message{LINK_PING + LINK_ANSWER, question.tag, health}
                         : answer_to(question, ""));
     };

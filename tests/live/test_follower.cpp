@@ -92,7 +92,7 @@ struct Bench {
         }
         const Bytes body = question.type == LINK_HELLO  ? identity()
                            : question.type == LINK_READ ? words(question)
-                           : pings ? BodyWriter().u32(0).u32(0).u32(0).u32(0).body()
+                           : pings ? BodyWriter().u32(0).u32(0).u32(0).u16(0).u32(0).body()
                                    : BodyWriter().u32(0).text(no_stream).body();
         board.say({static_cast<uint8_t>(question.type + LINK_ANSWER), question.tag, body});
     }

@@ -388,6 +388,7 @@ TEST(test_a_ping_is_answered_with_the_health)
 {
     hardware.health = (hal_health_t){
         .adc_ic = 0x1234U, .late_ticks = 0x01020304U, .load_pct = 250U, .tick_lost = true};
+    hardware.reset = (hal_reset_t){.reason = HAL_RESET_WATCHDOG, .exception = 300U};
     serial.stream.lost = 0x0A0B0C0DU;
     const line_message_t *const answer = ask(LINK_PING, NULL, 0U);
     const uint8_t *const body = &answer->bytes[2];
@@ -397,7 +398,9 @@ TEST(test_a_ping_is_answered_with_the_health)
     TEST_ASSERT_EQUAL_UINT8(1U, body[1]);
     TEST_ASSERT_EQUAL_HEX32(0x03041234U, words_get(&body[2]));
     TEST_ASSERT_EQUAL_HEX32(0x0C0D0102U, words_get(&body[6]));
-    TEST_ASSERT_EQUAL_HEX32(commander_ticket(&app), words_get(&body[12]));
+    TEST_ASSERT_EQUAL_UINT8(HAL_RESET_WATCHDOG, body[12]);
+    TEST_ASSERT_EQUAL_UINT8(255U, body[13]);
+    TEST_ASSERT_EQUAL_HEX32(commander_ticket(&app), words_get(&body[14]));
 }
 
 TEST(test_the_health_says_who_commands_and_why_the_input_is_lost)

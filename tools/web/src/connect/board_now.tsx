@@ -25,6 +25,7 @@ function lineOf({ health, in_step: inStep, command }: LiveBlock, bytesPerS: numb
         { label: "Asked to run", text: askedToRun(command) },
         { label: "Commanded by", text: health.source },
         { label: "Input", text: health.input_lost === "" ? "–" : health.input_lost, isBad: health.input_lost !== "" },
+        { label: "Last reset", text: health.reset },
         { label: "Load of the processor", text: `${shown(health.load_pct)} %` },
         { label: "Late ticks", text: String(health.late_ticks), isBad: health.late_ticks > 0 },
         { label: "Gaps", text: String(health.gaps) },

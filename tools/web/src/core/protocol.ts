@@ -299,6 +299,7 @@ export interface LiveHealth {
     broken: number; // frames that came damaged
     bytes: number; // that came in
     no_stream: string; // why the board sends no ticks; empty: it does
+    reset: string; // why the board's chip has started
     source: string; // who commands the drive: nobody, console, link, input
     input_lost: string; // why the board's input is lost; empty: it is there, or there is none
 }
