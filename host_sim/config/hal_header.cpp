@@ -168,6 +168,39 @@ void check_chip(const Config &config)
          fmt::format("at most {:g} ns, 47.5 cycles of its converters", G4_SAMPLING_NS));
 }
 
+// Throws for an input that is set and has no pin. `key` is that of the input, `value` what is set.
+void need_pin(const Config &config, const std::string &key, const char *value, const char *pin_key,
+              const std::string &pin)
+{
+    if (pin.empty()) {
+        const auto origin = config.origins.find(key);
+        fail(origin == config.origins.end() ? board_file(config) : origin->second, key,
+             fmt::format("\"{}\"", value),
+             fmt::format("needs {}, and this board has none", pin_key),
+             "\"none\", or a board with such a pin");
+    }
+}
+
+void check_input(const Config &config)
+{
+    const InputSettings &input = config.tuning.input;
+    const HalSettings &hal = config.hal;
+    if (!is_g4(config) || input.kind == InputKind::none) {
+        return;
+    }
+    if (input.kind == InputKind::voltage) {
+        need_pin(config, "input.kind", "voltage", "hal.throttle_pin", hal.throttle_pin);
+    } else {
+        need_pin(config, "input.kind", input.kind == InputKind::dshot ? "dshot" : "rc_pulse",
+                 "hal.pulse_pin", hal.pulse_pin);
+    }
+    if (input.button != InputButton::none) {
+        need_pin(config, "input.button",
+                 input.button == InputButton::enable ? "enable" : "start_stop", "hal.button_pin",
+                 hal.button_pin);
+    }
+}
+
 // The rate of a whole number of the chip's cycles per bit, over the rate that is asked for, less
 // one.
 double baud_error(double baud)
@@ -453,6 +486,7 @@ std::string make_hal_header(const Config &config)
     check_timing(config);
     check_chip(config);
     check_line(config);
+    check_input(config);
     check_scales(config);
     check_offset(config);
     if (!has_line(config)) {

@@ -110,7 +110,8 @@ public:
                     Mode mode = {file(tuning),
                                  {fmt::format("drive.angle_source={}", source),
                                   fmt::format("startup.current_pct={}", startup),
-                                  startup == 0 ? "input.kind=voltage" : "input.kind=rc_pulse"},
+                                  startup == 0 ? "input.kind=voltage" : "input.kind=rc_pulse",
+                                  "hal.throttle_pin=PB12", "hal.pulse_pin=PA15"},
                                  startup == 0 || std::strcmp(source, "sensor") == 0};
                     if (startup != 0) {
                         mode.set.insert(mode.set.end(), ROUGH.begin(), ROUGH.end());
