@@ -10,6 +10,7 @@
 #include "drive.h"
 #include "hal.h"
 #include "recorder.h"
+#include "shaft_decoder.h"
 #include "source.h"
 
 #include <stdbool.h>
@@ -29,10 +30,11 @@ typedef struct {
     drive_t drive;
     command_mailbox_t mailbox; /* the background posts, the interrupt takes */
     hal_t *hal;
-    drive_in_t in;        /* input frame of the last tick */
-    drive_out_t out;      /* output frame of the last tick */
-    recorder_t *recorder; /* NULL: nothing is recorded */
-    struct box *box;      /* NULL: there is no black box */
+    drive_in_t in;          /* input frame of the last tick */
+    drive_out_t out;        /* output frame of the last tick */
+    recorder_t *recorder;   /* NULL: nothing is recorded */
+    struct box *box;        /* NULL: there is no black box */
+    shaft_decoder_t *shaft; /* NULL: the frames of the binding have the angle, if there is one */
     /*
      * a configuration that the background has posted and the interrupt has not taken yet; NULL:
      * there is none
@@ -57,6 +59,12 @@ typedef struct {
  * field that is refused.
  */
 const char *app_init(app_t *app, hal_t *hal, const drive_cfg_t *cfg);
+
+/*
+ * Decode the sensor of the shaft that the configuration names from now on. Call once, before the
+ * control interrupt is enabled.
+ */
+void app_sense(app_t *app, shaft_decoder_t *shaft);
 
 /* Record every tick from now on. Call once, before the control interrupt is enabled. */
 void app_record(app_t *app, recorder_t *recorder);

@@ -22,6 +22,7 @@ const char *app_init(app_t *app, hal_t *hal, const drive_cfg_t *cfg)
     app->in = (drive_in_t){0};
     app->out = (drive_out_t){0};
     app->recorder = NULL;
+    app->shaft = NULL;
     app->ticket = 0U;
     app->upsets = 0U;
     app->source = SOURCE_NONE;
@@ -32,6 +33,12 @@ const char *app_init(app_t *app, hal_t *hal, const drive_cfg_t *cfg)
     clear_failure(app);
     app->check = (cross_check_t){.tick = 0U};
     return drive_init(&app->drive, cfg);
+}
+
+void app_sense(app_t *app, shaft_decoder_t *shaft)
+{
+    shaft_decoder_init(shaft);
+    app->shaft = shaft;
 }
 
 void app_record(app_t *app, recorder_t *recorder)
@@ -108,6 +115,9 @@ static bool is_told(const app_t *app)
 void control_isr(app_t *app)
 {
     hal_sample(app->hal, &app->in);
+    if (app->shaft != NULL) {
+        shaft_decoder_step(app->shaft, &app->drive.cfg->sensor, app->hal, &app->in);
+    }
     if (drive_reads_slow_inputs(&app->drive)) {
         app->in.command = command_mailbox_take(&app->mailbox);
         if (is_told(app)) {

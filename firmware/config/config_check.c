@@ -8,6 +8,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#define Q16_MASK (0xFFFFU)
 /* Full scale of a phase current, Q15 of I_b. */
 #define CURRENT_MAX (16384)
 
@@ -141,19 +142,47 @@ static const char *check_startup(const char *before, const startup_cfg_t *cfg, s
     return in_order(bad, "startup.residual_lost", cfg->residual_max, cfg->residual_lost);
 }
 
+/* The sectors of Hall sensors: each begins ahead of the one before, less than half a turn. */
+static const char *check_hall(const char *before, const hall_cfg_t *cfg)
+{
+    const char *bad = before;
+    uint32_t turn = 0U;
+
+    for (uint32_t k = 0U; k < HALL_SECTORS; k++) {
+        const uint32_t next = cfg->edges_q16[(k + 1U) % HALL_SECTORS];
+        const uint32_t width = (next - cfg->edges_q16[k]) & Q16_MASK;
+
+        turn += width;
+        bad = in_order(bad, "sensor.hall.edges_q16", 1, (int64_t)width);
+    }
+    bad = in_order(bad, "sensor.hall.edges_q16", (int64_t)turn, (int64_t)Q16_MASK + 1);
+    return ((bad == NULL) && !hall_order_holds(cfg->patterns)) ? "sensor.hall.patterns" : bad;
+}
+
 /*
- * With a sensor there is no start-up. The sensor gives the observer its speed, so the observer must
- * not be trained.
+ * A sensor with an observer beside it may have a start-up, for when the sensor fails. An encoder
+ * needs one, to be aligned. Without an observer (eta is 0) there is none.
  */
 static const char *check_sensor(const char *before, const drive_cfg_t *cfg)
 {
+    const sensor_cfg_t *const sensor = &cfg->sensor;
     const char *bad = before;
 
-    bad = in_order(bad, "startup.current_hold", cfg->startup.current_hold, 0);
-    bad = in_order(bad, "observer.eta", cfg->observer.eta, 0);
-    bad = in_order(bad, "observer.kappa_p", cfg->observer.kappa_p, 0);
-    bad = in_order(bad, "run.acceleration_q14", cfg->run.acceleration_q14, 0);
-    return in_order(bad, "observer.momentum_q15", cfg->observer.momentum_q15, 0);
+    if (cfg->observer.eta == 0) {
+        bad = in_order(bad, "startup.current_hold", cfg->startup.current_hold, 0);
+        bad = in_order(bad, "observer.kappa_p", cfg->observer.kappa_p, 0);
+        bad = in_order(bad, "run.acceleration_q14", cfg->run.acceleration_q14, 0);
+        bad = in_order(bad, "observer.momentum_q15", cfg->observer.momentum_q15, 0);
+        bad = in_order(bad, "sensor.observer_above", sensor->observer_above, 0);
+    }
+    if ((sensor->kind == (uint32_t)SENSOR_KIND_ENCODER) ||
+        (sensor->kind == (uint32_t)SENSOR_KIND_ENCODER_INDEX)) {
+        bad = in_order(bad, "startup.current_hold", 1, cfg->startup.current_hold);
+    }
+    if (sensor->kind == (uint32_t)SENSOR_KIND_HALL) {
+        bad = check_hall(bad, &sensor->hall);
+    }
+    return in_order(bad, "sensor.sensor_below", sensor->sensor_below, sensor->observer_above);
 }
 
 /* The readings of an input are in order, and its times are not 0. */

@@ -10,10 +10,13 @@
 #ifndef DRIVE_CFG_H
 #define DRIVE_CFG_H
 
+#include "absolute.h"
 #include "current_loop.h"
 #include "current_reference.h"
 #include "derating.h"
+#include "encoder.h"
 #include "fx.h"
+#include "hall.h"
 #include "input_cfg.h"
 #include "model.h"
 #include "modulator.h"
@@ -72,6 +75,28 @@ typedef struct {
     uint32_t timeout_ticks;
 } link_cfg_t;
 
+/* The sensor that the board reads; the binding gives no more than its reading, see hal_shaft(). */
+typedef enum {
+    SENSOR_KIND_NONE = 0, /* with sensor_pole_pairs: the frame of the binding has an angle */
+    SENSOR_KIND_HALL,
+    SENSOR_KIND_ENCODER,
+    SENSOR_KIND_ENCODER_INDEX,
+    SENSOR_KIND_ABSOLUTE
+} sensor_kind_t;
+
+typedef struct {
+    uint32_t kind; /* sensor_kind_t */
+    hall_cfg_t hall;
+    encoder_cfg_t encoder;
+    absolute_cfg_t absolute;
+    /*
+     * The observer takes over above this speed, 0…2^29; 0: only when the sensor fails. The sensor
+     * takes over again below sensor_below.
+     */
+    step_t observer_above;
+    step_t sensor_below; /* 0…observer_above */
+} sensor_cfg_t;
+
 /* The parts that a tick of RUN uses come first, see drive_t. */
 typedef struct {
     uint32_t speed_shift; /* speed in Q15 of Ω_b = step >> speed_shift, 1…16 */
@@ -99,6 +124,7 @@ typedef struct {
     link_cfg_t link;
     console_cfg_t console;
     input_cfg_t input;
+    sensor_cfg_t sensor;
     uint32_t crc; /* CRC of all fields before it, see config_guard.h; must be the last field */
 } drive_cfg_t;
 

@@ -9,6 +9,9 @@
  * speed loop of 20 Hz would swing. At a constant acceleration the angle lags by 256 times the
  * change of speed per tick.
  *
+ * The position may lead that of the loop at first, so that θ̂ does not jump when the sensor takes
+ * over. The lead decays with a time constant of 64 ticks.
+ *
  * Pure, total; call from the control interrupt.
  */
 #ifndef ANGLE_SENSOR_H
@@ -19,13 +22,27 @@
 #include <stdbool.h>
 
 typedef struct {
-    rotor_position_t position; /* θ̂ at this instant */
+    rotor_position_t position; /* of the loop at this instant */
     step_t speed;              /* ω̂ from this instant to the next, within ±speed_limit */
+    angle_t zero;              /* electrical angle of the rotor where the sensor reads 0 */
+    int32_t lead;              /* of θ̂ against the position of the loop */
     uint32_t check;            /* check word of the fields above, see angle_sensor_holds() */
 } angle_sensor_t;
 
-/* Start at this position, at rest. */
+/* Start at this position, at rest. The sensor reads 0 at angle 0. */
 void angle_sensor_start(angle_sensor_t *sensor, int64_t turns_q32);
+
+/* The rotor rests at this position: moves the zero, so that the loop is there too. */
+void angle_sensor_align(angle_sensor_t *sensor, rotor_position_t position);
+
+/*
+ * The rotor was taken to be at this position up to now. The loop goes on in the turn in which it is
+ * nearest to it, and θ̂ begins there.
+ */
+void angle_sensor_meet(angle_sensor_t *sensor, rotor_position_t position);
+
+/* Returns θ̂ and the whole turns. Pure. */
+rotor_position_t angle_sensor_position(const angle_sensor_t *sensor);
 
 /*
  * Whether the fields are as a function here has written them last. A bit that has flipped by itself
@@ -35,9 +52,9 @@ void angle_sensor_start(angle_sensor_t *sensor, int64_t turns_q32);
 bool angle_sensor_holds(const angle_sensor_t *sensor);
 
 /*
- * One tick of the loop. measured: electrical angle, any value. |ω̂| saturates at speed_limit,
- * 1…2^29.
+ * One tick of the loop. measured: electrical angle from the sensor's zero, any value. |ω̂| saturates
+ * at speed_limit, 1…2^29. Returns e, how far the measured angle lies ahead of the expected one.
  */
-void angle_sensor_step(angle_sensor_t *sensor, angle_t measured, step_t speed_limit);
+int32_t angle_sensor_step(angle_sensor_t *sensor, angle_t measured, step_t speed_limit);
 
 #endif

@@ -9,6 +9,7 @@
 #include "monitor.h"
 #include "run.h"
 #include "state_guard.h"
+#include "trig.h"
 
 /*
  * Checks the samples of this tick against the limits of this state. If a current sample is at an
@@ -26,13 +27,39 @@ static fault_id_t check_samples(const drive_t *drive, const drive_in_t *in, samp
     return id;
 }
 
-static drive_event_t obey_when_ready(const drive_t *drive, uint8_t request)
+/* Returns the fault of a sensor that tells no angle; value: why, a shaft_trouble_t. */
+static fault_t sensor_fault(const drive_in_t *in)
 {
-    const bool known = drive_has_sensor(drive) || (drive->cfg->startup.current_hold == 0);
+    const uint32_t told = ((uint32_t)in->flags >> DRIVE_TROUBLE_SHIFT) & DRIVE_TROUBLE_MASK;
+    const uint32_t trouble = (told == 0U) ? (uint32_t)SHAFT_TROUBLE_COUNTS : told;
+
+    return (fault_t){.id = FAULT_ANGLE_SENSOR, .value = fx_signed(trouble), .limit = 0};
+}
+
+/* A start without the angle of a sensor needs a start-up, which a drive with a sensor may not have.
+ */
+static drive_event_t start_run(const drive_t *drive, const drive_in_t *in, fault_t *fault)
+{
+    drive_event_t event = DRIVE_EVENT_TRACKED;
+
+    if (drive_may_impose(drive)) {
+        event = DRIVE_EVENT_SEARCH;
+    } else if (drive_has_sensor(drive) && !drive_is_sensed(drive)) {
+        event = DRIVE_EVENT_FAULT;
+        *fault = sensor_fault(in);
+    } else {
+        /* the rotor is known, or taken to be at angle 0 */
+    }
+    return event;
+}
+
+static drive_event_t obey_when_ready(const drive_t *drive, const drive_in_t *in, fault_t *fault)
+{
+    const uint8_t request = in->command.request;
     drive_event_t event = DRIVE_EVENT_NONE;
 
     if ((request & DRIVE_REQUEST_RUN) != 0U) {
-        event = known ? DRIVE_EVENT_TRACKED : DRIVE_EVENT_SEARCH;
+        event = start_run(drive, in, fault);
     } else if ((request & DRIVE_REQUEST_PROBE) != 0U) {
         event = DRIVE_EVENT_PROBE;
     } else {
@@ -54,7 +81,7 @@ static drive_event_t obey_at_rest(sensors_t *sensors, const drive_t *drive, cons
         event = calibration_step(sensors, drive->cfg, in, fault);
         break;
     case DRIVE_STATE_READY:
-        event = obey_when_ready(drive, request);
+        event = obey_when_ready(drive, in, fault);
         break;
     case DRIVE_STATE_FAULT:
         event = clear ? DRIVE_EVENT_CALIBRATE : DRIVE_EVENT_NONE;
@@ -130,6 +157,43 @@ static fault_id_t count_late(control_t *control, watch_t *watch, const drive_t *
     return drive_is_driving(drive->state) ? id : FAULT_NONE;
 }
 
+/*
+ * The sensor has failed in RUN. The observer holds the motor above the hand-over speed. Below it a
+ * current is imposed where the present one points. A drive that has no observer or no start-up
+ * stops.
+ */
+RARE static void lose_sensor(drive_t *drive, const drive_in_t *in, const instant_t *now)
+{
+    const drive_cfg_t *const cfg = drive->cfg;
+    const bool fast = fx_abs(drive->rotor.observer.speed) >= cfg->startup.handover_speed;
+    const bool observed = cfg->observer.eta != 0;
+
+    if (observed && !fast && (cfg->startup.current_hold != 0)) {
+        const ab_t current = transforms_clarke(now->sample.phase_a, now->sample.phase_b);
+        instant_t turned = *now;
+
+        turned.along_rotor =
+            transforms_park(current, trig_sincos(rotor_position_angle(&drive->rotor.position)));
+        life_follow(drive, DRIVE_EVENT_SLOW, &turned);
+    } else if (!observed || !fast) {
+        const fault_t fault = sensor_fault(in);
+
+        life_fail(drive, &fault, now);
+    } else {
+        /* the observer goes on */
+    }
+}
+
+static void sense(drive_t *drive, const drive_in_t *in, const instant_t *now)
+{
+    const bool sensed = drive_is_sensed(drive);
+
+    estimate_sense(&drive->rotor, drive, in);
+    if (sensed && drive->rotor.failed && (drive->state == DRIVE_STATE_RUN)) {
+        lose_sensor(drive, in, now);
+    }
+}
+
 static void fail_if(drive_t *drive, fault_id_t id, const fault_t *fault, const instant_t *now)
 {
     if (id != FAULT_NONE) {
@@ -147,7 +211,7 @@ bool attend_step(drive_t *drive, const drive_in_t *in, sample_t sample)
     fail_if(drive, state_guard_check_state(drive, &fault), &fault, &now);
     if (drive_has_sensor(drive)) {
         fail_if(drive, state_guard_check_sensor(drive, &fault), &fault, &now);
-        estimate_sense(&drive->rotor, drive, in->angle);
+        sense(drive, in, &now);
     }
     fail_if(drive, check_told(&in->command, &fault), &fault, &now);
     /* FAIL replaces the request RUN. So without a valid fault id the run ends as by a stop. */

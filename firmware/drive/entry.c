@@ -45,7 +45,7 @@ NEVER_INLINED static void begin_start(drive_t *drive)
  */
 static void begin_known(drive_t *drive)
 {
-    if (drive_has_sensor(drive)) {
+    if (drive_is_sensed(drive)) {
         motor_pace(&drive->motor, drive->cfg, drive->rotor.angle_sensor.speed);
         estimate_start_sensed(&drive->rotor, &drive->motor.model.observer);
         run_catch_sensed(&drive->motion, drive);
@@ -192,6 +192,7 @@ NEVER_INLINED static void use_alignment(drive_t *drive, const instant_t *now)
     run_set_bandwidth(&drive->motion, false);
     vector_move(&drive->vector, 0);
     run_stand(&drive->motion);
+    estimate_align_sensor(&drive->rotor, drive);
 }
 
 /*
@@ -235,7 +236,10 @@ NEVER_INLINED static void begin_run(drive_t *drive, drive_state_t from, const in
         begin_known(drive);
     } else if (from == DRIVE_STATE_FLYING_START) {
         begin_turning(drive, now->sample);
-    } else { /* HANDOVER */
+    } else { /* HANDOVER, or HOLD with a sensor that knows the rotor now */
+        if (from == DRIVE_STATE_HOLD) {
+            estimate_take_sensor(&drive->rotor);
+        }
         hand_over(&drive->control, &drive->motion, drive);
     }
     run_start(&drive->motion, drive);

@@ -10,11 +10,14 @@
 #define PULL_SHIFT (6U)
 /* the filter of the residual has a time constant of 2^3 slow periods */
 #define RESIDUAL_SHIFT (3U)
+/* 1/8 turn is more than any acceleration of a motor makes the tracking loop lag */
+#define LEFT_BEHIND (0x20000000)
 
 void estimate_reset(rotor_t *rotor)
 {
     rotor_position_reset(&rotor->position, 0U);
     rotor->residual = 0;
+    rotor->failed = false;
 }
 
 void estimate_start(rotor_t *rotor, const nn_observer_cfg_t *cfg, step_t speed, dq_t current)
@@ -39,21 +42,115 @@ static int64_t turns_of(uint16_t count, uint32_t pole_pairs)
     return fx_signed64((uint64_t)turns_q16 << Q16_TO_Q32_SHIFT);
 }
 
-/*
- * In INIT the tracking loop is set to the angle that it has to follow. So the turns are counted
- * from the sensor's zero, whichever electrical turn the rotor is in.
- */
-void estimate_sense(rotor_t *rotor, const drive_t *drive, uint16_t count)
+/* Whether the angle of this kind of sensor counts from anywhere, so that it has to be aligned. */
+static bool has_free_zero(const drive_t *drive)
 {
-    const angle_t shaft = (angle_t)count * COUNT_TO_ANGLE;
+    const uint32_t kind = drive->cfg->sensor.kind;
 
-    if (drive->state == DRIVE_STATE_INIT) {
+    return (kind == (uint32_t)SENSOR_KIND_ENCODER) || (kind == (uint32_t)SENSOR_KIND_ENCODER_INDEX);
+}
+
+static angle_t measured_angle(const drive_t *drive, uint16_t count)
+{
+    return (angle_t)count * COUNT_TO_ANGLE * drive->cfg->sampling.sensor_pole_pairs;
+}
+
+/*
+ * One tick of the tracking loop. In INIT, and where the angle was not known before, the loop is set
+ * to the angle that it has to follow. So the turns are counted from the sensor's zero, whichever
+ * electrical turn the rotor is in. An encoder that stops while the rotor turns leaves the loop
+ * within milliseconds.
+ */
+static void follow_sensor(rotor_t *rotor, const drive_t *drive, uint16_t count)
+{
+    int32_t error;
+
+    if ((drive->state == DRIVE_STATE_INIT) || !rotor->followed) {
         angle_sensor_start(&rotor->angle_sensor,
                            turns_of(count, drive->cfg->sampling.sensor_pole_pairs));
+        rotor->aligned = !has_free_zero(drive);
     }
-    angle_sensor_step(&rotor->angle_sensor, shaft * drive->cfg->sampling.sensor_pole_pairs,
-                      drive->motor.model.observer.speed_limit);
-    rotor->position = rotor->angle_sensor.position;
+    error = angle_sensor_step(&rotor->angle_sensor, measured_angle(drive, count),
+                              drive->motor.model.observer.speed_limit);
+    rotor->followed = (fx_abs(error) < LEFT_BEHIND) || !has_free_zero(drive);
+}
+
+/*
+ * Chooses the source in RUN. A sensor that fails is not used again in this run: the next start
+ * looks for the rotor anew.
+ */
+static estimate_source_t choose_in_run(rotor_t *rotor, const drive_t *drive)
+{
+    const sensor_cfg_t *const cfg = &drive->cfg->sensor;
+    const step_t speed = fx_abs(rotor->observer.speed);
+    const bool usable = rotor->followed && rotor->aligned && !rotor->failed;
+    estimate_source_t source = (estimate_source_t)rotor->source;
+
+    if ((source == ESTIMATE_SENSOR) && !usable) {
+        rotor->failed = true;
+        source = ESTIMATE_OBSERVER;
+    } else if ((cfg->observer_above != 0) && (speed >= cfg->observer_above)) {
+        source = ESTIMATE_OBSERVER;
+    } else if (usable && ((cfg->observer_above == 0) || (speed <= cfg->sensor_below))) {
+        source = ESTIMATE_SENSOR;
+    } else {
+        /* between both speeds the source stays */
+    }
+    return source;
+}
+
+/* While a vector is imposed, it leads the estimate. */
+static estimate_source_t choose(rotor_t *rotor, const drive_t *drive)
+{
+    estimate_source_t source = ESTIMATE_OBSERVER;
+
+    if (drive->state == DRIVE_STATE_RUN) {
+        source = choose_in_run(rotor, drive);
+    } else if (!drive_is_driving(drive->state)) {
+        source = (rotor->followed && rotor->aligned) ? ESTIMATE_SENSOR : ESTIMATE_OBSERVER;
+    } else {
+        /* a start without the sensor */
+    }
+    return source;
+}
+
+void estimate_sense(rotor_t *rotor, const drive_t *drive, const drive_in_t *in)
+{
+    const uint8_t before = rotor->source;
+
+    if ((in->flags & DRIVE_FLAG_NO_ANGLE) == 0U) {
+        follow_sensor(rotor, drive, in->angle);
+    } else {
+        rotor->followed = false;
+    }
+    rotor->source = (uint8_t)choose(rotor, drive);
+    if (drive_is_sensed(drive)) {
+        if ((before != rotor->source) && (drive->state == DRIVE_STATE_RUN)) {
+            angle_sensor_meet(&rotor->angle_sensor, rotor->position);
+        }
+        rotor->position = angle_sensor_position(&rotor->angle_sensor);
+        nn_observer_follow(&rotor->observer, rotor->angle_sensor.speed);
+    }
+}
+
+void estimate_align_sensor(rotor_t *rotor, const drive_t *drive)
+{
+    if (drive_has_sensor(drive) && rotor->followed && has_free_zero(drive)) {
+        angle_sensor_align(&rotor->angle_sensor, drive->vector.position);
+        rotor->aligned = true;
+    }
+}
+
+bool estimate_may_take_sensor(const drive_t *drive)
+{
+    return drive_has_sensor(drive) && drive->rotor.followed && drive->rotor.aligned &&
+           !drive->rotor.failed;
+}
+
+void estimate_take_sensor(rotor_t *rotor)
+{
+    rotor->source = (uint8_t)ESTIMATE_SENSOR;
+    rotor->position = angle_sensor_position(&rotor->angle_sensor);
     nn_observer_follow(&rotor->observer, rotor->angle_sensor.speed);
 }
 
@@ -82,7 +179,7 @@ void estimate_change(rotor_t *rotor, const nn_observer_cfg_t *cfg, int32_t flux_
 
 void estimate_accelerate(rotor_t *rotor, const drive_t *drive, step_t change)
 {
-    const int32_t share_q14 = drive->cfg->run.acceleration_q14;
+    const int32_t share_q14 = drive_is_sensed(drive) ? 0 : drive->cfg->run.acceleration_q14;
 
     nn_observer_accelerate(&rotor->observer, &drive->motor.model.observer,
                            fx_mul_32x16(change, share_q14) * Q14_TO_Q16);
@@ -90,8 +187,8 @@ void estimate_accelerate(rotor_t *rotor, const drive_t *drive, step_t change)
 
 bool estimate_is_trained(const drive_t *drive)
 {
-    return (drive->state == DRIVE_STATE_RUN) ||
-           ((drive->state != DRIVE_STATE_ALIGN) &&
+    return ((drive->state == DRIVE_STATE_RUN) && !drive_is_sensed(drive)) ||
+           ((drive->state != DRIVE_STATE_RUN) && (drive->state != DRIVE_STATE_ALIGN) &&
             (fx_abs(drive->vector.step) >= drive->cfg->startup.track_speed));
 }
 
@@ -120,8 +217,10 @@ dq_t estimate_step(rotor_t *rotor, const drive_t *drive, sample_t sample, bool t
     nn_observer_predict(observer, cfg, current, voltage, angle);
     if (trained) {
         nn_observer_train(observer, cfg);
-    } else {
+    } else if (!drive_is_sensed(drive)) {
         nn_observer_follow(observer, drive->vector.step);
+    } else {
+        /* it has the speed of the sensor */
     }
     return current;
 }
@@ -138,7 +237,7 @@ void estimate_advance(rotor_t *rotor, const drive_t *drive, bool trained)
 {
     step_t step = rotor->observer.speed_out;
 
-    if (!trained) {
+    if (!trained && !drive_is_sensed(drive)) {
         step += closing_step(drive);
     }
     rotor_position_step(&rotor->position, step);

@@ -5,10 +5,9 @@
  * The network of the observer runs in every tick that controls a current. Its weight W2 is the
  * speed, and there are three sources for it:
  *     observer   in RUN, and above track_speed: the network is trained (22)
- *     sensor     when the board has one: the network is given the speed of the sensor. config_check
- *                asks for rates of 0 then, so that the training leaves that speed as it is. A
- *                current error that the network cannot explain means that the sensor is wrong
- *                (OBSERVER_LOST)
+ *     sensor     when the board has one: the network is given the speed of the sensor and is not
+ *                trained. A current error that the network cannot explain means that the sensor is
+ *                wrong (OBSERVER_LOST)
  *     vector     at low speed: the network is given the speed of the imposed vector, and θ̂
  *                approaches its angle
  *
@@ -35,10 +34,24 @@ void estimate_start(rotor_t *rotor, const nn_observer_cfg_t *cfg, step_t speed, 
 void estimate_place(rotor_t *rotor, rotor_position_t position);
 
 /*
- * Sets θ̂ and ω̂ to the angle and the speed of the sensor. Call it first in each tick of a drive with
- * a sensor, in every state. count: 2^16 = one turn of the shaft.
+ * Follows the sensor and chooses the source. While the source is the sensor, θ̂ and ω̂ are set to
+ * its angle and its speed. In RUN the observer takes over above sensor.observer_above, the sensor
+ * below sensor.sensor_below; θ̂ does not jump at either. A sensor that fails leaves RUN to the
+ * observer. Call it first in each tick of a drive with a sensor, in every state.
  */
-void estimate_sense(rotor_t *rotor, const drive_t *drive, uint16_t count);
+void estimate_sense(rotor_t *rotor, const drive_t *drive, const drive_in_t *in);
+
+/*
+ * An alignment has ended, and the rotor lies along the vector: the zero of an encoder is known from
+ * now on. It is kept until the drive is set up anew or the encoder fails.
+ */
+void estimate_align_sensor(rotor_t *rotor, const drive_t *drive);
+
+/* Whether RUN may begin with the sensor where a vector is imposed now. */
+bool estimate_may_take_sensor(const drive_t *drive);
+
+/* The source is the sensor from now on. */
+void estimate_take_sensor(rotor_t *rotor);
 
 /*
  * From READY with a sensor: start with the angle and the speed of the rotor, and without current.

@@ -40,6 +40,11 @@ typedef enum {
 /* The last tick ended too late: zero voltage acts in place of its demand. */
 #define DRIVE_FLAG_LATE (0x0002U)
 
+/* The sensor tells no angle in this tick. Bits 8 to 11 say why: a shaft_trouble_t. */
+#define DRIVE_FLAG_NO_ANGLE (0x0004U)
+#define DRIVE_TROUBLE_SHIFT (8U)
+#define DRIVE_TROUBLE_MASK (0xFU)
+
 /* The user's command. */
 typedef struct {
     int32_t target; /* a value of the kind that `mode` names */
@@ -56,7 +61,8 @@ typedef struct {
  * One input frame: raw ADC counts (straight binary, currents with zero at mid-scale) and command.
  * The temperature is measured at the power stage and may be some ticks old. The angle comes from a
  * sensor on the shaft: 2^16 = one turn, 0 where the magnet flux is along phase a, positive from a
- * towards b. Without a sensor it is 0.
+ * towards b. An encoder's is 0 at any angle, and that of Hall sensors is electrical: 2^16 = one
+ * electrical turn. Without a sensor it is 0.
  */
 typedef struct {
     uint16_t adc_ia;

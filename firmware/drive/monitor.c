@@ -149,6 +149,21 @@ static fault_id_t check_flux(watch_t *watch, const drive_t *drive, fault_t *faul
     return id;
 }
 
+/*
+ * Whether the residual shows a wrong angle. Hall sensors are half a sector off until two edges have
+ * told the speed, so at low speed nothing follows from it.
+ */
+static bool shows_angle(const drive_t *drive)
+{
+    const drive_cfg_t *const cfg = drive->cfg;
+    const step_t low = fx_max(2 * cfg->observer.rho_speed_min, cfg->startup.handover_speed);
+    const bool coarse = drive_is_sensed(drive) &&
+                        (cfg->sensor.kind == (uint32_t)SENSOR_KIND_HALL) &&
+                        (fx_abs(drive->rotor.observer.speed) < low);
+
+    return (drive->state == DRIVE_STATE_RUN) && !coarse;
+}
+
 static fault_id_t check_current(watch_t *watch, const drive_t *drive, const instant_t *now,
                                 fault_t *fault)
 {
@@ -163,7 +178,7 @@ static fault_id_t check_current(watch_t *watch, const drive_t *drive, const inst
      * The error along d is mostly an error of the flux, which the model corrects. Below RUN the
      * start-up checks the observer.
      */
-    const dq_t residual = {.d = 0, .q = running ? drive->rotor.observer.error.q : 0};
+    const dq_t residual = {.d = 0, .q = shows_angle(drive) ? drive->rotor.observer.error.q : 0};
     fault_id_t id = supervision_check_current(&watch->supervision, cfg, &measured, fault);
 
     if (id == FAULT_NONE) {

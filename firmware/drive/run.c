@@ -27,7 +27,7 @@ static bool is_other_filter(const torque_filter_cfg_t *one, const torque_filter_
 static uint8_t first_mode(const drive_t *drive)
 {
     const bool goes_on =
-        drive_has_sensor(drive) && (drive->motion.mode == (uint8_t)DRIVE_MODE_POSITION);
+        drive_is_sensed(drive) && (drive->motion.mode == (uint8_t)DRIVE_MODE_POSITION);
 
     return (uint8_t)(goes_on ? DRIVE_MODE_POSITION : DRIVE_MODE_SPEED);
 }
@@ -44,7 +44,7 @@ void run_reset(motion_t *motion, const drive_t *drive)
         .torque_range = {-motoring, motoring},
     };
     position_loop_reset(&motion->position_loop, 0, 0);
-    if (!drive_has_sensor(drive)) {
+    if (!drive_is_sensed(drive)) {
         /* the turns are counted anew */
         position_loop_set_zero(&motion->position_loop, 0);
     }
@@ -187,7 +187,7 @@ static step_t gentle(const drive_t *drive, step_t wanted)
     const step_t present = drive->motion.speed_loop.reference;
     step_t next = wanted;
 
-    if ((cfg->current_hold != 0) && (fx_abs(present) < lowest_speed(drive))) {
+    if (drive_may_impose(drive) && (fx_abs(present) < lowest_speed(drive))) {
         next = fx_towards(present, wanted, cfg->ramp);
     }
     return next;
@@ -199,7 +199,7 @@ static step_t gentle(const drive_t *drive, step_t wanted)
  */
 static step_t lowest_torque_speed(const drive_t *drive)
 {
-    return (drive->cfg->startup.current_hold != 0) ? lowest_speed(drive) : 0;
+    return drive_may_impose(drive) ? lowest_speed(drive) : 0;
 }
 
 /*
@@ -296,7 +296,7 @@ static current_reference_in_t operating_point(const drive_t *drive)
         .present = drive->control.current_ref,
         .speed = drive->motion.speed_reference,
         .floor_speed = cfg->hold_speed,
-        .imposed = is_slow(drive) ? cfg->current_hold : 0,
+        .imposed = (drive_may_impose(drive) && is_slow(drive)) ? cfg->current_hold : 0,
         .ticks = (int32_t)drive->cfg->slow_ticks,
     };
 }
@@ -409,7 +409,7 @@ bool run_is_to_be_held(const drive_t *drive)
     const step_t settled_speed = gentle_ramp ? (half + (half / 2)) : half;
     const bool settled = fx_abs(drive->motion.speed_reference) <= settled_speed;
 
-    return (cfg->current_hold != 0) && (drive->control.current_ref.d >= cfg->current_hold) &&
+    return drive_may_impose(drive) && (drive->control.current_ref.d >= cfg->current_hold) &&
            is_slow(drive) && settled;
 }
 

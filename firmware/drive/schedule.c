@@ -86,7 +86,11 @@ static drive_event_t move_vector(drive_t *drive, fault_t *fault)
 {
     drive_event_t event = DRIVE_EVENT_FAULT;
 
-    if (state_guard_check_vector(drive, fault) == FAULT_NONE) {
+    if (state_guard_check_vector(drive, fault) != FAULT_NONE) {
+        /* a fault */
+    } else if (drive_is_held(drive) && estimate_may_take_sensor(drive)) {
+        event = DRIVE_EVENT_TRACKED;
+    } else {
         frame_ask_q(&drive->control, run_accelerate(&drive->motion, drive));
         vector_move(&drive->vector, drive->motion.speed_loop.reference);
         event = open_loop_judge(&drive->start, drive, fault);

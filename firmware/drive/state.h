@@ -147,6 +147,12 @@ typedef struct {
     bool identified; /* R and L of the model were measured */
 } motor_t;
 
+/* Where θ̂ and ω̂ come from. */
+typedef enum {
+    ESTIMATE_OBSERVER = 0, /* the network, or below it the imposed vector */
+    ESTIMATE_SENSOR
+} estimate_source_t;
+
 /* estimate.c: what is known of the rotor. A start begins it anew, all but the sensor. */
 typedef struct {
     rotor_position_t position; /* θ̂ and whole turns, (23) */
@@ -157,6 +163,10 @@ typedef struct {
      */
     int32_t residual;
     angle_sensor_t angle_sensor;
+    uint8_t source; /* estimate_source_t */
+    bool followed;  /* the sensor tells an angle, and angle_sensor follows it */
+    bool aligned;   /* the electrical angle of the sensor's zero is known */
+    bool failed;    /* the sensor has failed in this run, so it is not used any more */
 } rotor_t;
 
 /* vector.c: the current vector that is imposed below RUN. A start begins it anew. */
@@ -274,6 +284,18 @@ static inline bool drive_has_sensor(const drive_t *drive)
     return drive->cfg->sampling.sensor_pole_pairs != 0U;
 }
 
+/* Whether θ̂ and ω̂ are those of the sensor. A bit that flips makes no sensor. */
+static inline bool drive_is_sensed(const drive_t *drive)
+{
+    return (drive->rotor.source != (uint8_t)ESTIMATE_OBSERVER) && drive_has_sensor(drive);
+}
+
+/* Whether a start imposes a current, and RUN hands back to it at low speed without a sensor. */
+static inline bool drive_may_impose(const drive_t *drive)
+{
+    return (drive->cfg->startup.current_hold != 0) && !drive_is_sensed(drive);
+}
+
 /*
  * Whether θ̂ and ω̂ are values of this tick. With open gates only a sensor knows the rotor; without
  * one the fields keep the values that they had when driving ended. The voltage is a value of this
@@ -281,7 +303,7 @@ static inline bool drive_has_sensor(const drive_t *drive)
  */
 static inline bool drive_knows_rotor(const drive_t *drive)
 {
-    return drive_has_sensor(drive) || drive_is_controlled(drive->state);
+    return drive_is_sensed(drive) || drive_is_controlled(drive->state);
 }
 
 /*
@@ -291,7 +313,7 @@ static inline bool drive_knows_rotor(const drive_t *drive)
  */
 static inline step_t drive_speed(const drive_t *drive)
 {
-    const bool known = (drive->state == DRIVE_STATE_RUN) || drive_has_sensor(drive);
+    const bool known = (drive->state == DRIVE_STATE_RUN) || drive_is_sensed(drive);
 
     return known ? drive->rotor.observer.speed : drive->vector.step;
 }

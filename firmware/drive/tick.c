@@ -185,15 +185,16 @@ NEVER_INLINED static void finish_left_run(drive_t *drive, instant_t now, drive_o
 INLINES_ALL static void run_tick(drive_t *drive, const drive_in_t *in, sample_t sample,
                                  uint32_t left, drive_out_t *out)
 {
+    const bool trained = !drive_is_sensed(drive);
     const instant_t now = {.sample = sample,
-                           .along_rotor = estimate_step(&drive->rotor, drive, sample, true),
+                           .along_rotor = estimate_step(&drive->rotor, drive, sample, trained),
                            .along_vector = {0, 0}};
 
     take_slot(drive, in, &now, left, true);
     if (drive->state == DRIVE_STATE_RUN) {
         const frame_t frame = frame_of_rotor(drive, now.along_rotor);
 
-        actuate(drive, &frame, sample.bus, true, out);
+        actuate(drive, &frame, sample.bus, trained, out);
     } else {
         finish_left_run(drive, now, out);
     }

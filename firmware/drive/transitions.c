@@ -57,9 +57,9 @@ drive_state_t transitions_next(drive_state_t state, drive_event_t event)
         [DRIVE_EVENT_DRAGGED] = {DRIVE_STATE_IF_RAMP,
                                  IN(DRIVE_STATE_FLYING_START) | FROM_HOLD_TO_HANDOVER},
         [DRIVE_EVENT_FAST] = {DRIVE_STATE_HANDOVER, FROM_HOLD_TO_HANDOVER},
-        [DRIVE_EVENT_TRACKED] = {DRIVE_STATE_RUN, IN(DRIVE_STATE_READY) |
-                                                      IN(DRIVE_STATE_FLYING_START) |
-                                                      IN(DRIVE_STATE_HANDOVER)},
+        [DRIVE_EVENT_TRACKED] = {DRIVE_STATE_RUN,
+                                 IN(DRIVE_STATE_READY) | IN(DRIVE_STATE_FLYING_START) |
+                                     IN(DRIVE_STATE_HOLD) | IN(DRIVE_STATE_HANDOVER)},
         [DRIVE_EVENT_FAULT] = {DRIVE_STATE_FAULT, ANY_BUT_FAULT},
     };
     const uint32_t number = transitions_number(state);

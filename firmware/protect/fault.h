@@ -55,7 +55,8 @@ typedef enum {
      * state_guard.h, or an index, config_guard.h
      */
     FAULT_MEMORY,
-    FAULT_COUNT /* number of entries, not a fault */
+    FAULT_ANGLE_SENSOR, /* the sensor of the shaft tells no angle; value: why, shaft_trouble.h */
+    FAULT_COUNT         /* number of entries, not a fault */
 } fault_id_t;
 
 /* Fault, measured value, limit, and tick. Currents Q15 of I_b, bus Q15 of U_b. */

@@ -124,6 +124,8 @@ static const struct {
      "configuration changed in memory: write the image again; if it returns replace the board"},
     {OF(FAULT_MEMORY), FAULT_SIGN_NONE,
      "a bit of the memory has changed by itself: clear the fault; if it returns look for noise, replace the board"},
+    {OF(FAULT_ANGLE_SENSOR), FAULT_SIGN_NONE,
+     "sensor of the shaft tells no angle: check its wires and supply; then sensor.kind and its settings"},
     {OF(FAULT_STARTUP), FAULT_SIGN_NOT_FOLLOWED,
      "rotor does not follow: free the shaft or lessen the load; then more startup.current_pct, slower ramp, L, wires"},
     {OF(FAULT_STARTUP), FAULT_SIGN_NONE,
@@ -167,6 +169,7 @@ const fault_text_t *fault_text(fault_id_t id)
         [FAULT_CURRENT_SUM] = {"CURRENT_SUM", FAULT_UNIT_CURRENT},
         [FAULT_FLUX_IMPLAUSIBLE] = {"FLUX_IMPLAUSIBLE", FAULT_UNIT_VOLTAGE},
         [FAULT_MEMORY] = {"MEMORY", FAULT_UNIT_WORD},
+        [FAULT_ANGLE_SENSOR] = {"ANGLE_SENSOR", FAULT_UNIT_NONE},
     };
     const unsigned int index = (unsigned int)id;
 

@@ -72,13 +72,34 @@ void hal_sample(hal_t *hal, drive_in_t *in)
     hal->seen_ib = in->adc_ib;
 }
 
+/* Reads the sensor of the plant, as its wires leave it. */
+static hal_shaft_t read_plant(hal_t *hal)
+{
+    const hal_host_faults_t *const faults = &hal->faults;
+    const plant_shaft_reading_t read = plant_read_shaft(hal->plant);
+    const uint32_t slipped = (uint32_t)read.reading + faults->shaft_slip;
+    const uint32_t high = slipped | faults->shaft_high;
+    const uint32_t low = high & ~(uint32_t)faults->shaft_low;
+
+    return (hal_shaft_t){
+        .reading = read_channel(&faults->shaft, (uint16_t)(low ^ faults->shaft_flip)),
+        .index = (uint16_t)(read.index + faults->shaft_slip),
+        .indexed = read.indexed && !faults->shaft.forced,
+    };
+}
+
 hal_shaft_t hal_shaft(hal_t *hal)
 {
     hal_shaft_t shaft = {0};
 
-    if (hal->inputs != NULL) {
+    if ((hal->plant != NULL) && (hal->plant->shaft.cfg.kind != PLANT_SHAFT_NONE)) {
+        shaft = read_plant(hal);
+        hal->seen_shaft = shaft.reading;
+    } else if (hal->inputs != NULL) {
         shaft = hal->inputs->shaft;
         hal->inputs->shaft.indexed = false;
+    } else {
+        /* no sensor */
     }
     return shaft;
 }

@@ -38,9 +38,14 @@ typedef struct {
     hal_host_channel_t temperature;
     hal_host_channel_t angle;
     hal_host_channel_t
-        duty[PLANT_LEGS];  /* compare values of the legs in place of the demanded ones */
-    uint16_t angle_offset; /* added to the sensor's angle, 2^16 to a turn of the shaft */
-    bool broken;           /* the power stage opens the gates by itself and reports a break */
+        duty[PLANT_LEGS];     /* compare values of the legs in place of the demanded ones */
+    uint16_t angle_offset;    /* added to the sensor's angle, 2^16 to a turn of the shaft */
+    hal_host_channel_t shaft; /* reading of the sensor of the shaft */
+    uint16_t shaft_high;      /* wires of it that are high, as bits of the reading */
+    uint16_t shaft_low;       /* likewise low */
+    uint16_t shaft_flip;      /* bits that are flipped */
+    uint16_t shaft_slip;      /* counts that an encoder has gained */
+    bool broken;              /* the power stage opens the gates by itself and reports a break */
     /*
      * ticks end too late: equal duties of 1/2 (no voltage) act in place of the demand, and the next
      * frame has DRIVE_FLAG_LATE
@@ -57,6 +62,7 @@ struct hal {
     uint16_t seen_ia; /* counts that the last hal_sample() gave */
     uint16_t seen_ib;
     uint16_t seen_ic;
+    uint16_t seen_shaft;       /* reading that the last hal_shaft() gave */
     hal_host_line_t *line;     /* NULL: none */
     hal_host_flash_t *flash;   /* NULL: no store */
     hal_host_inputs_t *inputs; /* NULL: no inputs, and no sensor that hal_shaft() reads */

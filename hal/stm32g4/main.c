@@ -34,6 +34,7 @@ static hal_t hardware;
 static link_t serial;
 static box_t box;
 RAM_KEPT static recorder_t recorder;
+static shaft_decoder_t shaft;
 RAM_KEPT static recorder_entry_t ring[RECORDER_SEGMENTS * DRIVE_RECORDER_ENTRIES];
 RAM_KEPT static live_config_t live;
 RAM_KEPT static fault_log_t faults;
@@ -115,6 +116,7 @@ static const char *bring_up(void)
         kept_heat_restore(&app);
         why = recorder_init(&recorder, ring, DRIVE_RECORDER_ENTRIES, BOARD_RECORDER_POST_TICKS);
         app_record(&app, &recorder);
+        app_sense(&app, &shaft);
         ram_keep();
     }
     if (why == NULL) {

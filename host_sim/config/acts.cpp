@@ -12,7 +12,7 @@ namespace nf
 
 bool has_observer(const Config &config)
 {
-    return config.tuning.angle_source == AngleSource::observer;
+    return config.tuning.angle_source != AngleSource::sensor;
 }
 
 bool has_startup(const Config &config)
@@ -82,7 +82,39 @@ bool has_oscillation(const Config &config)
 
 bool has_angle_sensor(const Config &config)
 {
-    return !has_observer(config);
+    return config.tuning.angle_source != AngleSource::observer;
+}
+
+bool has_both(const Config &config)
+{
+    return config.tuning.angle_source == AngleSource::both;
+}
+
+bool has_ideal_sensor(const Config &config)
+{
+    return has_angle_sensor(config) && config.motor.sensor.kind == SensorKind::none;
+}
+
+bool has_hall(const Config &config)
+{
+    return has_angle_sensor(config) && config.motor.sensor.kind == SensorKind::hall;
+}
+
+bool has_absolute(const Config &config)
+{
+    return has_angle_sensor(config) && config.motor.sensor.kind == SensorKind::absolute;
+}
+
+bool has_encoder(const Config &config)
+{
+    const SensorKind kind = config.motor.sensor.kind;
+    return has_angle_sensor(config) &&
+           (kind == SensorKind::encoder || kind == SensorKind::encoder_index);
+}
+
+bool has_counting_sensor(const Config &config)
+{
+    return has_encoder(config) || has_absolute(config);
 }
 
 bool has_noise(const Config &config)

@@ -33,6 +33,12 @@ bool has_input(const Config &config);
 bool has_voltage_input(const Config &config);
 bool has_pulse_input(const Config &config);
 bool has_angle_sensor(const Config &config);
+bool has_both(const Config &config);
+bool has_ideal_sensor(const Config &config);
+bool has_hall(const Config &config);
+bool has_absolute(const Config &config);
+bool has_encoder(const Config &config);
+bool has_counting_sensor(const Config &config);
 bool has_noise(const Config &config);
 bool has_ripple(const Config &config);
 bool has_two_saturations(const Config &config);
@@ -46,9 +52,11 @@ bool has_no_model_dead_time(const Config &config);
 bool has_measured_dead_time(const Config &config);
 bool has_no_measured_knee(const Config &config);
 
-constexpr Acting WITH_OBSERVER = {"only with drive.angle_source = \"observer\"", has_observer};
+constexpr Acting WITH_OBSERVER = {"only with drive.angle_source other than \"sensor\"",
+                                  has_observer};
 constexpr Acting WITH_STARTUP = {
-    "only with drive.angle_source = \"observer\" and startup.current_pct above 0", has_startup};
+    "only with drive.angle_source other than \"sensor\" and startup.current_pct above 0",
+    has_startup};
 constexpr Acting WITH_HANDOVER = {
     "only with a start-up, observer.rho_max above 0 or a voltage drive that it keeps from starting",
     has_handover};
@@ -72,8 +80,19 @@ constexpr Acting WITH_OSCILLATION = {"only with supervision.oscillation other th
 constexpr Acting WITH_INPUT = {"only with input.kind other than \"none\"", has_input};
 constexpr Acting WITH_VOLTAGE_INPUT = {"only with input.kind = \"voltage\"", has_voltage_input};
 constexpr Acting WITH_PULSE_INPUT = {"only with input.kind = \"rc_pulse\"", has_pulse_input};
-constexpr Acting WITH_ANGLE_SENSOR = {"only with drive.angle_source = \"sensor\"",
+constexpr Acting WITH_ANGLE_SENSOR = {"only with drive.angle_source other than \"observer\"",
                                       has_angle_sensor};
+constexpr Acting WITH_BOTH = {"only with drive.angle_source = \"both\"", has_both};
+constexpr Acting WITH_IDEAL_SENSOR = {
+    "only with drive.angle_source other than \"observer\" and sensor.kind = \"none\"",
+    has_ideal_sensor};
+constexpr Acting WITH_HALL = {"only with a sensor of sensor.kind = \"hall\" that is used",
+                              has_hall};
+constexpr Acting WITH_ABSOLUTE = {"only with a sensor of sensor.kind = \"absolute\" that is used",
+                                  has_absolute};
+constexpr Acting WITH_ENCODER = {"only with an encoder in sensor.kind that is used", has_encoder};
+constexpr Acting WITH_COUNTING_SENSOR = {
+    "only with an encoder or an absolute sensor in sensor.kind that is used", has_counting_sensor};
 constexpr Acting WITH_NOISE = {"only with plant.adc_noise_lsb above 0", has_noise};
 constexpr Acting WITH_RIPPLE = {"only with plant.bus_ripple_pct above 0", has_ripple};
 constexpr Acting WITH_TWO_SATURATIONS = {

@@ -23,7 +23,7 @@ std::vector<CfgRow> written_rows()
     {"cfg." #path, \
      #path, \
      offsetof(drive_cfg_t, path), \
-     std::is_unsigned_v<decltype(drive_cfg_t{}.path)>, \
+     std::is_unsigned_v<std::remove_reference_t<decltype(drive_cfg_t{}.path)>>, \
      when, \
      Quantity::quantity, \
      meaning, \

@@ -11,6 +11,7 @@
 #include "refusal.h"
 #include "sampling_units.h"
 #include "scenario_file.h"
+#include "sensor_units.h"
 #include "setting_error.h"
 #include "startup_units.h"
 
@@ -160,14 +161,55 @@ bool each_below(const std::vector<double> &values)
     return std::adjacent_find(values.begin(), values.end(), std::less_equal<>()) == values.end();
 }
 
+[[noreturn]] void refuse_list(const Config &config, const char *key,
+                              const std::vector<double> &values, const char *problem,
+                              const std::string &allowed)
+{
+    const auto written = config.origins.find(key);
+    fail(written == config.origins.end() ? config.origins.at("board.name") : written->second, key,
+         fmt::format("[{}]", fmt::join(values, ", ")), problem, allowed);
+}
+
+// As many as there are sectors.
+void check_six(const Config &config, const char *key, const std::vector<double> &values)
+{
+    if (values.size() != HALL_SECTORS) {
+        refuse_list(config, key, values, "has not one value for each pattern", "six values");
+    }
+}
+
+// The sectors that six patterns of Hall signals begin, in the order of the rotor's turn.
+void check_hall(const Config &config)
+{
+    const SensorSettings &sensor = config.motor.sensor;
+    check_six(config, "sensor.hall_patterns", sensor.hall_patterns);
+    check_six(config, "sensor.hall_edges_deg", sensor.hall_edges_deg);
+    check_six(config, "plant.hall_error_deg", config.plant.hall_error_deg);
+    if (!hall_order_holds(hall_patterns(sensor))) {
+        refuse_list(config, "sensor.hall_patterns", sensor.hall_patterns, "is no order of a turn",
+                    "1 to 6 once each, two neighbours different in one signal");
+    }
+    std::vector<double> real;
+    for (std::size_t k = 0; k < HALL_SECTORS; k++) {
+        real.push_back(sensor.hall_edges_deg[k] + config.plant.hall_error_deg[k]);
+    }
+    const std::vector<double> *const both[] = {&sensor.hall_edges_deg, &real};
+    const char *const keys[] = {"sensor.hall_edges_deg", "plant.hall_error_deg"};
+    for (std::size_t k = 0; k < 2; k++) {
+        if (!each_above(*both[k]) || both[k]->back() - both[k]->front() >= 360) {
+            refuse_list(config, keys[k],
+                        k == 0 ? sensor.hall_edges_deg : config.plant.hall_error_deg,
+                        "makes sectors that overlap", "edges that rise within one turn");
+        }
+    }
+}
+
 // A line that can be read both ways.
 void check_temperature_points(const Config &config)
 {
     const auto refuse = [&](const char *key, const std::vector<double> &values, const char *problem,
                             const std::string &allowed) {
-        const auto written = config.origins.find(key);
-        fail(written == config.origins.end() ? config.origins.at("board.name") : written->second,
-             key, fmt::format("[{}]", fmt::join(values, ", ")), problem, allowed);
+        refuse_list(config, key, values, problem, allowed);
     };
     const std::vector<double> &points = config.board.temperature_points_c;
     const std::vector<double> &pct = config.board.temperature_points_pct;
@@ -364,6 +406,7 @@ Config assemble(const Sources &sources)
         check_prelude(config);
     }
     check_orders(config);
+    check_hall(config);
     check_temperature(config);
     pass_on_dead_time(config);
     if (!sources.is_plate_enough) {

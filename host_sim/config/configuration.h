@@ -57,6 +57,10 @@ enum class FaultKind {
     clock,        // of chip and timer, of what it should be
     angle_stuck,  // the sensor, at what it read last
     angle_offset, // the sensor has turned on the shaft
+    sensor_high,  // wires of the sensor of the shaft, as bits of its reading
+    sensor_low,
+    sensor_flipped,
+    encoder_slip, // counts that an encoder gains
     overcurrent,  // as if it flowed into phase a and back out of b
     phase_a_open, // the wire to the motor
     phase_b_open,

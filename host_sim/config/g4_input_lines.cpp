@@ -3,6 +3,7 @@
 
 #include "g4_family.h"
 #include "g4_text.h"
+#include "refusal.h"
 
 #include <vector>
 
@@ -107,8 +108,39 @@ std::string pulse_lines(const G4Board &board)
 
 // ---- sensor of the shaft ----
 
-std::string sensor_of(const HalSettings &hal)
+// A sensor that the drive uses has to have pins.
+void need_pins(const Config &config, const char *kind, const char *key, std::size_t least)
 {
+    const HalSettings &hal = config.hal;
+    const std::string name = key;
+    const std::size_t pins = name == "hal.hall_pins"      ? hal.hall_pins.size()
+                             : name == "hal.encoder_pins" ? hal.encoder_pins.size()
+                                                          : hal.spi_encoder_pins.size();
+    if (pins < least) {
+        fail(config.origins.at("sensor.kind"), "sensor.kind", fmt::format("\"{}\"", kind),
+             "has no pins on this board", fmt::format("a board with {} pins in {}", least, key));
+    }
+}
+
+// Where one connector is for several sensors, it is the one that the drive uses.
+std::string sensor_of(const Config &config)
+{
+    const HalSettings &hal = config.hal;
+    const bool used = config.tuning.angle_source != AngleSource::observer;
+    const SensorKind kind = used ? config.motor.sensor.kind : SensorKind::none;
+    if (kind == SensorKind::hall) {
+        need_pins(config, "hall", "hal.hall_pins", 3);
+        return "BOARD_SHAFT_HALL";
+    }
+    if (kind == SensorKind::encoder || kind == SensorKind::encoder_index) {
+        const bool index = kind == SensorKind::encoder_index;
+        need_pins(config, index ? "encoder_index" : "encoder", "hal.encoder_pins", index ? 3 : 2);
+        return "BOARD_SHAFT_ENCODER";
+    }
+    if (kind == SensorKind::absolute) {
+        need_pins(config, "absolute", "hal.spi_encoder_pins", 4);
+        return "BOARD_SHAFT_ABSOLUTE";
+    }
     return !hal.spi_encoder_pins.empty() ? "BOARD_SHAFT_ABSOLUTE"
            : !hal.hall_pins.empty()      ? "BOARD_SHAFT_HALL"
            : !hal.encoder_pins.empty()   ? "BOARD_SHAFT_ENCODER"
@@ -132,11 +164,12 @@ void add_encoder_rows(std::vector<std::string> &rows, const G4Board &board)
     add("TIM_CR1", "TIM_CR1_CEN");
 }
 
-std::string shaft_lines(const HalSettings &hal, const G4Board &board)
+std::string shaft_lines(const Config &config, const G4Board &board)
 {
+    const HalSettings &hal = config.hal;
     const int index = board.index_channel;
     std::vector<std::string> rows;
-    std::string text = g4_line("SHAFT", sensor_of(hal), "the sensor of the shaft");
+    std::string text = g4_line("SHAFT", sensor_of(config), "the sensor of the shaft");
     for (std::size_t sensor = 0; sensor < 3; sensor++) {
         text += pin_lines(fmt::format("HALL_{}", sensor + 1),
                           hal.hall_pins.empty() ? "" : hal.hall_pins[sensor], "hal.hall_pins");
@@ -169,7 +202,7 @@ std::string shaft_lines(const HalSettings &hal, const G4Board &board)
 std::string g4_input_lines(const Config &config, const G4Board &board)
 {
     return throttle_lines(board) + button_lines(config.hal) + pulse_lines(board) +
-           shaft_lines(config.hal, board);
+           shaft_lines(config, board);
 }
 
 G4InputClocks g4_input_clocks(const G4Board &board)

@@ -39,9 +39,11 @@ constexpr std::uint32_t make_schema_hash()
 {
     std::uint32_t hash = mix(FNV_BASIS, sizeof(drive_cfg_t));
 #define CFG(path, when, lo, hi, quantity, meaning) \
-    hash = mix(mix(mix(mix(hash, #path), offsetof(drive_cfg_t, path)), \
-                   std::size_t{std::is_unsigned_v<decltype(drive_cfg_t{}.path)>}), \
-               #quantity);
+    hash = \
+        mix(mix(mix(mix(hash, #path), offsetof(drive_cfg_t, path)), \
+                std::size_t{ \
+                    std::is_unsigned_v<std::remove_reference_t<decltype(drive_cfg_t{}.path)>>}), \
+            #quantity);
 #define CFG_STARTUP CFG
 #define CFG_BOTH(path, when, lo, lo_startup, hi, quantity, meaning) \
     CFG(path, when, lo, hi, quantity, meaning)

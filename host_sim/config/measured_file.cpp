@@ -99,6 +99,19 @@ public:
         written_.measured = measured;
     }
 
+    // What is on the shaft; "" where all is at its default.
+    std::string sensor()
+    {
+        std::string lines;
+        for (const Field &field : schema()) {
+            const std::string text = field.value_text(written_);
+            if (std::string(field.section) == "sensor" && text != field.value_text(default_)) {
+                lines += fmt::format("{} = {}\n", field.key, text);
+            }
+        }
+        return lines.empty() ? lines : "[sensor]\n" + lines;
+    }
+
     // "" where all is at its default.
     std::string section(const std::string &name)
     {
@@ -146,7 +159,9 @@ std::string measured_motor_file(const MotorSettings &motor, const MeasuredSettin
 {
     MotorFile file(motor, measured);
     const std::string found = file.section("measured");
-    return comment(head) + file.section("motor") + (found.empty() ? "" : '\n' + found);
+    const std::string sensor = file.sensor();
+    return comment(head) + file.section("motor") + (sensor.empty() ? "" : '\n' + sensor) +
+           (found.empty() ? "" : '\n' + found);
 }
 
 } // namespace nf

@@ -18,6 +18,7 @@
 #include "run_units.h"
 #include "safe_state_units.h"
 #include "sampling_units.h"
+#include "sensor_units.h"
 #include "setting_error.h"
 #include "startup_units.h"
 #include "supervision_units.h"
@@ -70,6 +71,7 @@ drive_cfg_t convert(const MotorSettings &motor, const BoardSettings &board,
     c.link = make_link(tuning, b);
     c.console = make_console(tuning, b);
     c.input = make_input(tuning.input, b);
+    c.sensor = make_sensor(motor, tuning, b);
     c.speed_shift = static_cast<uint32_t>(b.speed_shift);
     c.slow_ticks = static_cast<uint32_t>(tuning.slow_ticks);
     c.crc = config_guard_crc(&c);

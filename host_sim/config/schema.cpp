@@ -27,6 +27,11 @@ template <auto Part, auto Member> Target at(Config &config)
 }
 
 template <auto Member> constexpr auto motor = at<&Config::motor, Member>;
+template <auto Member> Target in_sensor(Config &config)
+{
+    return &(config.motor.sensor.*Member);
+}
+template <auto Member> constexpr auto sensor = in_sensor<Member>;
 template <auto Member> constexpr auto measured = at<&Config::measured, Member>;
 template <auto Member> constexpr auto board = at<&Config::board, Member>;
 template <auto Member> constexpr auto hal = at<&Config::hal, Member>;
@@ -42,6 +47,7 @@ template <auto Member> constexpr auto plant = at<&Config::plant, Member>;
 template <auto Member> constexpr auto scenario = at<&Config::scenario, Member>;
 
 using M = MotorSettings;
+using N = SensorSettings;
 using E = MeasuredSettings;
 using B = BoardSettings;
 using H = HalSettings;
@@ -77,6 +83,13 @@ const std::vector<Field> FIELDS = {
     {"motor", "demagnetising_current_a", "A", 0, 5000, OPTIONAL, motor<&M::demagnetising_current_a>, "largest phase current that does not demagnetise the magnets; 0: not stated", RECORD},
     {"motor", "inertia_kg_m2", "kg·m²", 1e-7, 100, NEEDED, motor<&M::inertia_kg_m2>, "moment of inertia with the load"},
     {"motor", "viscous_friction_nm_s", "N·m·s", 0, 100, NEEDED, motor<&M::viscous_friction_nm_s>, "friction torque per rad/s"},
+
+    {"sensor", "kind", "", 0, 0, OPTIONAL, sensor<&N::kind>, "what is on the shaft; with none the simulation's frames have an ideal angle", WITH_ANGLE_SENSOR},
+    {"sensor", "lines", "", 1, 16383, OPTIONAL, sensor<&N::lines>, "lines of the encoder in a turn, four counts each", WITH_ENCODER},
+    {"sensor", "reversed", "", 0, 1, OPTIONAL, sensor<&N::reversed>, "the sensor counts down while the motor turns forwards", WITH_COUNTING_SENSOR},
+    {"sensor", "offset_deg", "°", -360, 360, OPTIONAL, sensor<&N::offset_deg>, "mechanical angle that an absolute sensor reads where the magnet flux is along phase a", WITH_ABSOLUTE},
+    {"sensor", "hall_patterns", "", 1, 6, OPTIONAL, sensor<&N::hall_patterns>, "the six patterns of the Hall signals in their order forwards, bit 0 is sensor 1", WITH_HALL},
+    {"sensor", "hall_edges_deg", "°", -360, 720, OPTIONAL, sensor<&N::hall_edges_deg>, "electrical angle at which each of these patterns begins, rising", WITH_HALL},
 
     {"measured", "resistance_std_pct", "%", 0, PCT_MAX, OPTIONAL, measured<&E::resistance_std_pct>, "standard deviation of motor.resistance_ohm; 0: not stated", RECORD},
     {"measured", "resistance_bound_pct", "%", 0, PCT_MAX, OPTIONAL, measured<&E::resistance_bound_pct>, "systematic error of motor.resistance_ohm, at most; 0: not stated", RECORD},
@@ -176,7 +189,9 @@ const std::vector<Field> FIELDS = {
     {"tuning", "command_timeout_s", "s", 0, 3600, OPTIONAL, tuning<&T::command_timeout_s>, "the drive ramps to a stop when a PC that has commanded it by the link sends no message for so long; 0: it never does"},
     {"tuning", "console_timeout_s", "s", 0, 3600, OPTIONAL, tuning<&T::console_timeout_s>, "the drive ramps to a stop when a person who has commanded it at the console types nothing for so long; 0: it never does"},
     {"drive", "method", "", 0, 0, OPTIONAL, tuning<&T::method>, "what controls the motor in RUN"},
-    {"drive", "angle_source", "", 0, 0, OPTIONAL, tuning<&T::angle_source>, "where the rotor's angle is from; with a sensor there is no start-up"},
+    {"drive", "angle_source", "", 0, 0, OPTIONAL, tuning<&T::angle_source>, "where the rotor's angle is from; with a sensor alone there is no start-up; with both the observer takes over at high speed and when the sensor fails"},
+    {"drive", "observer_above_pct", "%", -1, 1000, OPTIONAL, tuning<&T::observer_above_pct>, "of motor.rated_speed_rpm: the observer takes over from the sensor above it; 0: only when the sensor fails; -1: by the sensor, 30 with Hall and else 0", WITH_BOTH},
+    {"drive", "sensor_below_pct", "%", -1, 1000, OPTIONAL, tuning<&T::sensor_below_pct>, "likewise the sensor takes over again below it; -1: 3/4 of observer_above_pct", WITH_BOTH},
     {"observer", "kappa", "", 0, 0.5, NEEDED, tuning<&T::observer_kappa>, "κ = η·(φ/L)²/(1−α): speed error removed per sample; 0: by rule", WITH_OBSERVER},
     {"observer", "kappa_p", "", -1, 0.5, NEEDED, tuning<&T::observer_kappa_p>, "proportional path; 0 is the published law; -1: by rule", WITH_OBSERVER},
     {"observer", "momentum", "", 0, 0.99, NEEDED, tuning<&T::observer_momentum>, "α of paper A (19)", WITH_OBSERVER},
@@ -295,7 +310,8 @@ const std::vector<Field> FIELDS = {
     {"plant", "adc_gain_error_pct", "%", -50, 50, OPTIONAL, plant<&P::adc_gain_error_pct>, "gain error of the current sensors a, b"},
     {"plant", "adc_third_gain_error_pct", "%", -50, 50, OPTIONAL, plant<&P::adc_third_gain_error_pct>, "gain error of the current sensor c, where board.current_sensors is 3"},
     {"plant", "sensor_bandwidth_hz", "Hz", 0, 1e6, OPTIONAL, plant<&P::sensor_bandwidth_hz>, "corner of the current sensors' first-order low pass; 0: none"},
-    {"plant", "angle_counts", "", 0, 65536, OPTIONAL, plant<&P::angle_counts>, "of the angle sensor in a turn of the shaft; 0: as fine as the frame, 65536", WITH_ANGLE_SENSOR},
+    {"plant", "angle_counts", "", 0, 65536, OPTIONAL, plant<&P::angle_counts>, "of the angle sensor in a turn of the shaft; 0: as fine as the frame, 65536", WITH_IDEAL_SENSOR},
+    {"plant", "hall_error_deg", "°", -30, 30, OPTIONAL, plant<&P::hall_error_deg>, "by how much each edge of the real Hall sensors lies ahead of sensor.hall_edges_deg", WITH_HALL},
 
     {"scenario", "title", "", 1, NAME_CHARS_MAX, NEEDED, scenario<&S::title>, "one line for reports"},
     {"scenario", "paper_figure", "", 0, NAME_CHARS_MAX, OPTIONAL, scenario<&S::paper_figure>, "figure of the papers that shows the same"},
@@ -318,6 +334,7 @@ struct Section {
 
 const std::vector<Section> SECTIONS = {
     {"motor", {FileKind::motor}},
+    {"sensor", {FileKind::motor, FileKind::scenario}},
     {"measured", {FileKind::motor}},
     {"board", {FileKind::board, FileKind::imperfection}},
     {"hal", {FileKind::board}},
@@ -355,7 +372,12 @@ Words words_of(const ControlMethod *)
 
 Words words_of(const AngleSource *)
 {
-    return {"observer", "sensor"};
+    return {"observer", "sensor", "both"};
+}
+
+Words words_of(const SensorKind *)
+{
+    return {"none", "hall", "encoder", "encoder_index", "absolute"};
 }
 
 Words words_of(const OscillationAct *)

@@ -28,8 +28,8 @@ const char *kind_name(FileKind kind);
 using Target = std::variant<double *, int *, unsigned *, bool *, std::string *,
                             std::array<double, 2> *, std::array<double, 3> *, std::vector<double> *,
                             std::vector<std::string> *, DriveMode *, ControlMethod *, AngleSource *,
-                            OscillationAct *, SafeState *, Wires *, Polarity *, CurrentPosition *,
-                            InputKind *, InputCommands *, InputButton *>;
+                            SensorKind *, OscillationAct *, SafeState *, Wires *, Polarity *,
+                            CurrentPosition *, InputKind *, InputCommands *, InputButton *>;
 
 struct Field {
     const char *section;

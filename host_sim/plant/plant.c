@@ -131,7 +131,8 @@ bool plant_init(plant_t *plant, const plant_cfg_t *cfg, const char **bad_field)
     memset(plant, 0, sizeof *plant);
     if (!plant_motor_init(&plant->motor, &cfg->motor, bad_field) ||
         !plant_inverter_init(&plant->inverter, &cfg->inverter, bad_field) ||
-        !plant_sensors_init(&plant->sensors, &cfg->sensor, bad_field)) {
+        !plant_sensors_init(&plant->sensors, &cfg->sensor, bad_field) ||
+        !plant_shaft_init(&plant->shaft, &cfg->shaft, bad_field)) {
         return false;
     }
     *bad_field = supply_bad_field(&cfg->supply);
@@ -236,6 +237,11 @@ void plant_sample(plant_t *plant, plant_adc_t *adc)
     plant_sensors_convert(&plant->sensors, current[plant->phase[0]], current[plant->phase[1]],
                           plant->bus_v, adc);
     adc->angle = plant_sensors_angle(&plant->sensors, plant_motor_angle_mech(&plant->motor));
+}
+
+plant_shaft_reading_t plant_read_shaft(plant_t *plant)
+{
+    return plant_shaft_read(&plant->shaft, plant_motor_angle_mech(&plant->motor));
 }
 
 void plant_scale_sensors(plant_t *plant, const double current[PLANT_LEGS], double bus)

@@ -38,6 +38,7 @@
 #include "inverter.h"
 #include "motor.h"
 #include "sensors.h"
+#include "shaft_sensor.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -66,6 +67,7 @@ typedef struct {
     plant_inverter_cfg_t inverter;
     plant_supply_cfg_t supply;
     plant_sensor_cfg_t sensor;
+    plant_shaft_cfg_t shaft;
     double trip_a; /* A, >= 0, of the comparators; 0: there are none */
     double
         fan_nm_s2; /* N m s2, >= 0: load torque over the square of the load's speed, against it */
@@ -80,6 +82,7 @@ typedef struct {
     plant_motor_t motor;
     plant_inverter_t inverter;
     plant_sensors_t sensors;
+    plant_shaft_t shaft;
     plant_supply_cfg_t supply;
     double bus_v;                      /* at the start of the period */
     uint64_t periods;                  /* completed so far */
@@ -171,6 +174,9 @@ void plant_set_temperature(plant_t *plant, double temperature_c);
 
 /* Converts the currents of legs a and b, bus and temperature at the present instant. */
 void plant_sample(plant_t *plant, plant_adc_t *adc);
+
+/* What the sensor of the shaft reads at the present instant. Once a period. */
+plant_shaft_reading_t plant_read_shaft(plant_t *plant);
 
 /* Sensors that have failed: see plant_sensors_scale(). */
 void plant_scale_sensors(plant_t *plant, const double current[PLANT_LEGS], double bus);

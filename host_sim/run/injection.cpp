@@ -16,6 +16,11 @@ constexpr unsigned PHASE_A = 1;
 constexpr unsigned PHASE_B = 2;
 constexpr unsigned PHASE_C = 4;
 
+unsigned wires(double value)
+{
+    return static_cast<unsigned>(std::lround(value));
+}
+
 void force(hal_host_channel_t &channel, uint16_t count)
 {
     channel = {true, count};
@@ -38,7 +43,7 @@ void Injection::add(const FaultEntry &entry, int64_t from, int64_t until)
 {
     const bool lasts = entry.span == FaultSpan::lasting || entry.until_s;
     faults_.push_back(
-        {entry, from, lasts ? std::max(until, from + 1) : from + 1, false, {}, {}, 0});
+        {entry, from, lasts ? std::max(until, from + 1) : from + 1, false, {}, {}, 0, 0});
     next_ = std::min(next_, from);
 }
 
@@ -143,6 +148,19 @@ void Injection::impose_on_binding(const Fault &fault, hal_host_faults_t &hal) co
         break;
     case FaultKind::angle_stuck:
         force(hal.angle, fault.last.angle);
+        force(hal.shaft, fault.last_shaft);
+        break;
+    case FaultKind::sensor_high:
+        hal.shaft_high = static_cast<uint16_t>(hal.shaft_high | wires(*value));
+        break;
+    case FaultKind::sensor_low:
+        hal.shaft_low = static_cast<uint16_t>(hal.shaft_low | wires(*value));
+        break;
+    case FaultKind::sensor_flipped:
+        hal.shaft_flip = static_cast<uint16_t>(hal.shaft_flip ^ wires(*value));
+        break;
+    case FaultKind::encoder_slip:
+        hal.shaft_slip = static_cast<uint16_t>(hal.shaft_slip + std::lround(*value));
         break;
     case FaultKind::angle_offset:
         hal.angle_offset = static_cast<uint16_t>(hal.angle_offset +
@@ -234,6 +252,7 @@ void Injection::change(int64_t tick, Simulation &sim)
             fault.begun = true;
             fault.last = sim.in();
             fault.last_out = sim.out();
+            fault.last_shaft = sim.hal().seen_shaft;
             fault.timer_counts = seam.plant.inverter.timer_counts;
             strike(fault, seam);
         }

@@ -54,6 +54,7 @@ private:
         drive_in_t last;       // what the drive saw before it began …
         drive_out_t last_out;  // … and demanded
         uint32_t timer_counts; // of the machine
+        uint16_t last_shaft;   // reading of the sensor
     };
 
     // What sensors read, of what they should.

@@ -12,6 +12,7 @@ namespace nf
 namespace
 {
 
+constexpr double DEG_PER_TURN = 360;
 constexpr int COGGING_IN_TURN_EL = 6; // of a slot for each pole and phase
 
 // Two masses on a spring: w² = k·(1/J_M + 1/J_L), damping ratio D = d/(2·w)·(1/J_M + 1/J_L). Both
@@ -92,6 +93,40 @@ plant_sensor_cfg_t make_plant_sensor(const Config &config)
     return cfg;
 }
 
+// As the motor file says, each Hall edge a little ahead.
+plant_shaft_cfg_t make_plant_shaft(const Config &config)
+{
+    const SensorSettings &sensor = config.motor.sensor;
+    plant_shaft_cfg_t cfg{};
+    if (config.tuning.angle_source == AngleSource::observer) {
+        return cfg;
+    }
+    switch (sensor.kind) {
+    case SensorKind::none:
+        cfg.kind = PLANT_SHAFT_NONE;
+        break;
+    case SensorKind::hall:
+        cfg.kind = PLANT_SHAFT_HALL;
+        break;
+    case SensorKind::absolute:
+        cfg.kind = PLANT_SHAFT_ABSOLUTE;
+        break;
+    default:
+        cfg.kind = PLANT_SHAFT_ENCODER;
+        break;
+    }
+    cfg.reversed = sensor.reversed;
+    cfg.counts = static_cast<uint32_t>(4 * sensor.lines);
+    cfg.zero_turns = sensor.offset_deg / DEG_PER_TURN;
+    cfg.pole_pairs = static_cast<unsigned>(pole_pairs(config));
+    for (std::size_t k = 0; k < PLANT_HALL_SECTORS; k++) {
+        cfg.patterns[k] = static_cast<uint8_t>(sensor.hall_patterns.at(k));
+        cfg.edges_turns[k] =
+            (sensor.hall_edges_deg.at(k) + config.plant.hall_error_deg.at(k)) / DEG_PER_TURN;
+    }
+    return cfg;
+}
+
 // The phase at each terminal, as the word says it.
 void connect(plant_cfg_t &cfg, Wires wires)
 {
@@ -146,6 +181,7 @@ plant_cfg_t make_plant_cfg(const Config &config, const drive_cfg_t &drive)
     cfg.supply.capacitance_f = config.plant.bus_capacitance_f;
     cfg.supply.resistance_ohm = config.plant.bus_source_resistance_ohm;
     cfg.sensor = make_plant_sensor(config);
+    cfg.shaft = make_plant_shaft(config);
     cfg.trip_a = config.board.trip_a;
     const double rated_rad_s = config.motor.rated_speed_rpm * RAD_S_PER_RPM;
     cfg.fan_nm_s2 = config.plant.fan_torque_nm / (rated_rad_s * rated_rad_s);

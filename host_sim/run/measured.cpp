@@ -21,6 +21,12 @@ angle_t vector_angle(const drive_t &drive)
     return rotor_position_angle(&drive.vector.position) - fx_unsigned(drive.vector.step);
 }
 
+angle_t sensed_angle(const drive_t &drive)
+{
+    const rotor_position_t position = angle_sensor_position(&drive.rotor.angle_sensor);
+    return rotor_position_angle(&position);
+}
+
 // A tick with a sensor begins with its angle; PROBE takes the vector's.
 angle_t rotor_angle(const Tick &tick)
 {
@@ -28,8 +34,8 @@ angle_t rotor_angle(const Tick &tick)
     if (drive.state == DRIVE_STATE_PROBE) {
         return vector_angle(drive);
     }
-    return drive_has_sensor(&drive)
-               ? rotor_position_angle(&drive.rotor.angle_sensor.position)
+    return drive_is_sensed(&drive)
+               ? sensed_angle(drive)
                : static_cast<angle_t>(static_cast<uint64_t>(tick.position_estimate_q32));
 }
 
@@ -39,9 +45,9 @@ angle_t control_angle(const drive_t &drive)
     if (drive.state != DRIVE_STATE_RUN) {
         return vector_angle(drive);
     }
-    return drive_has_sensor(&drive) ? rotor_position_angle(&drive.rotor.angle_sensor.position)
-                                    : rotor_position_angle(&drive.rotor.position) -
-                                          fx_unsigned(drive.rotor.observer.speed_out);
+    return drive_is_sensed(&drive) ? sensed_angle(drive)
+                                   : rotor_position_angle(&drive.rotor.position) -
+                                         fx_unsigned(drive.rotor.observer.speed_out);
 }
 
 } // namespace

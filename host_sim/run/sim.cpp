@@ -53,6 +53,9 @@ void Simulation::start(const drive_cfg_t &cfg)
     if (const char *const bad = app_init(&app_, &hal_, &cfg)) {
         throw ConfigError(fmt::format("the drive refuses its setting {}", bad));
     }
+    if (hal_.plant != nullptr) { // else the frames have the angle
+        app_sense(&app_, &shaft_);
+    }
 }
 
 void Simulation::restore(const State &state)
@@ -61,6 +64,7 @@ void Simulation::restore(const State &state)
     plant_ = state.plant;
     hal_ = state.hal;
     app_ = state.app;
+    shaft_ = state.shaft;
     bases_ = rescaled(bases_, cfg());
 }
 

@@ -49,10 +49,11 @@ public:
         plant_t plant;
         hal_t hal;
         app_t app;
+        shaft_decoder_t shaft;
     };
     State save() const
     {
-        return {cfgs_, plant_, hal_, app_};
+        return {cfgs_, plant_, hal_, app_, shaft_};
     }
     void restore(const State &state);
 
@@ -148,6 +149,11 @@ public:
     {
         return bases_;
     }
+    // The decoder of the shaft's sensor.
+    const shaft_decoder_t &shaft() const
+    {
+        return shaft_;
+    }
     const plant_t &plant() const
     {
         return plant_;
@@ -165,6 +171,7 @@ private:
     plant_t plant_{};
     hal_t hal_{};
     app_t app_{};
+    shaft_decoder_t shaft_{};
 };
 
 } // namespace nf

@@ -73,7 +73,7 @@ std::string code_problem(const drive_t &s)
 // A state of a way that this configuration does not go.
 std::string way_problem(const drive_t &s, const drive_cfg_t &cfg)
 {
-    const bool starts_up = cfg.startup.current_hold != 0 && cfg.sampling.sensor_pole_pairs == 0;
+    const bool starts_up = cfg.startup.current_hold != 0;
     if (!starts_up && s.state > DRIVE_STATE_READY && s.state < DRIVE_STATE_RUN &&
         s.state != DRIVE_STATE_PROBE) {
         return fmt::format("state is {}, and the configuration has no start-up",

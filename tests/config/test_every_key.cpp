@@ -36,6 +36,8 @@ using Lines = std::vector<std::string>;
 const char *const TUNINGS[] = {"published", "robust_motor_a", "voltage_phase"};
 const char *const SOURCES[] = {"observer", "sensor"};
 const int STARTUPS[] = {0, 100};
+// Of sensor.kind: each has keys of its own.
+const char *const KINDS[] = {"hall", "encoder", "absolute"};
 
 // Short, with all that a machine can do: the rotor turns and is loaded, and what the report says of
 // it is judged.
@@ -123,6 +125,12 @@ public:
                     all.push_back(mode);
                 }
             }
+        }
+        for (const char *kind : KINDS) {
+            all.push_back({file(TUNINGS[1]),
+                           {"drive.angle_source=both", "startup.current_pct=100",
+                            "startup.align_current_pct=100", fmt::format("sensor.kind={}", kind)},
+                           false});
         }
         return all;
     }
@@ -465,7 +473,8 @@ TEST(a_line_that_does_not_act_is_noted_by_its_place)
         nf::load_scenario(file, {}, {"drive.angle_source=sensor"}).scenario.notes;
     TEST_ASSERT_EQUAL_size_t(1, notes.size());
     const std::string expected =
-        file + ":15: observer.kappa_p = 0.3: acts only with drive.angle_source = \"observer\"";
+        file +
+        ":15: observer.kappa_p = 0.3: acts only with drive.angle_source other than \"sensor\"";
     TEST_ASSERT_EQUAL_STRING(expected.c_str(), notes[0].c_str());
     TEST_ASSERT_TRUE(nf::load_scenario(file).scenario.notes.empty());
 }

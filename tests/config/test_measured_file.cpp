@@ -151,8 +151,8 @@ void expect_the_same(nf::Config &expected, nf::Config &found, const nf::Field &f
     } else if (const auto *whole = std::get_if<int *>(&target)) {
         TEST_ASSERT_EQUAL_INT(**whole, *std::get<int *>(other));
     } else {
-        TEST_ASSERT_EQUAL_STRING(std::get<std::string *>(target)->c_str(),
-                                 std::get<std::string *>(other)->c_str());
+        TEST_ASSERT_EQUAL_STRING(field.value_text(expected).c_str(),
+                                 field.value_text(found).c_str());
     }
 }
 
@@ -161,6 +161,10 @@ TEST(what_is_written_is_read_back)
     const Folder folder;
     nf::Config expected;
     expected.motor = motor();
+    expected.motor.sensor.kind = nf::SensorKind::hall;
+    expected.motor.sensor.reversed = true;
+    expected.motor.sensor.hall_patterns = {4, 6, 2, 3, 1, 5};
+    expected.motor.sensor.hall_edges_deg = {1.5, 60.25, 120, 180, 240, 300};
     expected.measured = measured();
     nf::Config found =
         read_back(folder, nf::measured_motor_file(expected.motor, expected.measured, "head"));

@@ -57,7 +57,7 @@ const std::map<std::string, std::int64_t> FROM_THE_RULES = {
 
 // Not of this tuning, or a sum over all others.
 const std::vector<std::string> NOT_BY_HAND = {"voltage_drive.", "model.",
-                                              "startup.flying_start.gap_factor", "crc"};
+                                              "startup.flying_start.gap_factor", "sensor.", "crc"};
 
 constexpr std::size_t BY_HAND_LEAST = 100;
 

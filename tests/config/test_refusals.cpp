@@ -122,7 +122,7 @@ TEST(an_unknown_key_is_named_with_the_nearest_known_one)
          "position_loop.bandwidth_hz, position_loop.speed_rpm, position_loop.acceleration_rad_s2, "
          "position_loop.softness_s"},
         {"[motor]", "xyz = 1\n[motor]",
-         "motors/m.toml:1: xyz = 1: unknown key; allowed: motor, measured"},
+         "motors/m.toml:1: xyz = 1: unknown key; allowed: motor, sensor, measured"},
     });
 }
 
@@ -131,7 +131,7 @@ TEST(an_unknown_table_is_named_with_those_of_the_file)
     expect_all({
         {"[motor]", "[moter]",
          "motors/m.toml:1: [moter]: no table of motor files, did you mean [motor]?; allowed: "
-         "[motor], [measured]"},
+         "[motor], [sensor], [measured]"},
         {"[plant]", "[motor]",
          "imperfections/warm.toml:1: [motor]: no table of imperfection files; allowed: "
          "[board], [model], [plant]"},

@@ -381,7 +381,7 @@ TEST(charge_of_the_bootstrap_supplies_is_the_boards_and_needs_a_start_up)
         TEST_ASSERT_EQUAL_size_t(1, config.scenario.notes.size());
         TEST_ASSERT_EQUAL_STRING(
             "--set: board.bootstrap_charge_s = 0.01: acts only with "
-            "drive.angle_source = \"observer\" and startup.current_pct above 0",
+            "drive.angle_source other than \"sensor\" and startup.current_pct above 0",
             config.scenario.notes[0].c_str());
     }
 }

@@ -338,6 +338,18 @@ static inline torque_loop_cfg_t example_torque_loop_cfg(void)
     };
 }
 
+/* No sensor; what its kinds would need is there. */
+static inline sensor_cfg_t example_sensor_cfg(void)
+{
+    return (sensor_cfg_t){
+        .hall = {.patterns =
+                     05U | (01U << 3U) | (03U << 6U) | (02U << 9U) | (06U << 12U) | (04U << 15U),
+                 .edges_q16 = {0U, 10923U, 21845U, 32768U, 43691U, 54613U},
+                 .fast_speed = 1},
+        .encoder = {.counts = 4096, .scale_q32 = 0x100000U},
+    };
+}
+
 /*
  * Shorts a motor that is faster than this: the gates open once no change over 2 ms was as large for
  * settle_ticks.
@@ -400,6 +412,7 @@ static inline drive_cfg_t example_drive_cfg(void)
                               .deepest = 7782},
         .model = example_model_cfg(),
         .torque_loop = example_torque_loop_cfg(),
+        .sensor = example_sensor_cfg(),
         .speed_shift = 11U,
         .slow_ticks = 10U,
     };

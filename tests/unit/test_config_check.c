@@ -52,8 +52,6 @@ static const row_t ROWS[] = {
 #define UP_TO(path, lo, hi) RULE(path, #path, lo, hi, #path)
 
 static const field_t RULES[] = {
-    /* With a sensor no start-up. */
-    RULE(sampling.sensor_pole_pairs, "sampling.sensor_pole_pairs", 0, 0, "startup.current_hold"),
     /* From derating.current_max to what leaves room for offset_max: 16384 − 1 − 8 − 819. */
     RULE(protection.current_max, "derating.current_max", 8192, 15556, "protection.offset_max"),
     RULE(protection.bus_max, "protection.bus_min", 14564, 32766, "protection.bus_max"),
@@ -196,6 +194,7 @@ TEST(test_all_fields_are_accepted_at_the_upper_ends_of_their_rows)
         set(&cfg, &ROWS[i].field, ROWS[i].field.highest);
     }
     cfg.sampling.sensor_pole_pairs = 0U;
+    cfg.sensor.kind = (uint32_t)SENSOR_KIND_NONE;
     cfg.sampling.current_shift = 0U; /* 16384 − 1 − 1 − 16382 leaves no offset */
     cfg.protection.offset_max = 0;
     cfg.input.least--; /* up to the middle, which is below high */
@@ -206,18 +205,21 @@ TEST(test_all_fields_are_accepted_at_the_upper_ends_of_their_rows)
     TEST_ASSERT_EQUAL_STRING("observer.speed_limit", config_check(&cfg));
 }
 
-/* The sensor's speed is the observer's: nothing else may change it. */
-TEST(test_with_a_sensor_a_trained_observer_is_named)
+/* Without rates there is no observer to hand over to, to start with, or to fail over to. */
+TEST(test_with_a_sensor_and_no_observer_what_needs_one_is_named)
 {
     drive_cfg_t cfg = example_drive_cfg();
     const struct {
         const char *name;
         int32_t *word;
-    } words[] = {{"observer.eta", &cfg.observer.eta},
+    } words[] = {{"startup.current_hold", &cfg.startup.current_hold},
                  {"observer.kappa_p", &cfg.observer.kappa_p},
                  {"run.acceleration_q14", &cfg.run.acceleration_q14},
-                 {"observer.momentum_q15", &cfg.observer.momentum_q15}};
+                 {"observer.momentum_q15", &cfg.observer.momentum_q15},
+                 {"sensor.observer_above", &cfg.sensor.observer_above}};
 
+    cfg.startup = example_startup_cfg();
+    cfg.startup.current_hold = 0;
     cfg.observer.eta = 0;
     cfg.observer.kappa_p = 0;
     cfg.sampling.sensor_pole_pairs = 50U;
@@ -229,6 +231,48 @@ TEST(test_with_a_sensor_a_trained_observer_is_named)
     }
     cfg.sampling.sensor_pole_pairs = 51U;
     TEST_ASSERT_EQUAL_STRING("sampling.sensor_pole_pairs", config_check(&cfg));
+}
+
+TEST(test_an_encoder_needs_a_start_up_that_aligns_it)
+{
+    drive_cfg_t cfg = example_drive_cfg_with_startup();
+
+    cfg.sampling.sensor_pole_pairs = 2U;
+    for (uint32_t kind = SENSOR_KIND_ENCODER; kind <= (uint32_t)SENSOR_KIND_ENCODER_INDEX; kind++) {
+        cfg.sensor.kind = kind;
+        cfg.startup.current_hold = 6553;
+        TEST_ASSERT_NULL(config_check(&cfg));
+        cfg.startup.current_hold = 0;
+        TEST_ASSERT_EQUAL_STRING("startup.current_hold", config_check(&cfg));
+    }
+}
+
+TEST(test_hall_sectors_that_are_none_are_named)
+{
+    drive_cfg_t cfg = example_drive_cfg();
+
+    cfg.sampling.sensor_pole_pairs = 1U;
+    cfg.sensor.kind = (uint32_t)SENSOR_KIND_HALL;
+    TEST_ASSERT_NULL(config_check(&cfg));
+    cfg.sensor.hall.patterns ^= 1U;
+    TEST_ASSERT_EQUAL_STRING("sensor.hall.patterns", config_check(&cfg));
+    cfg.sensor.hall.patterns ^= 1U;
+    cfg.sensor.hall.edges_q16[2] = cfg.sensor.hall.edges_q16[1]; /* no width */
+    TEST_ASSERT_EQUAL_STRING("sensor.hall.edges_q16", config_check(&cfg));
+    cfg.sensor.hall.edges_q16[2] = cfg.sensor.hall.edges_q16[0] + 1U; /* it turns twice */
+    TEST_ASSERT_EQUAL_STRING("sensor.hall.edges_q16", config_check(&cfg));
+}
+
+TEST(test_the_sensor_takes_over_below_the_speed_of_the_observer)
+{
+    drive_cfg_t cfg = example_drive_cfg_with_startup();
+
+    cfg.sampling.sensor_pole_pairs = 2U;
+    cfg.sensor.observer_above = 1000;
+    cfg.sensor.sensor_below = 1000;
+    TEST_ASSERT_NULL(config_check(&cfg));
+    cfg.sensor.sensor_below = 1001;
+    TEST_ASSERT_EQUAL_STRING("sensor.sensor_below", config_check(&cfg));
 }
 
 /*

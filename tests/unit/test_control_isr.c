@@ -11,10 +11,11 @@
 #define DIARY (16U)
 
 struct hal {
-    char diary[DIARY]; /* s: sampled, a: applied, o: gates opened */
+    char diary[DIARY]; /* s: sampled, r: sensor read, a: applied, o: gates opened */
     uint32_t entries;
     drive_in_t next;
     drive_out_t applied;
+    hal_shaft_t shaft;
     uint32_t tick_at_apply;
     const drive_t *drive;
 };
@@ -50,6 +51,12 @@ void hal_apply(hal_t *h, const drive_out_t *out)
 void hal_open_gates(hal_t *h)
 {
     note(h, 'o');
+}
+
+hal_shaft_t hal_shaft(hal_t *h)
+{
+    note(h, 'r');
+    return h->shaft;
 }
 
 static void post(int32_t target, drive_mode_t mode, uint8_t request)

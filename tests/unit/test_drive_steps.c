@@ -33,6 +33,9 @@ static drive_t ready_with_anything_left(const drive_t *ready, seeded_t *seed)
 
     left.rotor = any.rotor;
     left.rotor.angle_sensor = ready->rotor.angle_sensor;
+    left.rotor.source = ready->rotor.source;
+    left.rotor.followed = ready->rotor.followed;
+    left.rotor.aligned = ready->rotor.aligned;
     left.control = any.control;
     left.voltage_drive = any.voltage_drive;
     if (cfg.startup.current_hold != 0) { /* else these are never used */

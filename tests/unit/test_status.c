@@ -107,6 +107,7 @@ TEST(test_with_open_gates_the_speed_is_unknown_and_with_a_sensor_it_is_known)
                                      text.characters);
     }
     app.drive.cfg = &sensed;
+    app.drive.rotor.source = (uint8_t)ESTIMATE_SENSOR;
     app.drive.state = DRIVE_STATE_READY;
     assert_state(DRIVE_STATE_READY, "READY, speed 2000 of 0 rpm, ");
 }

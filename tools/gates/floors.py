@@ -68,11 +68,14 @@ TARGETS = ("hal/cortex_m", "hal/mps2", "hal/stm32g4")  # bindings and start-up o
 GENERATED = {"drive_config.h", "hal_config.h"}  # by nfconfig, for a binding's image
 # A control module that is built of others; transforms gives the types of vectors.
 BUILT_OF = {
+    "absolute": ["shaft_trouble"],
     "align": ["inductance", "transforms"],
     "angle_sensor": ["rotor_position"],
     "current_loop": ["pi", "transforms"],
     "current_reference": ["current_loop", "motion_loop", "transforms", "weakening"],
+    "encoder": ["shaft_trouble"],
     "flying_start": ["transforms"],
+    "hall": ["shaft_trouble"],
     "inductance": ["transforms"],
     "model": ["current_loop", "nn_observer"],
     "modulator": ["transforms"],

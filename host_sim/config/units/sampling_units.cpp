@@ -10,8 +10,9 @@ sampling_cfg_t make_sampling(const MotorSettings &motor, const BoardSettings &bo
                              const TuningSettings &tuning)
 {
     sampling_cfg_t c{};
-    if (tuning.angle_source == AngleSource::sensor) {
-        c.sensor_pole_pairs = static_cast<uint32_t>(motor.pole_pairs);
+    if (tuning.angle_source != AngleSource::observer) {
+        const bool is_electrical = motor.sensor.kind == SensorKind::hall;
+        c.sensor_pole_pairs = is_electrical ? 1U : static_cast<uint32_t>(motor.pole_pairs);
     }
     c.current_shift = static_cast<uint32_t>(15 - board.adc_bits);
     c.bus_shift = c.current_shift;

@@ -12,6 +12,27 @@
 namespace nf
 {
 
+// What is on the shaft, as sensor_kind_t.
+enum class SensorKind {
+    none,
+    hall,
+    encoder,
+    encoder_index,
+    absolute
+};
+
+// [sensor] The sensor of the shaft. Angles are electrical, but for the absolute sensor's.
+struct SensorSettings {
+    SensorKind kind = SensorKind::none;
+    int lines = 1024;      // of an encoder, in a turn
+    bool reversed = false; // it counts down while the motor turns forwards
+    double offset_deg = 0; // an absolute sensor reads this where the flux is along phase a
+    // The patterns of the Hall signals in their order forwards, bit 0 is sensor 1, and the angle at
+    // which each begins.
+    std::vector<double> hall_patterns = {5, 1, 3, 2, 6, 4};
+    std::vector<double> hall_edges_deg = {0, 60, 120, 180, 240, 300};
+};
+
 // [motor] What the nameplate and a data sheet say. The plant is built from it, and so is the
 // controller's model unless [model] says otherwise.
 struct MotorSettings {
@@ -30,6 +51,7 @@ struct MotorSettings {
     double demagnetising_current_a = 0;  // peak phase current that the magnets bear; 0: not stated
     double inertia_kg_m2 = 0;            // with the load
     double viscous_friction_nm_s = 0;
+    SensorSettings sensor;
 };
 
 // No value: nothing was measured.
@@ -122,8 +144,11 @@ enum class ControlMethod {
 // Where the rotor's angle is from.
 enum class AngleSource {
     observer,
-    sensor
+    sensor,
+    both // the sensor, and the observer at high speed and when the sensor fails
 };
+
+constexpr double BY_KIND = -1;
 
 // What follows when the drive swings; as oscillation_act_t.
 enum class OscillationAct {
@@ -186,9 +211,11 @@ struct TuningSettings {
     InputSettings input;
     ControlMethod method = ControlMethod::current;
     AngleSource angle_source = AngleSource::observer;
-    double observer_kappa = 0;    // share of the speed error removed per sample
-    double observer_kappa_p = 0;  // proportional path; 0 is the published law
-    double observer_momentum = 0; // alpha of paper A (19)
+    double observer_above_pct = BY_KIND; // of rated speed; 0: only when the sensor fails
+    double sensor_below_pct = BY_KIND;   // -1: 3/4 of observer_above_pct
+    double observer_kappa = 0;           // share of the speed error removed per sample
+    double observer_kappa_p = 0;         // proportional path; 0 is the published law
+    double observer_momentum = 0;        // alpha of paper A (19)
     double observer_rho_max =
         0; // largest R/(ωL) by which the error is rotated; 0 is the published law
     double observer_feedback =
@@ -316,6 +343,8 @@ struct PlantSettings {
     double adc_third_gain_error_pct = 0; // of a third sensor
     double sensor_bandwidth_hz = 0;      // of the low pass before the converter; 0: none
     int angle_counts = 0; // of the angle sensor in a turn of the shaft; 0: as fine as the frame
+    // Where the Hall sensors sit: the edges of the real motor, ahead of those of the motor file.
+    std::vector<double> hall_error_deg = {0, 0, 0, 0, 0, 0};
 };
 
 } // namespace nf

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The sensor of the shaft between its binding and the drive: makes the angle of a frame of what
+ * hal_shaft() reads. The setting sensor.kind says which decoder does it.
+ *
+ * Where no angle is known the frame has DRIVE_FLAG_NO_ANGLE and the reason, so that a recording
+ * replays without the sensor. Troubles that the decoder survives are counted here, for a person.
+ *
+ * Context: control interrupt, between hal_sample() and drive_step(); the background reads the
+ * counts.
+ */
+#ifndef SHAFT_DECODER_H
+#define SHAFT_DECODER_H
+
+#include "drive_cfg.h"
+#include "hal.h"
+
+#include <stdint.h>
+
+typedef struct {
+    uint32_t kind;     /* sensor_kind_t of the decoder that runs */
+    uint32_t troubles; /* ticks in which a trouble was found, wraps */
+    uint8_t trouble;   /* the last one, shaft_trouble_t */
+    hall_t hall;
+    encoder_t encoder;
+    absolute_t absolute;
+} shaft_decoder_t;
+
+/* Nothing is known; no decoder runs. */
+void shaft_decoder_init(shaft_decoder_t *shaft);
+
+/*
+ * One tick: sets angle and flags of the frame. With a sensor of kind NONE the frame stays as it is.
+ * Another kind than in the last tick begins anew.
+ */
+void shaft_decoder_step(shaft_decoder_t *shaft, const sensor_cfg_t *cfg, hal_t *hal,
+                        drive_in_t *in);
+
+/* Returns a trouble as a person reads it, lower case; "none". Never NULL. */
+const char *shaft_trouble_text(shaft_trouble_t trouble);
+
+#endif

@@ -1,0 +1,394 @@
+/* SPDX-License-Identifier: MIT */
+#include "hall.h"
+
+#include "inlining.h"
+
+#define PATTERN_BITS (3U)
+#define PATTERN_MASK (7U)
+#define HALF_TURN (0x80000000U)
+#define NO_PATTERN (8U)
+#define Q16_TO_Q32_SHIFT (16U)
+#define UNLIKE_TICKS (4U)
+#define TICKS_MAX (0x100000U)
+#define SECTOR (0x2AAAAAABU)               /* 60° */
+#define LOST_WAY (4ULL * (uint64_t)SECTOR) /* without an edge */
+#define SLOW_FACTOR (2ULL) /* a rotor that takes twice the time of its sector is slow */
+#define CLOSE (0x0AAAAAAA) /* 15° */
+#define NEAR (0x20000000)  /* 45° */
+#define ANGLE_SHIFT (1U)
+#define SPEED_SHIFT (2U)
+#define REST_SHIFT (6U)
+#define MEASURED_MAX (0x0FFFFFFF)
+#define JITTER_TICKS (64U)
+/* An edge lies half a tick before the tick that sees it first, on average; the next one takes it.
+ */
+#define SEEN_AFTER_Q1 (3)
+#define SEEN_UNTIL (2U)
+
+void hall_start(hall_t *hall)
+{
+    *hall = (hall_t){.seen = NO_PATTERN, .taken = NO_PATTERN};
+}
+
+static uint32_t hall_pattern_of(const hall_cfg_t *cfg, uint32_t sector)
+{
+    return (cfg->patterns >> (PATTERN_BITS * sector)) & PATTERN_MASK;
+}
+
+static uint32_t next_sector(uint32_t sector, uint32_t by)
+{
+    const uint32_t next = sector + by;
+
+    return (next >= HALL_SECTORS) ? (next - HALL_SECTORS) : next;
+}
+
+bool hall_order_holds(uint32_t patterns)
+{
+    const hall_cfg_t cfg = {.patterns = patterns};
+    uint32_t found = 0U;
+    bool holds = true;
+
+    for (uint32_t k = 0U; k < HALL_SECTORS; k++) {
+        const uint32_t pattern = hall_pattern_of(&cfg, k);
+        const uint32_t changed = pattern ^ hall_pattern_of(&cfg, next_sector(k, 1U));
+
+        found |= (uint32_t)1U << pattern;
+        holds = holds && ((changed == 1U) || (changed == 2U) || (changed == 4U));
+    }
+    return holds && (found == 0x7EU);
+}
+
+static bool fits(const hall_cfg_t *cfg, uint32_t sector, uint32_t pattern, uint32_t dead)
+{
+    return ((hall_pattern_of(cfg, sector) ^ pattern) & ~dead) == 0U;
+}
+
+/* Returns the sectors whose patterns are this one but for the dead signal. */
+static hall_span_t span_of(const hall_cfg_t *cfg, uint32_t pattern, uint32_t dead)
+{
+    hall_span_t span = {0U, 0U};
+
+    for (uint32_t k = 0U; k < HALL_SECTORS; k++) {
+        if (fits(cfg, k, pattern, dead)) {
+            const bool begins = !fits(cfg, next_sector(k, HALL_SECTORS - 1U), pattern, dead);
+
+            span.first = begins ? (uint8_t)k : span.first;
+            span.count++;
+        }
+    }
+    return span;
+}
+
+static angle_t begin_of(const hall_cfg_t *cfg, uint32_t sector)
+{
+    return (angle_t)cfg->edges_q16[sector] << Q16_TO_Q32_SHIFT;
+}
+
+static angle_t hall_end_of(const hall_cfg_t *cfg, hall_span_t span)
+{
+    return begin_of(cfg, next_sector(span.first, span.count));
+}
+
+static angle_t middle_of(const hall_cfg_t *cfg, hall_span_t span)
+{
+    const angle_t begin = begin_of(cfg, span.first);
+
+    return begin + ((hall_end_of(cfg, span) - begin) / 2U);
+}
+
+static angle_t width_of(const hall_cfg_t *cfg, hall_span_t span)
+{
+    return hall_end_of(cfg, span) - begin_of(cfg, span.first);
+}
+
+/* Returns how far a rotor would have gone since the last edge with its last speed, Q32 of a turn.
+ */
+static uint64_t way_at_pace(const hall_t *hall)
+{
+    return (uint64_t)fx_unsigned(fx_abs(hall->pace)) * hall->ticks;
+}
+
+/*
+ * Returns the signal whose standing still explains an illegal pattern; 0: none. Without it the
+ * rotor would be in one of three sectors, 120° apart. It is in the one to which its last speed has
+ * brought it since the last edge.
+ */
+static uint32_t dead_signal(const hall_t *hall, const hall_cfg_t *cfg, uint32_t pattern)
+{
+    const angle_t expected = hall->edge + (fx_unsigned(hall->pace) * hall->ticks);
+    uint32_t dead = 0U;
+
+    for (uint32_t bit = 1U; bit <= 4U; bit *= 2U) {
+        const angle_t middle = middle_of(cfg, span_of(cfg, pattern ^ bit, 0U));
+        const bool near = fx_abs(fx_signed(expected - middle)) < NEAR;
+
+        dead = near ? bit : dead;
+    }
+    return ((hall->pace != 0) && (way_at_pace(hall) <= LOST_WAY)) ? dead : 0U;
+}
+
+static void forget_pace(hall_t *hall)
+{
+    hall->speed = 0;
+    hall->paced = false;
+}
+
+/* The pattern has changed to one that is no neighbour, or nothing was known before. */
+static void place(hall_t *hall, const hall_cfg_t *cfg)
+{
+    hall->angle = middle_of(cfg, hall->span);
+    hall->direction = 0;
+    hall->ticks = 0U;
+    hall->pace = 0;
+    forget_pace(hall);
+}
+
+/* Returns how far the rotor has gone on since the edge, from the tick that saw it first on. */
+static step_t way_since(step_t speed)
+{
+    return fx_asr(speed * SEEN_AFTER_Q1, 1U);
+}
+
+static bool hall_is_fast(const hall_t *hall, const hall_cfg_t *cfg)
+{
+    return fx_abs(hall->pace) >= cfg->fast_speed;
+}
+
+/*
+ * Returns the speed for the next sector. That of a slow rotor is extrapolated, as by an even
+ * acceleration. That of a fast one, whose speed hardly changes from edge to edge, is a mean: it has
+ * less of the jitter of a tick.
+ */
+static step_t speed_ahead(const hall_t *hall, const hall_cfg_t *cfg, step_t measured)
+{
+    const step_t before = hall->pace;
+    step_t ahead;
+
+    if (!hall->paced) {
+        ahead = measured;
+    } else if (!hall_is_fast(hall, cfg) && (hall->ticks > JITTER_TICKS)) {
+        const step_t most = fx_asr(fx_abs(measured), 1U);
+
+        ahead = measured + fx_clamp(measured - before, -most, most);
+    } else {
+        ahead = hall->speed + fx_asr(measured - hall->speed, SPEED_SHIFT);
+    }
+    return ahead;
+}
+
+/* Corrects angle and speed at an edge, from the way and the time since the edge before. */
+static void hall_pace(hall_t *hall, const hall_cfg_t *cfg, angle_t edge)
+{
+    const int32_t way = fx_signed(edge - hall->edge);
+    const int32_t ticks = (int32_t)hall->ticks;
+    const step_t measured = fx_clamp(way / fx_max(ticks, 1), -MEASURED_MAX, MEASURED_MAX);
+    const step_t speed = speed_ahead(hall, cfg, measured);
+    const int32_t error = fx_signed((edge + fx_unsigned(way_since(speed))) - hall->angle);
+
+    if (hall->paced && (fx_abs(error) < CLOSE)) {
+        hall->angle += fx_unsigned(fx_asr(error, ANGLE_SHIFT));
+    } else {
+        hall->angle = edge + fx_unsigned(way_since(speed));
+    }
+    hall->speed = speed;
+    hall->pace = hall_is_fast(hall, cfg) ? speed : measured;
+    hall->paced = true;
+}
+
+static void hall_take_edge(hall_t *hall, const hall_cfg_t *cfg, angle_t edge, int8_t direction)
+{
+    if (hall->direction == direction) {
+        hall_pace(hall, cfg, edge);
+    } else {
+        forget_pace(hall);
+        hall->angle = edge;
+    }
+    hall->edge = edge;
+    hall->direction = direction;
+    hall->ticks = 0U;
+}
+
+/* Returns the direction of the edge to this span; 0: it is no neighbour. */
+static int8_t direction_to(const hall_t *hall, hall_span_t span)
+{
+    const hall_span_t before = hall->span;
+    int8_t direction = 0;
+
+    if (next_sector(before.first, before.count) == span.first) {
+        direction = 1;
+    } else if (next_sector(span.first, span.count) == before.first) {
+        direction = -1;
+    } else {
+        /* a jump */
+    }
+    return direction;
+}
+
+/*
+ * Whether a rotor of this speed cannot be there yet: it has to go half of its sector to the next
+ * edge, 3/4 if it is fast, a sector to turn back, and twice as much is given to a jump. So a signal
+ * that begins to stand still makes no edge at once.
+ */
+static bool is_too_soon(const hall_t *hall, const hall_cfg_t *cfg, int8_t direction)
+{
+    uint64_t least = SECTOR;
+
+    if (direction == 0) {
+        least = 2ULL * SECTOR;
+    } else if (direction == hall->direction) {
+        const uint32_t half = width_of(cfg, hall->span) / 2U;
+
+        least = hall_is_fast(hall, cfg) ? (half + (half / 2U)) : half;
+    } else {
+        /* it would have turned back */
+    }
+    return hall->known && hall->paced && (way_at_pace(hall) < least);
+}
+
+/* A pattern has passed over a sector. If the speed has brought the rotor there, the angle goes on.
+ */
+static void take_jump(hall_t *hall, const hall_cfg_t *cfg)
+{
+    const angle_t inside = hall->angle - begin_of(cfg, hall->span.first);
+
+    hall->trouble = (uint8_t)SHAFT_TROUBLE_HALL_JUMP;
+    if (hall->paced && (inside < width_of(cfg, hall->span))) {
+        hall->edge = hall->angle;
+        hall->ticks = 0U;
+    } else {
+        place(hall, cfg);
+    }
+}
+
+/* A legal pattern counts. */
+static void take_span(hall_t *hall, const hall_cfg_t *cfg, hall_span_t span, int8_t direction)
+{
+    const hall_span_t before = hall->span;
+
+    hall->span = span;
+    if (!hall->known) {
+        place(hall, cfg);
+        hall->known = true;
+    } else if (direction > 0) {
+        hall_take_edge(hall, cfg, begin_of(cfg, span.first), direction);
+    } else if (direction < 0) {
+        hall_take_edge(hall, cfg, begin_of(cfg, before.first), direction);
+    } else {
+        take_jump(hall, cfg);
+    }
+}
+
+static void take_legal(hall_t *hall, const hall_cfg_t *cfg, uint32_t pattern, hall_span_t span)
+{
+    const int8_t direction = direction_to(hall, span);
+
+    hall->unlike = 0U;
+    if (hall->known && (span.first == hall->span.first)) {
+        hall->taken = (uint8_t)pattern; /* only the signal that is left out has changed */
+    } else if (!is_too_soon(hall, cfg, direction)) {
+        hall->taken = (uint8_t)pattern;
+        take_span(hall, cfg, span, direction);
+    } else {
+        /* not yet */
+    }
+}
+
+/* The angle is not known any more; a legal pattern tells it again. */
+static void lose(hall_t *hall)
+{
+    hall->known = false;
+    hall->dead = 0U;
+    hall->taken = NO_PATTERN;
+    hall->seen = NO_PATTERN; /* no pattern tells it in this tick */
+    hall->trouble = (uint8_t)SHAFT_TROUBLE_HALL_PATTERN;
+}
+
+/* An illegal pattern. It is bridged for some ticks; then a signal is left out, or the angle lost.
+ */
+RARE static void take_unlike(hall_t *hall, const hall_cfg_t *cfg, uint32_t pattern)
+{
+    hall->unlike++;
+    if (hall->unlike >= UNLIKE_TICKS) {
+        const uint32_t dead = hall->known ? dead_signal(hall, cfg, pattern) : 0U;
+
+        hall->unlike = UNLIKE_TICKS;
+        if (dead == 0U) {
+            lose(hall);
+        } else {
+            hall->dead = (uint8_t)dead;
+            hall->taken = (uint8_t)pattern;
+            hall->span = span_of(cfg, pattern, dead);
+            hall->trouble = (uint8_t)SHAFT_TROUBLE_HALL_SIGNAL;
+        }
+    }
+}
+
+RARE static void take_pattern(hall_t *hall, const hall_cfg_t *cfg, uint32_t pattern)
+{
+    const hall_span_t span = span_of(cfg, pattern, hall->dead);
+
+    if (span.count == 0U) {
+        take_unlike(hall, cfg, pattern);
+    } else {
+        take_legal(hall, cfg, pattern, span);
+    }
+}
+
+/*
+ * Keeps the angle within the sector: a rotor that is slower than expected waits at its end. An edge
+ * counts up to two ticks after the rotor has passed it, so the angle may go on for these.
+ */
+static void hall_stay(hall_t *hall, const hall_cfg_t *cfg)
+{
+    const angle_t late = fx_unsigned(fx_abs(hall->speed)) * SEEN_UNTIL;
+    const angle_t begin = begin_of(cfg, hall->span.first) - late;
+    const angle_t width = (hall_end_of(cfg, hall->span) - begin) + late;
+
+    const angle_t inside = hall->angle - begin;
+
+    if (inside > width) {
+        hall->angle = ((inside - width) < (HALF_TURN - (width / 2U))) ? (begin + width) : begin;
+    }
+}
+
+/* A tick of a rotor whose speed is known. */
+static void keep_pace(hall_t *hall, const hall_cfg_t *cfg)
+{
+    const bool fast = hall_is_fast(hall, cfg);
+    const uint64_t most = fast ? LOST_WAY : (SLOW_FACTOR * (uint64_t)width_of(cfg, hall->span));
+
+    hall->angle += fx_unsigned(hall->speed);
+    if (!fast) {
+        hall_stay(hall, cfg);
+    }
+    if (way_at_pace(hall) <= most) {
+        /* the edge may still come */
+    } else if (fast) {
+        lose(hall);
+    } else {
+        forget_pace(hall);
+    }
+}
+
+static void hall_go_on(hall_t *hall, const hall_cfg_t *cfg)
+{
+    hall->ticks += (hall->ticks < TICKS_MAX) ? 1U : 0U;
+    if (hall->known && hall->paced) {
+        keep_pace(hall, cfg);
+    } else {
+        const int32_t way = fx_signed(middle_of(cfg, hall->span) - hall->angle);
+
+        hall->angle += fx_unsigned(fx_asr(way, REST_SHIFT));
+    }
+}
+
+bool hall_step(hall_t *hall, const hall_cfg_t *cfg, uint32_t pattern)
+{
+    hall->trouble = (uint8_t)SHAFT_TROUBLE_NONE;
+    hall_go_on(hall, cfg);
+    if ((pattern != hall->taken) && (pattern == hall->seen)) {
+        take_pattern(hall, cfg, pattern);
+    }
+    hall->seen = (uint8_t)pattern;
+    return hall->known;
+}

@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The electrical angle from three Hall signals.
+ *
+ * A pattern of the signals is a sector of some 60°. An edge from one sector to its neighbour tells
+ * the angle exactly, and two edges in the same direction tell the speed. Between edges the angle
+ * goes on with that speed, but not out of the sector. At an edge the angle takes on half of its
+ * error, and the speed a quarter of the difference. So the jitter of an edge, up to a tick, does
+ * not pass on as it is. After an error of 15° or more, or where no speed was known, both are set.
+ *
+ * A rotor that is too fast to stop within a sector does not wait for a late edge: the angle goes on
+ * with its speed. It is lost where four sectors should have passed.
+ *
+ * Where no speed is known the angle goes to the middle of the sector. It is off by at most half a
+ * sector then, so a torque at standstill has cos 30° of its value or more.
+ *
+ * A pattern counts once it is there in two ticks in a row, so a disturbance of one tick is not
+ * seen. The time of an edge allows for this. An edge that comes far too soon for the speed waits. A
+ * pattern that passes over a sector is named JUMP.
+ *
+ * A signal that stands still makes an illegal pattern, 000 or 111, once in each electrical turn.
+ * The signal for which the rotor would be where its speed has brought it is left out from then on,
+ * and named. The other two tell sectors of 60° and 120° apart. If no speed is known, or a second
+ * signal stands still, the angle is lost.
+ *
+ * Pure, total; call from the control interrupt.
+ */
+#ifndef HALL_H
+#define HALL_H
+
+#include "fx.h"
+#include "shaft_trouble.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define HALL_SECTORS (6U)
+
+typedef struct {
+    /*
+     * pattern of each sector, three bits each, sector 0 in the lowest; bit 0 of a pattern is sensor
+     * 1. Two patterns of neighbours differ in one bit, and neither 0 nor 7 occurs
+     */
+    uint32_t patterns;
+    /* angle at which sector k begins, 2^16 = one electrical turn, each ahead of the one before */
+    uint32_t edges_q16[HALL_SECTORS];
+    step_t fast_speed; /* a rotor of this speed or more cannot stop within a sector, 1…2^29 */
+} hall_cfg_t;
+
+/* Sectors that a pattern stands for. */
+typedef struct {
+    uint8_t first; /* 0…5 */
+    uint8_t count; /* 1 or 2; 0: the pattern is illegal */
+} hall_span_t;
+
+typedef struct {
+    angle_t angle;    /* electrical */
+    step_t speed;     /* from edge to edge, 0 where it is not known */
+    step_t pace;      /* speed at the last edge, see way_at_pace() */
+    angle_t edge;     /* angle of the last edge */
+    uint32_t ticks;   /* since the last edge, saturates at 2^20 */
+    hall_span_t span; /* in which the rotor is */
+    int8_t direction; /* of the last edge: 1, −1; 0: none yet */
+    uint8_t seen;     /* pattern of the last tick */
+    uint8_t taken;    /* pattern that counts */
+    uint8_t unlike;   /* ticks in a row with a pattern that no angle has, at most 4 */
+    uint8_t dead;     /* bit of the signal that is left out; 0: none */
+    uint8_t trouble;  /* shaft_trouble_t that was found in this tick */
+    bool paced;       /* the speed is known */
+    bool known;       /* the angle is known */
+} hall_t;
+
+/* The angle is not known. */
+void hall_start(hall_t *hall);
+
+/* One tick; pattern: 0…7. Returns whether `angle` is known. |speed| stays below 2^29. */
+bool hall_step(hall_t *hall, const hall_cfg_t *cfg, uint32_t pattern);
+
+/* Whether neighbours in `patterns` differ in one bit and all six legal patterns occur. Pure. */
+bool hall_order_holds(uint32_t patterns);
+
+#endif
