@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <random>
 #include <string>
 #include <utility>
 
@@ -186,14 +187,15 @@ TEST(a_bad_line_spoils_as_many_bytes_as_it_is_told)
                            static_cast<int>(came.size()) - static_cast<int>(same));
 }
 
+constexpr int SECOND = 10000;
+constexpr uint16_t REST = 164; // 4 % of full scale
+
 // Without anybody at the line: closed loop with the motor of the scenario.
 TEST(a_potentiometer_turns_the_motor_and_its_open_wire_ramps_it_to_a_stop)
 {
-    constexpr uint16_t REST = 164; // 4 % of full scale
     constexpr uint16_t HALF = 2048;
     constexpr double SHARE = (0.5 - 0.03) / 0.97; // behind the dead band
     constexpr double STEADY = 0.02;               // ripple and steps of the converter
-    constexpr int SECOND = 10000;
     const nf::Config config =
         nf::load_scenario("any", {}, {"input.kind=voltage", "input.arm_s=0.2"});
     SimulatedBoard board(config);
@@ -217,6 +219,73 @@ TEST(a_potentiometer_turns_the_motor_and_its_open_wire_ramps_it_to_a_stop)
     board.inputs().now.throttle = HALF;
     pass(board, SECOND);
     TEST_ASSERT_EQUAL(DRIVE_STATE_READY, drive.state);
+}
+
+// A source that commands half of the speed, and is lost at some instant.
+struct Source {
+    const char *name;
+    void (*begin)(SimulatedBoard &board, nf::live::Client &client);
+    void (*go_on)(SimulatedBoard &board, nf::live::Client &client); // heard again
+    void (*die)(SimulatedBoard &board);
+    const char *says;
+};
+
+drive_command_t run_at_half(const SimulatedBoard &board)
+{
+    return {board.run().sim().cfg().speed_loop.speed_max / 2,
+            static_cast<uint8_t>(DRIVE_MODE_SPEED), DRIVE_REQUEST_RUN};
+}
+
+const std::vector<Source> MORTALS = {
+    {"link",
+     [](SimulatedBoard &board, nf::live::Client &client) {
+         (void)client.hello();
+         TEST_ASSERT_EQUAL_STRING("", client.command(run_at_half(board)).c_str());
+     },
+     [](SimulatedBoard &, nf::live::Client &client) { (void)client.ping(); },
+     [](SimulatedBoard &) {}, "the link is silent: the drive stops"},
+    {"console", [](SimulatedBoard &board, nf::live::Client &) { type(board, "speed 700\rrun\r"); },
+     [](SimulatedBoard &board, nf::live::Client &) { type(board, "\r"); }, [](SimulatedBoard &) {},
+     "nothing is typed: the drive stops; Enter keeps it running"},
+    {"potentiometer",
+     [](SimulatedBoard &board, nf::live::Client &) { board.inputs().now.throttle = 2048; },
+     [](SimulatedBoard &, nf::live::Client &) {},
+     [](SimulatedBoard &board) { board.inputs().now.throttle = 4095; },
+     "the input is lost: its voltage is above its range: the drive stops"},
+};
+
+// PC killed, nobody at the console, a wire of the potentiometer open, at random instants from the
+// start on: at rest within the longest time-out, a second, and the ramp.
+TEST(a_source_that_is_lost_at_any_instant_leaves_the_motor_at_rest_in_time)
+{
+    constexpr int RAMP = 2 * SECOND; // from half of the speed, also out of a start
+    const nf::Config config = nf::load_scenario(
+        "any", {}, {"input.kind=voltage", "input.arm_s=0.2", "tuning.console_timeout_s=1"});
+    std::minstd_rand random(46);
+    for (unsigned k = 0; k < MORTALS.size() * testing_runs(10, 200); k++) {
+        const Source &source = MORTALS[k % MORTALS.size()];
+        SimulatedBoard board(config);
+        BoardChannel channel(board);
+        nf::live::Client client(channel, {}, {});
+        board.inputs().now.throttle = REST;
+        pass(board, READY_TICKS);
+        type(board, "stop\n"); // the script's run
+        pass(board, SECOND / 2);
+        source.begin(board, client);
+        int left = static_cast<int>(random() % (3 * SECOND)) + 500;
+        for (; left > SECOND / 2; left -= SECOND / 2) {
+            pass(board, SECOND / 2);
+            source.go_on(board, client);
+        }
+        pass(board, left);
+        TEST_ASSERT_TRUE_MESSAGE(board.link().live->app->out.gate_enable, source.name);
+        (void)board.take();
+        source.die(board);
+        pass(board, SECOND + RAMP);
+        TEST_ASSERT_EQUAL_MESSAGE(DRIVE_STATE_READY, board.run().sim().drive().state, source.name);
+        TEST_ASSERT_FALSE_MESSAGE(board.link().live->app->out.gate_enable, source.name);
+        assert_has(source.says, text(board.take()));
+    }
 }
 
 } // namespace

@@ -5,8 +5,9 @@
  * the person does says whether a start was asked for.
  *
  * The oracle. Since power-up and since the last stop, fault or command of somebody else the person
- * has left the throttle at rest, on a whole line, for the time of the arming, and then moves it and
- * leaves it there. It knows nothing of readings, and of the firmware only its times.
+ * has left the throttle at rest for the time of the arming, on a line that is whole or has gaps
+ * shorter than the time-out, and then moves it. It knows nothing of readings, and of the firmware
+ * only its times.
  */
 #include "seeded.h"
 #include "throttled_app.h"
@@ -41,6 +42,8 @@ static line_t line;
 static uint32_t rests;               /* ticks at rest on a whole line, undisturbed */
 static bool may_start;               /* it was at rest for so long, and nothing has ended that */
 static uint32_t moved;               /* ticks since which the throttle is away from its rest */
+static uint32_t since_moved;         /* ticks since it was away last */
+static uint32_t whole;               /* ticks since which the line is whole */
 static uint32_t broken;              /* ticks since which the line is open or shorted */
 static uint32_t starts[INPUT_KINDS]; /* of the input, over all runs */
 static uint32_t unasked;             /* of these not asked for */
@@ -160,18 +163,22 @@ static void feed(input_kind_t kind, uint32_t period)
 static void disturb(void)
 {
     rests = 0U;
+    whole = 0U;
     may_start = false;
 }
 
 static void watch(void)
 {
-    const bool still = (line == LINE_WHOLE) && (wanted <= 0.0);
+    broken = ((line == LINE_LOW) || (line == LINE_HIGH)) ? (broken + 1U) : 0U;
+
+    const bool held = (broken > 0U) && (broken < TIMEOUT); /* a gap that is no loss yet */
+    const bool still = ((line == LINE_WHOLE) || held) && (wanted <= 0.0);
 
     rests = (still && (commander_source(&app) == SOURCE_NONE)) ? (rests + 1U) : 0U;
     may_start =
         (may_start || ((rests + LATENCY) >= ARM)) && (commander_source(&app) != SOURCE_LINK);
     moved = (wanted > 0.0) ? (moved + 1U) : 0U;
-    broken = ((line == LINE_LOW) || (line == LINE_HIGH)) ? (broken + 1U) : 0U;
+    since_moved = (wanted > 0.0) ? 0U : (since_moved + 1U);
 }
 
 static void judge(source_t before, bool safely_armed)
@@ -180,7 +187,7 @@ static void judge(source_t before, bool safely_armed)
 
     if ((now == SOURCE_INPUT) && (before != SOURCE_INPUT)) {
         starts[input.kind]++;
-        unasked += (may_start && (moved > 0U)) ? 0U : 1U;
+        unasked += (may_start && (since_moved <= LATENCY)) ? 0U : 1U;
     }
     if ((now != SOURCE_INPUT) && (before == SOURCE_INPUT)) {
         disturb(); /* a stop, whoever has stopped */
@@ -247,7 +254,8 @@ static void run_once(void)
     disturb();
     for (uint32_t k = 0U; k < (20U * ARM); k++) {
         const source_t before = commander_source(&app);
-        const bool armed_before = may_start && (moved == 0U) && (rests > (ARM + ANSWER));
+        const bool armed_before =
+            may_start && (moved == 0U) && (whole > (ARM + ANSWER)) && (rests >= whole);
         static bool safely_armed;
 
         if (left == 0U) {
