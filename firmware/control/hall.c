@@ -17,6 +17,7 @@
 #define NEAR (0x20000000)  /* 45° */
 #define ANGLE_SHIFT (1U)
 #define SPEED_SHIFT (2U)
+#define STEADY_SHIFT (2U) /* the speed is steady if it has changed by less than a quarter */
 #define REST_SHIFT (6U)
 #define MEASURED_MAX (0x0FFFFFFF)
 #define JITTER_TICKS (64U)
@@ -131,6 +132,7 @@ static void forget_pace(hall_t *hall)
 {
     hall->speed = 0;
     hall->paced = false;
+    hall->steady = false;
 }
 
 /* The pattern has changed to one that is no neighbour, or nothing was known before. */
@@ -176,6 +178,19 @@ static step_t speed_ahead(const hall_t *hall, const hall_cfg_t *cfg, step_t meas
     return ahead;
 }
 
+/*
+ * Whether the rotor has gone through the last two sectors with about the same speed, or is fast. A
+ * slow one that does not may be anywhere soon: from rest the second sector takes 0.41 of the time
+ * of the first.
+ */
+static bool is_steady(const hall_t *hall, const hall_cfg_t *cfg, step_t measured)
+{
+    const step_t before = hall->pace;
+
+    return hall_is_fast(hall, cfg) ||
+           (hall->paced && (fx_abs(measured - before) <= fx_asr(fx_abs(before), STEADY_SHIFT)));
+}
+
 /* Corrects angle and speed at an edge, from the way and the time since the edge before. */
 static void hall_pace(hall_t *hall, const hall_cfg_t *cfg, angle_t edge)
 {
@@ -190,6 +205,7 @@ static void hall_pace(hall_t *hall, const hall_cfg_t *cfg, angle_t edge)
     } else {
         hall->angle = edge + fx_unsigned(way_since(speed));
     }
+    hall->steady = is_steady(hall, cfg, measured);
     hall->speed = speed;
     hall->pace = hall_is_fast(hall, cfg) ? speed : measured;
     hall->paced = true;
@@ -242,7 +258,7 @@ static bool is_too_soon(const hall_t *hall, const hall_cfg_t *cfg, int8_t direct
     } else {
         /* it would have turned back */
     }
-    return hall->known && hall->paced && (way_at_pace(hall) < least);
+    return hall->known && hall->paced && hall->steady && (way_at_pace(hall) < least);
 }
 
 /* A pattern has passed over a sector. If the speed has brought the rotor there, the angle goes on.

@@ -15,8 +15,9 @@
  * sector then, so a torque at standstill has cos 30° of its value or more.
  *
  * A pattern counts once it is there in two ticks in a row, so a disturbance of one tick is not
- * seen. The time of an edge allows for this. An edge that comes far too soon for the speed waits. A
- * pattern that passes over a sector is named JUMP.
+ * seen. The time of an edge allows for this. An edge that comes far too soon for a steady speed
+ * waits: it may be a signal that begins to stand still. While the speed changes, as after a start,
+ * no edge waits. A pattern that passes over a sector is named JUMP.
  *
  * A signal that stands still makes an illegal pattern, 000 or 111, once in each electrical turn.
  * The signal for which the rotor would be where its speed has brought it is left out from then on,
@@ -67,6 +68,7 @@ typedef struct {
     uint8_t dead;     /* bit of the signal that is left out; 0: none */
     uint8_t trouble;  /* shaft_trouble_t that was found in this tick */
     bool paced;       /* the speed is known */
+    bool steady;      /* and that of the sector before was about the same, or it is fast */
     bool known;       /* the angle is known */
 } hall_t;
 
