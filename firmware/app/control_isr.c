@@ -115,7 +115,7 @@ static bool is_told(const app_t *app)
 void control_isr(app_t *app)
 {
     hal_sample(app->hal, &app->in);
-    if (app->shaft != NULL) {
+    if ((app->shaft != NULL) && shaft_decoder_is_on(app->shaft, &app->drive.cfg->sensor)) {
         shaft_decoder_step(app->shaft, &app->drive.cfg->sensor, app->hal, &app->in);
     }
     if (drive_reads_slow_inputs(&app->drive)) {

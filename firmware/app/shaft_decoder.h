@@ -15,6 +15,7 @@
 #include "drive_cfg.h"
 #include "hal.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 
 typedef struct {
@@ -29,9 +30,16 @@ typedef struct {
 /* Nothing is known; no decoder runs. */
 void shaft_decoder_init(shaft_decoder_t *shaft);
 
+/* Whether there is something to do in this tick: a sensor, or the end of one. */
+static inline bool shaft_decoder_is_on(const shaft_decoder_t *shaft, const sensor_cfg_t *cfg)
+{
+    return (cfg->kind | shaft->kind) != (uint32_t)SENSOR_KIND_NONE;
+}
+
 /*
  * One tick: sets angle and flags of the frame. With a sensor of kind NONE the frame stays as it is.
- * Another kind than in the last tick begins anew.
+ * Another kind than in the last tick begins anew. Need not be called while shaft_decoder_is_on() is
+ * false.
  */
 void shaft_decoder_step(shaft_decoder_t *shaft, const sensor_cfg_t *cfg, hal_t *hal,
                         drive_in_t *in);
