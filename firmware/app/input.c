@@ -177,9 +177,10 @@ static void post_demand(const input_t *input, const live_config_t *live, const i
     }
 }
 
-/* The demand begins at 0. It is in force before the run: an older target must not begin to decide.
+/*
+ * The demand begins at 0. It is in force before the run: an older target must not begin to decide.
  */
-static void start_run(input_t *input, const live_config_t *live, const input_cfg_t *cfg)
+static void input_start_run(input_t *input, const live_config_t *live, const input_cfg_t *cfg)
 {
     input->demand_q30 = 0;
     post_demand(input, live, cfg);
@@ -232,7 +233,7 @@ static void wait_for_demand(input_t *input, const live_config_t *live, const inp
     } else if ((input->share == 0) || waits) {
         input->rested = input->signal.count;
     } else if (asks) {
-        start_run(input, live, cfg);
+        input_start_run(input, live, cfg);
     } else {
         /* not often enough */
     }

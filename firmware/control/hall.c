@@ -10,11 +10,11 @@
 #define Q16_TO_Q32_SHIFT (16U)
 #define UNLIKE_TICKS (4U)
 #define TICKS_MAX (0x100000U)
-#define SECTOR (0x2AAAAAABU)               /* 60° */
-#define LOST_WAY (4ULL * (uint64_t)SECTOR) /* without an edge */
-#define SLOW_FACTOR (2ULL) /* a rotor that takes twice the time of its sector is slow */
-#define CLOSE (0x0AAAAAAA) /* 15° */
-#define NEAR (0x20000000)  /* 45° */
+#define SECTOR (0x2AAAAAABU)   /* 60° */
+#define LOST_WAY (4U * SECTOR) /* without an edge */
+#define SLOW_FACTOR (2U)       /* a rotor that takes twice the time of its sector is slow */
+#define CLOSE (0x0AAAAAAA)     /* 15° */
+#define NEAR (0x20000000)      /* 45° */
 #define ANGLE_SHIFT (1U)
 #define SPEED_SHIFT (2U)
 #define STEADY_SHIFT (2U) /* the speed is steady if it has changed by less than a quarter */
@@ -102,11 +102,20 @@ static angle_t width_of(const hall_cfg_t *cfg, hall_span_t span)
     return hall_end_of(cfg, span) - begin_of(cfg, span.first);
 }
 
-/* Returns how far a rotor would have gone since the last edge with its last speed, Q32 of a turn.
- */
-static uint64_t way_at_pace(const hall_t *hall)
+/* Begins the time and the way since an edge. */
+static void begin_way(hall_t *hall)
 {
-    return (uint64_t)fx_unsigned(fx_abs(hall->pace)) * hall->ticks;
+    hall->ticks = 0U;
+    hall->way = 0U;
+}
+
+static void go_on_way(hall_t *hall)
+{
+    const uint32_t left = UINT32_MAX - hall->way;
+    const uint32_t more = fx_unsigned(fx_abs(hall->pace));
+
+    hall->ticks += (hall->ticks < TICKS_MAX) ? 1U : 0U;
+    hall->way += (more < left) ? more : left;
 }
 
 /*
@@ -125,7 +134,7 @@ static uint32_t dead_signal(const hall_t *hall, const hall_cfg_t *cfg, uint32_t 
 
         dead = near ? bit : dead;
     }
-    return ((hall->pace != 0) && (way_at_pace(hall) <= LOST_WAY)) ? dead : 0U;
+    return ((hall->pace != 0) && (hall->way <= LOST_WAY)) ? dead : 0U;
 }
 
 static void forget_pace(hall_t *hall)
@@ -140,7 +149,7 @@ static void place(hall_t *hall, const hall_cfg_t *cfg)
 {
     hall->angle = middle_of(cfg, hall->span);
     hall->direction = 0;
-    hall->ticks = 0U;
+    begin_way(hall);
     hall->pace = 0;
     forget_pace(hall);
 }
@@ -221,7 +230,7 @@ static void hall_take_edge(hall_t *hall, const hall_cfg_t *cfg, angle_t edge, in
     }
     hall->edge = edge;
     hall->direction = direction;
-    hall->ticks = 0U;
+    begin_way(hall);
 }
 
 /* Returns the direction of the edge to this span; 0: it is no neighbour. */
@@ -247,10 +256,10 @@ static int8_t direction_to(const hall_t *hall, hall_span_t span)
  */
 static bool is_too_soon(const hall_t *hall, const hall_cfg_t *cfg, int8_t direction)
 {
-    uint64_t least = SECTOR;
+    uint32_t least = SECTOR;
 
     if (direction == 0) {
-        least = 2ULL * SECTOR;
+        least = 2U * SECTOR;
     } else if (direction == hall->direction) {
         const uint32_t half = width_of(cfg, hall->span) / 2U;
 
@@ -258,7 +267,7 @@ static bool is_too_soon(const hall_t *hall, const hall_cfg_t *cfg, int8_t direct
     } else {
         /* it would have turned back */
     }
-    return hall->known && hall->paced && hall->steady && (way_at_pace(hall) < least);
+    return hall->known && hall->paced && hall->steady && (hall->way < least);
 }
 
 /* A pattern has passed over a sector. If the speed has brought the rotor there, the angle goes on.
@@ -270,7 +279,7 @@ static void take_jump(hall_t *hall, const hall_cfg_t *cfg)
     hall->trouble = (uint8_t)SHAFT_TROUBLE_HALL_JUMP;
     if (hall->paced && (inside < width_of(cfg, hall->span))) {
         hall->edge = hall->angle;
-        hall->ticks = 0U;
+        begin_way(hall);
     } else {
         place(hall, cfg);
     }
@@ -371,13 +380,14 @@ static void hall_stay(hall_t *hall, const hall_cfg_t *cfg)
 static void keep_pace(hall_t *hall, const hall_cfg_t *cfg)
 {
     const bool fast = hall_is_fast(hall, cfg);
-    const uint64_t most = fast ? LOST_WAY : (SLOW_FACTOR * (uint64_t)width_of(cfg, hall->span));
+    const bool waits =
+        fast ? (hall->way <= LOST_WAY) : ((hall->way / SLOW_FACTOR) <= width_of(cfg, hall->span));
 
     hall->angle += fx_unsigned(hall->speed);
     if (!fast) {
         hall_stay(hall, cfg);
     }
-    if (way_at_pace(hall) <= most) {
+    if (waits) {
         /* the edge may still come */
     } else if (fast) {
         lose(hall);
@@ -388,7 +398,7 @@ static void keep_pace(hall_t *hall, const hall_cfg_t *cfg)
 
 static void hall_go_on(hall_t *hall, const hall_cfg_t *cfg)
 {
-    hall->ticks += (hall->ticks < TICKS_MAX) ? 1U : 0U;
+    go_on_way(hall);
     if (hall->known && hall->paced) {
         keep_pace(hall, cfg);
     } else {

@@ -57,9 +57,10 @@ typedef struct {
 typedef struct {
     angle_t angle;    /* electrical */
     step_t speed;     /* from edge to edge, 0 where it is not known */
-    step_t pace;      /* speed at the last edge, see way_at_pace() */
+    step_t pace;      /* speed at the last edge */
     angle_t edge;     /* angle of the last edge */
     uint32_t ticks;   /* since the last edge, saturates at 2^20 */
+    uint32_t way;     /* that a rotor with this pace has gone since then, Q32, saturates */
     hall_span_t span; /* in which the rotor is */
     int8_t direction; /* of the last edge: 1, −1; 0: none yet */
     uint8_t seen;     /* pattern of the last tick */

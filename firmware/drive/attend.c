@@ -36,7 +36,8 @@ static fault_t sensor_fault(const drive_in_t *in)
     return (fault_t){.id = FAULT_ANGLE_SENSOR, .value = fx_signed(trouble), .limit = 0};
 }
 
-/* A start without the angle of a sensor needs a start-up, which a drive with a sensor may not have.
+/*
+ * A start without the angle of a sensor needs a start-up, which a drive with a sensor may not have.
  */
 static drive_event_t start_run(const drive_t *drive, const drive_in_t *in, fault_t *fault)
 {

@@ -34,7 +34,6 @@ static hal_t hardware;
 static link_t serial;
 static box_t box;
 RAM_KEPT static recorder_t recorder;
-static shaft_decoder_t shaft;
 RAM_KEPT static recorder_entry_t ring[RECORDER_SEGMENTS * DRIVE_RECORDER_ENTRIES];
 RAM_KEPT static live_config_t live;
 RAM_KEPT static fault_log_t faults;
@@ -107,6 +106,7 @@ static void background(void)
 
 static const char *bring_up(void)
 {
+    static shaft_decoder_t shaft;
     const char *why = hal_g4_init(&hardware);
 
     if (why == NULL) {

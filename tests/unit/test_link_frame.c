@@ -77,9 +77,9 @@ TEST(test_a_message_of_each_length_comes_in_as_it_went_out)
 
 TEST(test_the_bytes_on_the_line_are_those_of_the_page)
 {
-    /* HELLO, tag 1, version 3, salt 12345678h: as docs/link.md shows it */
-    static const uint8_t hello[] = {0x00, 0x0C, 0x01, 0x01, 0x03, 0x78, 0x56,
-                                    0x34, 0x12, 0x71, 0x25, 0xCE, 0x39, 0x00};
+    /* HELLO, tag 1, version 4, salt 12345678h: as docs/link.md shows it */
+    static const uint8_t hello[] = {0x00, 0x0C, 0x01, 0x01, 0x04, 0x78, 0x56,
+                                    0x34, 0x12, 0x61, 0xF9, 0xEE, 0x8B, 0x00};
     uint8_t byte = 0U;
 
     link_out_begin(&out, (uint8_t)LINK_HELLO, 1U);

@@ -90,6 +90,17 @@ class Image:
         lines = [line.split() for line in binutil("nm", "-n", self.path).splitlines()]
         return {words[2]: int(words[0], 16) & ~1 for words in lines if len(words) == 3}
 
+    @cached_property
+    def _names_by_address(self):
+        found = {}
+        for name, address in self._all_names.items():
+            found.setdefault(address, []).append(name)
+        return found
+
+    def names_at(self, name):
+        """All names at the address of a name; none if it is not linked."""
+        return self._names_by_address.get(self._all_names.get(name), [])
+
     def has(self, name):
         """Whether anything of exactly that name is linked."""
         return name in self._all_names

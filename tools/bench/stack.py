@@ -99,6 +99,14 @@ def linked(frames, calls, has):
     return {caller: {callee for callee in callees if callee in frames or has(callee)} for caller, callees in calls.items()}
 
 
+def by_one_name(calls, frames, names_of):
+    """The calls with each function by the name that has its frame: functions of the same code are one after the link, and
+    the call graph lists that one alone. `names_of`: all names at the address of a name."""
+    def known(callee):
+        return callee if callee in frames else next((name for name in names_of(callee) if name in frames), callee)
+    return {caller: {known(callee) for callee in callees} for caller, callees in calls.items()}
+
+
 def graph(image):
     """Frames and calls of all functions of the image but those of the compiler's library."""
     files = sorted(image.path.parent.glob(f"{image.path.name}.ltrans*.ci"))
@@ -106,7 +114,8 @@ def graph(image):
         raise BenchError(f"{image.path}: no call graph beside it, {image.path.name}.ltrans*.ci; "
                          "build the image anew")
     frames, calls = parse("".join(file.read_text(encoding="utf-8") for file in files))
-    return frames, linked(frames, resolve_pointers(calls, INDIRECT), image.has)
+    calls = linked(frames, resolve_pointers(calls, INDIRECT), image.has)
+    return frames, by_one_name(calls, frames, image.names_at)
 
 
 def computed(image, entry):
