@@ -12,9 +12,11 @@
 #define TICKS_MAX (0x100000U)
 #define SECTOR (0x2AAAAAABU)   /* 60° */
 #define LOST_WAY (4U * SECTOR) /* without an edge */
-#define SLOW_FACTOR (2U)       /* a rotor that takes twice the time of its sector is slow */
-#define CLOSE (0x0AAAAAAA)     /* 15° */
-#define NEAR (0x20000000)      /* 45° */
+/* A signal that stands still takes away one edge, so the illegal pattern comes at two sectors. */
+#define DEAD_WAY ((5U * SECTOR) / 2U)
+#define SLOW_FACTOR (2U)   /* a rotor that takes twice the time of its sector is slow */
+#define CLOSE (0x0AAAAAAA) /* 15° */
+#define NEAR (0x20000000U) /* 45° */
 #define ANGLE_SHIFT (1U)
 #define SPEED_SHIFT (2U)
 #define STEADY_SHIFT (2U) /* the speed is steady if it has changed by less than a quarter */
@@ -121,20 +123,22 @@ static void go_on_way(hall_t *hall)
 /*
  * Returns the signal whose standing still explains an illegal pattern; 0: none. Without it the
  * rotor would be in one of three sectors, 120° apart. It is in the one to which its last speed has
- * brought it since the last edge.
+ * brought it since the last edge. After a longer way than such a signal needs, a rotor that is not
+ * fast may have stopped; and one that has turned back has no last speed.
  */
 static uint32_t dead_signal(const hall_t *hall, const hall_cfg_t *cfg, uint32_t pattern)
 {
     const angle_t expected = hall->edge + (fx_unsigned(hall->pace) * hall->ticks);
+    const uint32_t farthest = hall->paced ? LOST_WAY : DEAD_WAY;
     uint32_t dead = 0U;
 
     for (uint32_t bit = 1U; bit <= 4U; bit *= 2U) {
         const angle_t middle = middle_of(cfg, span_of(cfg, pattern ^ bit, 0U));
-        const bool near = fx_abs(fx_signed(expected - middle)) < NEAR;
+        const bool near = ((expected - middle) + NEAR) < (2U * NEAR);
 
         dead = near ? bit : dead;
     }
-    return ((hall->pace != 0) && (hall->way <= LOST_WAY)) ? dead : 0U;
+    return ((hall->pace != 0) && (hall->way <= farthest)) ? dead : 0U;
 }
 
 static void forget_pace(hall_t *hall)
@@ -226,6 +230,7 @@ static void hall_take_edge(hall_t *hall, const hall_cfg_t *cfg, angle_t edge, in
         hall_pace(hall, cfg, edge);
     } else {
         forget_pace(hall);
+        hall->pace = 0;
         hall->angle = edge;
     }
     hall->edge = edge;

@@ -57,7 +57,7 @@ typedef struct {
 typedef struct {
     angle_t angle;    /* electrical */
     step_t speed;     /* from edge to edge, 0 where it is not known */
-    step_t pace;      /* speed at the last edge */
+    step_t pace;      /* speed at the last edge, 0 where it is not known */
     angle_t edge;     /* angle of the last edge */
     uint32_t ticks;   /* since the last edge, saturates at 2^20 */
     uint32_t way;     /* that a rotor with this pace has gone since then, Q32, saturates */

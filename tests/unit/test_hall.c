@@ -248,6 +248,53 @@ TEST(test_an_illegal_pattern_of_unknown_cause_loses_the_angle_until_a_legal_one_
     TEST_ASSERT_TRUE(hall.known);
 }
 
+/* The signals of this broken one read what makes an illegal pattern where the rotor is now. */
+static bool breaks_here(uint32_t bit)
+{
+    const uint32_t now = true_pattern();
+
+    stuck_high = ((now | bit) == 7U) ? bit : 0U;
+    stuck_low = ((now & ~bit) == 0U) ? bit : 0U;
+    return (stuck_high | stuck_low) != 0U;
+}
+
+/* The pattern becomes illegal here, and the rotor stays. */
+static void assert_no_other_signal_is_left_out(uint32_t bit)
+{
+    if (breaks_here(bit)) {
+        (void)turn(10, 0, 0);
+        TEST_ASSERT_TRUE((hall.dead == 0U) || (hall.dead == bit));
+        TEST_ASSERT_EQUAL_INT(hall.dead != 0U, hall.known);
+    }
+}
+
+/* With the speed of before another signal would be left out, and the angle be 120° off. */
+TEST(test_a_signal_that_stands_still_after_the_rotor_has_turned_back_is_not_taken_for_another)
+{
+    for (uint32_t k = 0U; k < (3U * 6U * 40U); k++) {
+        setUp();
+        rotor = ((k / 3U) % 6U) * SECTOR;
+        (void)turn(1000, STEP, 0);
+        (void)turn(43 + (int32_t)(k / 18U), -STEP, 0); /* through one edge or two */
+        assert_no_other_signal_is_left_out((uint32_t)1U << (k % 3U));
+    }
+}
+
+/*
+ * Up to two sectors and a half the speed would have brought it where a broken signal shows itself;
+ * a sector takes 42 ticks.
+ */
+TEST(test_a_signal_that_stands_still_after_the_rotor_has_stopped_is_not_taken_for_another)
+{
+    for (uint32_t k = 0U; k < (3U * 6U * 8U); k++) {
+        setUp();
+        rotor = ((k / 3U) % 6U) * SECTOR;
+        (void)turn(1000, STEP, 0);
+        (void)turn(105 + (10 * (int32_t)(k / 18U)), 0, 0);
+        assert_no_other_signal_is_left_out((uint32_t)1U << (k % 3U));
+    }
+}
+
 TEST(test_no_sensor_at_all_is_named)
 {
     stuck_low = 7U;
