@@ -160,8 +160,9 @@ static const char *check_hall(const char *before, const hall_cfg_t *cfg)
 }
 
 /*
- * A sensor with an observer beside it may have a start-up, for when the sensor fails. An encoder
- * needs one, to be aligned. Without an observer (eta is 0) there is none.
+ * A sensor with an observer beside it needs a start-up: when the sensor fails, the observer holds
+ * the motor only above the hand-over speed. Without an observer (eta is 0) there is none, so an
+ * encoder needs an observer, to be aligned.
  */
 static const char *check_sensor(const char *before, const drive_cfg_t *cfg)
 {
@@ -174,6 +175,8 @@ static const char *check_sensor(const char *before, const drive_cfg_t *cfg)
         bad = in_order(bad, "run.acceleration_q14", cfg->run.acceleration_q14, 0);
         bad = in_order(bad, "observer.momentum_q15", cfg->observer.momentum_q15, 0);
         bad = in_order(bad, "sensor.observer_above", sensor->observer_above, 0);
+    } else {
+        bad = in_order(bad, "startup.current_hold", 1, cfg->startup.current_hold);
     }
     if ((sensor->kind == (uint32_t)SENSOR_KIND_ENCODER) ||
         (sensor->kind == (uint32_t)SENSOR_KIND_ENCODER_INDEX)) {

@@ -160,8 +160,8 @@ static fault_id_t count_late(control_t *control, watch_t *watch, const drive_t *
 
 /*
  * The sensor has failed in RUN. The observer holds the motor above the hand-over speed. Below it a
- * current is imposed where the present one points. A drive that has no observer or no start-up
- * stops.
+ * current is imposed where the present one points; an observer beside a sensor has a start-up. A
+ * drive that has no observer stops.
  */
 RARE static void lose_sensor(drive_t *drive, const drive_in_t *in, const instant_t *now)
 {
@@ -169,14 +169,14 @@ RARE static void lose_sensor(drive_t *drive, const drive_in_t *in, const instant
     const bool fast = fx_abs(drive->rotor.observer.speed) >= cfg->startup.handover_speed;
     const bool observed = cfg->observer.eta != 0;
 
-    if (observed && !fast && (cfg->startup.current_hold != 0)) {
+    if (observed && !fast) {
         const ab_t current = transforms_clarke(now->sample.phase_a, now->sample.phase_b);
         instant_t turned = *now;
 
         turned.along_rotor =
             transforms_park(current, trig_sincos(rotor_position_angle(&drive->rotor.position)));
         life_follow(drive, DRIVE_EVENT_SLOW, &turned);
-    } else if (!observed || !fast) {
+    } else if (!observed) {
         const fault_t fault = sensor_fault(in);
 
         life_fail(drive, &fault, now);

@@ -247,9 +247,26 @@ TEST(test_an_encoder_needs_a_start_up_that_aligns_it)
     }
 }
 
+/* Below the hand-over speed the observer cannot hold a motor whose sensor has failed. */
+TEST(test_an_observer_beside_a_sensor_needs_a_start_up_for_when_the_sensor_fails)
+{
+    drive_cfg_t cfg = example_drive_cfg_with_startup();
+
+    for (uint32_t kind = SENSOR_KIND_NONE; kind <= (uint32_t)SENSOR_KIND_ABSOLUTE; kind++) {
+        cfg.sampling.sensor_pole_pairs = 2U;
+        cfg.sensor.kind = kind;
+        cfg.startup.current_hold = 1;
+        TEST_ASSERT_NULL(config_check(&cfg));
+        cfg.startup.current_hold = 0;
+        TEST_ASSERT_EQUAL_STRING("startup.current_hold", config_check(&cfg));
+    }
+    cfg.sampling.sensor_pole_pairs = 0U;
+    TEST_ASSERT_NULL(config_check(&cfg));
+}
+
 TEST(test_hall_sectors_that_are_none_are_named)
 {
-    drive_cfg_t cfg = example_drive_cfg();
+    drive_cfg_t cfg = example_drive_cfg_with_startup();
 
     cfg.sampling.sensor_pole_pairs = 1U;
     cfg.sensor.kind = (uint32_t)SENSOR_KIND_HALL;

@@ -67,6 +67,16 @@ void check_alignment(SensorKind kind, const TuningSettings &tuning)
     }
 }
 
+// Below the hand-over speed only an imposed current holds a motor whose sensor has failed.
+void check_fail_over(const TuningSettings &tuning)
+{
+    if (tuning.angle_source == AngleSource::both) {
+        require({"startup.current_pct", tuning.startup_current_pct}, 1, HUGE_VAL,
+                "with drive.angle_source = \"both\" a current is imposed at low speed when the "
+                "sensor fails");
+    }
+}
+
 } // namespace
 
 uint32_t hall_patterns(const SensorSettings &sensor)
@@ -97,6 +107,7 @@ sensor_cfg_t make_sensor(const MotorSettings &motor, const TuningSettings &tunin
     const SensorKind kind = kind_in_use(motor, tuning);
     sensor_cfg_t c{};
     check_alignment(kind, tuning);
+    check_fail_over(tuning);
     c.kind = static_cast<uint32_t>(kind);
     set_hall(c.hall, sensor);
     c.hall.fast_speed = fast_speed(motor, b);
