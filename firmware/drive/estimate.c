@@ -11,7 +11,9 @@
 /* the filter of the residual has a time constant of 2^3 slow periods */
 #define RESIDUAL_SHIFT (3U)
 /* 1/8 turn is more than any acceleration of a motor makes the tracking loop lag */
-#define LEFT_BEHIND (0x20000000)
+#define LEFT_BEHIND (0x20000000U)
+/* Before its first edges a Hall sensor tells the middle of a sector of 60°, so it is off by 30°. */
+#define HALF_SECTOR (0x15555555U)
 
 void estimate_reset(rotor_t *rotor)
 {
@@ -50,6 +52,26 @@ static bool has_free_zero(const drive_t *drive)
     return (kind == (uint32_t)SENSOR_KIND_ENCODER) || (kind == (uint32_t)SENSOR_KIND_ENCODER_INDEX);
 }
 
+/* Whether this difference of two angles is less than `limit`, below 2^31, either way. */
+static bool is_within(angle_t ahead, angle_t limit)
+{
+    return (ahead + limit) < (2U * limit);
+}
+
+/*
+ * Whether the sensor has the rotor about where the observer has it. Beyond the limit its wires are
+ * exchanged or its zero is wrong. The limit is below a quarter turn, from where on the torque would
+ * turn round.
+ */
+static bool agrees(const rotor_t *rotor, const drive_t *drive)
+{
+    const bool hall = drive->cfg->sensor.kind == (uint32_t)SENSOR_KIND_HALL;
+    const angle_t ahead = rotor_position_angle(&rotor->angle_sensor.position) -
+                          rotor_position_angle(&rotor->position);
+
+    return is_within(ahead, LEFT_BEHIND + (hall ? HALF_SECTOR : 0U));
+}
+
 static angle_t measured_angle(const drive_t *drive, uint16_t count)
 {
     return (angle_t)count * COUNT_TO_ANGLE * drive->cfg->sampling.sensor_pole_pairs;
@@ -72,7 +94,7 @@ static void follow_sensor(rotor_t *rotor, const drive_t *drive, uint16_t count)
     }
     error = angle_sensor_step(&rotor->angle_sensor, measured_angle(drive, count),
                               drive->motor.model.observer.speed_limit);
-    rotor->followed = (fx_abs(error) < LEFT_BEHIND) || !has_free_zero(drive);
+    rotor->followed = is_within(fx_unsigned(error), LEFT_BEHIND) || !has_free_zero(drive);
 }
 
 /*
@@ -92,7 +114,8 @@ static estimate_source_t choose_in_run(rotor_t *rotor, const drive_t *drive)
     } else if ((cfg->observer_above != 0) && (speed >= cfg->observer_above)) {
         source = ESTIMATE_OBSERVER;
     } else if (usable && ((cfg->observer_above == 0) || (speed <= cfg->sensor_below))) {
-        source = ESTIMATE_SENSOR;
+        rotor->failed = (source == ESTIMATE_OBSERVER) && !agrees(rotor, drive);
+        source = rotor->failed ? ESTIMATE_OBSERVER : ESTIMATE_SENSOR;
     } else {
         /* between both speeds the source stays */
     }

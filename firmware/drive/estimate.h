@@ -37,7 +37,8 @@ void estimate_place(rotor_t *rotor, rotor_position_t position);
  * Follows the sensor and chooses the source. While the source is the sensor, θ̂ and ω̂ are set to
  * its angle and its speed. In RUN the observer takes over above sensor.observer_above, the sensor
  * below sensor.sensor_below; θ̂ does not jump at either. A sensor that fails leaves RUN to the
- * observer. Call it first in each tick of a drive with a sensor, in every state.
+ * observer, and so does one that would take over 1/8 turn or more away from it, with Hall signals
+ * half a sector more. Call it first in each tick of a drive with a sensor, in every state.
  */
 void estimate_sense(rotor_t *rotor, const drive_t *drive, const drive_in_t *in);
 

@@ -24,11 +24,12 @@ static drive_in_t in;
 static drive_out_t out;
 static example_motor_t motor;
 static double load_nm;
+static double sensor_off; /* how far the angle of the sensor is off, electrical, rad */
 
 /* Both currents, and the angle for a drive with a sensor. */
 static void measure(void)
 {
-    const double turns = motor.angle / (2.0 * EXAMPLE_PI) / POLE_PAIRS;
+    const double turns = (motor.angle + sensor_off) / (2.0 * EXAMPLE_PI) / POLE_PAIRS;
 
     example_motor_measure(&motor, &in);
     in.angle = (uint16_t)((uint32_t)lround((turns - floor(turns)) * 65536.0) & 0xFFFFU);
