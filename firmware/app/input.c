@@ -102,7 +102,10 @@ static bool is_commanded(const app_t *app)
     return command_mailbox_take(&app->mailbox).request != 0U;
 }
 
-/* A button that is held has to be pressed for this input: it does not count when it is stuck. */
+/*
+ * A button that is held does not count when it is stuck. An enable may be held once it was pressed
+ * after what has disarmed the input.
+ */
 static bool rests(input_t *input, const app_t *app, const input_cfg_t *cfg)
 {
     const bool set_point = cfg->button == (uint32_t)INPUT_BUTTON_START_STOP;
@@ -115,34 +118,50 @@ static bool rests(input_t *input, const app_t *app, const input_cfg_t *cfg)
 
 /* ---- the button ---- */
 
-static void press_button(input_t *input, app_t *app, const input_cfg_t *cfg, uint32_t tick)
+/*
+ * A stop of the button, whoever runs the motor. A measurement that waits for the winding to cool
+ * asks nothing of the drive yet; it ends too, as it would turn the motor later. Returns whether
+ * there was something to stop.
+ */
+static bool stop_by_button(input_t *input, app_t *app, identify_t *identify, uint32_t tick)
+{
+    const bool stops = is_commanded(app) || identify_is_busy(identify);
+
+    if (stops) {
+        identify_stop(identify);
+        commander_stop(app, SOURCE_INPUT);
+        disarm(input, tick);
+    }
+    return stops;
+}
+
+/* A press that has not started a run yet is taken back by the next one. */
+static void press_button(input_t *input, app_t *app, identify_t *identify, const input_cfg_t *cfg,
+                         uint32_t tick)
 {
     const bool toggles = cfg->button == (uint32_t)INPUT_BUTTON_START_STOP;
 
     if (app->drive.state == DRIVE_STATE_FAULT) {
         (void)commander_clear(app, SOURCE_INPUT);
-    } else if (toggles && is_commanded(app)) {
-        commander_stop(app, SOURCE_INPUT);
-        disarm(input, tick);
+    } else if (!toggles || !stop_by_button(input, app, identify, tick)) {
+        input->is_on = !toggles || ((input->state == (uint8_t)INPUT_ARMED) && !input->is_on);
     } else {
-        input->is_on = !toggles || (input->state == (uint8_t)INPUT_ARMED);
+        /* it was a stop */
     }
 }
 
 /* The button of an enable opens the gates, whoever runs the motor. */
-static void release_button(input_t *input, app_t *app, const input_cfg_t *cfg, uint32_t tick)
+static void release_button(input_t *input, app_t *app, identify_t *identify, const input_cfg_t *cfg,
+                           uint32_t tick)
 {
     if (cfg->button == (uint32_t)INPUT_BUTTON_ENABLE) {
-        if (is_commanded(app)) {
-            commander_stop(app, SOURCE_INPUT);
-            disarm(input, tick);
-        }
+        (void)stop_by_button(input, app, identify, tick);
         input->is_on = false;
     }
 }
 
-static void step_button(input_t *input, const live_config_t *live, const input_cfg_t *cfg,
-                        uint32_t tick)
+static void step_button(input_t *input, const live_config_t *live, identify_t *identify,
+                        const input_cfg_t *cfg, uint32_t tick)
 {
     const bool raw = (cfg->button != (uint32_t)INPUT_BUTTON_NONE) && hal_inputs(live->hal).button;
     const bool was_pressed = input->button.pressed;
@@ -150,9 +169,9 @@ static void step_button(input_t *input, const live_config_t *live, const input_c
         button_step(&input->button, raw, tick, units_ticks(&live->about.rotation, BUTTON_US));
 
     if (becomes_pressed) {
-        press_button(input, live->app, cfg, tick);
+        press_button(input, live->app, identify, cfg, tick);
     } else if (was_pressed && !input->button.pressed) {
-        release_button(input, live->app, cfg, tick);
+        release_button(input, live->app, identify, cfg, tick);
     } else {
         /* the button stays as it is */
     }
@@ -212,6 +231,7 @@ static void wait_for_rest(input_t *input, const app_t *app, const input_cfg_t *c
         input->rest = tick;
     } else if ((tick - input->rest) >= cfg->arm_ticks) {
         input->state = (uint8_t)INPUT_ARMED;
+        input->rested = input->signal.count;
     } else {
         /* not long enough */
     }
@@ -277,7 +297,7 @@ static const char *decide(input_t *input, const live_config_t *live, identify_t 
     }
     input->share =
         signal_is_lost(input) ? 0 : throttle_share(cfg, input_signal_value(&input->signal));
-    step_button(input, live, cfg, tick);
+    step_button(input, live, identify, cfg, tick);
     if (input->state == (uint8_t)INPUT_WAITS) {
         wait_for_rest(input, app, cfg, tick);
     } else if (input->state == (uint8_t)INPUT_ARMED) {

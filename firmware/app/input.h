@@ -5,10 +5,11 @@
  *
  * Arming. A throttle that is high at power-up starts nothing. The input has to be seen at rest for
  * cfg->input.arm_ticks: its signal is there, without a bad reading, the throttle is within its dead
- * band, the button is released, and nothing runs. Then it is armed, and a throttle that is beyond
- * the dead band for INPUT_SIGNAL_GOOD good readings starts the motor. It is disarmed by each stop,
- * fault, loss of the signal, change of the configuration, by each command of console or link
- * (commander.h), and by a bad reading.
+ * band, the button is released, and nothing runs. An enable may also be held, if it was pressed
+ * after what has disarmed the input, or if the throttle has ended the run. Then it is armed, and a
+ * throttle that is beyond the dead band for INPUT_SIGNAL_GOOD good readings starts the motor. It is
+ * disarmed by each stop, fault, loss of the signal, change of the configuration, by each command of
+ * console or link (commander.h), and by a bad reading.
  *
  * In command. The target follows the throttle (throttle.h). Back in the dead band the target
  * becomes 0; when the motor is slow the run ends, and the gates open. Without a signal the drive
@@ -17,8 +18,10 @@
  * The button. With INPUT_BUTTON_ENABLE the motor starts and runs only while it is pressed; an armed
  * throttle that leaves its dead band without it is disarmed. With INPUT_BUTTON_START_STOP a press
  * starts and the next one stops; the throttle is the set point, so it may be anywhere while the
- * input is armed. In both cases a release or a second press is a stop like any other: the gates
- * open, whoever runs the motor. A button that is pressed at power-up counts once it has been
+ * input is armed. A second press before the throttle has started the motor takes the first one
+ * back. In both cases a release or a second press is a stop like any other: the gates
+ * open, whoever runs the motor, and a measurement of the motor ends. A button that is pressed at
+ * power-up counts once it has been
  * released. In FAULT a press clears the fault.
  *
  * Context: background.

@@ -81,6 +81,28 @@ TEST(test_a_start_begins_with_no_demand_whatever_was_asked_before)
     TEST_ASSERT_EQUAL_INT32(0, target());
 }
 
+/* The count of readings at rest begins with the arming, not with the power-up. */
+TEST(test_a_throttle_that_moves_as_the_input_is_armed_needs_eight_readings_too)
+{
+    uint32_t armed_after = 0U;
+
+    settings.filter_q15 = 32767; /* no low-pass: the median is all that delays */
+    power_up();
+    while (input.state != (uint8_t)INPUT_ARMED) {
+        pass();
+        armed_after++;
+    }
+    power_up();
+    passes(armed_after - 1U);
+    throttle(HALF_COUNT);
+    pass(); /* the first reading, which the median leaves out */
+    TEST_ASSERT_EQUAL_UINT8(INPUT_ARMED, input.state);
+    passes(INPUT_SIGNAL_GOOD - 1U);
+    TEST_ASSERT_FALSE(runs());
+    pass();
+    TEST_ASSERT_TRUE(runs());
+}
+
 TEST(test_each_of_these_disarms)
 {
     for (uint32_t k = 0U; k < 7U; k++) {
@@ -442,6 +464,21 @@ TEST(test_a_press_starts_at_the_set_point_and_the_next_one_stops)
     TEST_ASSERT_TRUE(runs());
 }
 
+TEST(test_a_second_press_before_the_throttle_moves_takes_the_first_one_back)
+{
+    with_button(INPUT_BUTTON_START_STOP);
+    arm();
+    press();
+    release();
+    press();
+    release();
+    throttle(HALF_COUNT);
+    passes(10U * ARM);
+    TEST_ASSERT_FALSE(runs());
+    press(); /* a third one starts */
+    TEST_ASSERT_TRUE(runs());
+}
+
 TEST(test_a_press_before_the_input_is_armed_starts_nothing_later)
 {
     with_button(INPUT_BUTTON_START_STOP);
@@ -473,6 +510,24 @@ TEST(test_the_button_stops_a_motor_that_a_pc_runs)
         TEST_ASSERT_NULL(commander_run(&app, SOURCE_LINK));
         press();
         release(); /* with an enable this is the stop */
+        TEST_ASSERT_FALSE(runs());
+    }
+}
+
+/* It waits for the winding to cool, so it has asked nothing of the drive, and would turn it later.
+ */
+TEST(test_the_button_ends_a_measurement_that_has_not_begun_to_turn_the_motor)
+{
+    for (uint32_t k = 0U; k < 2U; k++) {
+        with_button((k == 0U) ? INPUT_BUTTON_START_STOP : INPUT_BUTTON_ENABLE);
+        arm();
+        TEST_ASSERT_NULL(identify_start(&identify));
+        commander_measures(&app, SOURCE_CONSOLE);
+        TEST_ASSERT_EQUAL_UINT8(0U, command_mailbox_take(&app.mailbox).request);
+        press();
+        release(); /* with an enable this is the stop */
+        TEST_ASSERT_FALSE(identify_is_busy(&identify));
+        TEST_ASSERT_EQUAL(SOURCE_NONE, commander_source(&app));
         TEST_ASSERT_FALSE(runs());
     }
 }
