@@ -6,6 +6,8 @@
 
 #include <stdbool.h>
 
+#define FRAMES_KEPT (2U) /* by the SPI, received and not read */
+
 static bool selected; /* the absolute encoder waits for the clock */
 
 static void select_encoder(void)
@@ -28,7 +30,7 @@ static void ask_first(void)
     select_encoder();
     clock_wait_us(1U);
     shaft_start();
-    (void)reg_wait(HAL_SPI + SPI_SR, SPI_SR_RXNE, SPI_SR_RXNE);
+    (void)reg_wait(HAL_SPI + SPI_SR, SPI_SR_RXNE | SPI_SR_BSY, SPI_SR_RXNE);
     (void)reg_read(HAL_SPI + SPI_DR);
     shaft_sample();
 }
@@ -67,14 +69,18 @@ static hal_shaft_t read_encoder(void)
     return shaft;
 }
 
+/* The newest frame counts. Without its select the encoder has not sampled, so nothing is started.
+ */
 static hal_shaft_t read_absolute(void)
 {
     hal_shaft_t shaft = {.reading = SHAFT_ONES};
 
-    if (reg_any(HAL_SPI + SPI_SR, SPI_SR_RXNE)) {
+    for (uint32_t k = 0U; (k < FRAMES_KEPT) && reg_any(HAL_SPI + SPI_SR, SPI_SR_RXNE); k++) {
         shaft.reading = (uint16_t)reg_read(HAL_SPI + SPI_DR);
     }
-    select_encoder();
+    if (level(HAL_SPI_CS_PORT, HAL_SPI_CS_BIT) != 0U) {
+        select_encoder();
+    }
     return shaft;
 }
 

@@ -11,7 +11,8 @@
  * it in the next frame. The select rises when a tick begins, and falls when the last frame is read.
  * The next frame is started when the tick ends. So the frame that a tick reads has the angle at the
  * beginning of the tick before. AS5047D, timing of the SPI: the select has to be high for 350 ns,
- * and low for 350 ns before the clock starts.
+ * and low for 350 ns before the clock starts. After a late tick a frame may still be under way when
+ * the next one begins. Then the select stays low, and this tick starts no frame.
  */
 #ifndef SHAFT_H
 #define SHAFT_H
@@ -39,17 +40,17 @@ void shaft_init(void);
 /* As hal_shaft(). */
 hal_shaft_t shaft_read(void);
 
-/* Lets an absolute encoder sample. Context: control interrupt, first. */
+/* Lets an absolute encoder sample, if no frame is under way. Context: control interrupt, first. */
 static inline void shaft_sample(void)
 {
-    if (BOARD.shaft == BOARD_SHAFT_ABSOLUTE) {
+    if ((BOARD.shaft == BOARD_SHAFT_ABSOLUTE) && !reg_any(HAL_SPI + SPI_SR, SPI_SR_BSY)) {
         reg_write(HAL_SPI_CS_PORT + GPIO_BSRR, 1UL << HAL_SPI_CS_BIT);
     }
 }
 
 /*
- * Starts the frame of an absolute encoder, if shaft_read() has come in this tick. Context: control
- * interrupt, last.
+ * Starts the frame of an absolute encoder, if shaft_read() has selected it in this tick. Context:
+ * control interrupt, last.
  */
 void shaft_start(void);
 

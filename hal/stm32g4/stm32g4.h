@@ -369,6 +369,7 @@
 #define SPI_CR2_16_BITS (0xF00UL)
 #define SPI_SR (0x08U)
 #define SPI_SR_RXNE (1UL << 0) /* a frame was received and not read */
+#define SPI_SR_BSY (1UL << 7)  /* a frame is under way */
 #define SPI_DR (0x0CU)
 
 /* --- USART, 37.8 ------------------------------------------------------------------------------ */

@@ -324,12 +324,14 @@ class AbsoluteEncoder:
         self.error = False
         self.frames = []     # that it has sent, with the time at which the angle was sampled
         self.sampled = 0
+        self.sending = False
 
     def look(self):
         """Its chip select may have another level."""
         level = self.chip.pin_level(self.select)
         if level == self.level:
             return
+        need(not self.sending, "the chip select of the encoder rises within a frame")
         if level == 1 and self.asked is not None:
             self._obey()
         if level == 0:
@@ -353,8 +355,11 @@ class AbsoluteEncoder:
         need(self.level == 0 and self.chip.now - self.changed >= self.SELECT_CYCLES,
              "the clock of the encoder starts too early behind its chip select")
         need(cycles >= self.PERIOD_CYCLES, f"the clock of the encoder has {cycles} cycles")
+        need(self.asked is None, "a frame of the encoder follows another without its chip select")
+        self.sending = True
 
     def answer(self, command):
+        self.sending = False
         self.asked = command
         if self.state is None:
             self.frames.append((self.response, self.sampled))

@@ -170,6 +170,27 @@ class Absolute(unittest.TestCase):
         self.probe.tick(2)
         self.assertEqual(reading(self.probe), self.frame(1000, error=1))
 
+    def test_of_two_frames_the_newer_one_is_read_and_the_next_ticks_are_not_behind(self):
+        self.encoder.angle = 1234
+        self.probe.tick(2)
+        self.probe.chip.spi.received.insert(0, self.frame(99))
+        for angle in (1300, 1400, 1500):
+            before, self.encoder.angle = self.encoder.angle, angle
+            self.probe.tick()
+            self.assertEqual(reading(self.probe), self.frame(before))
+
+    def test_a_frame_that_is_under_way_when_a_tick_begins_is_left_alone(self):
+        self.encoder.angle = 1234
+        self.probe.tick(2)
+        self.probe.chip.spi.due += round(digital.CLOCK_HZ / rig.STAGE["pwm_frequency_hz"])
+        self.encoder.angle = 2000
+        self.probe.tick()
+        self.assertEqual(reading(self.probe), NOBODY)  # it has not come
+        self.probe.tick()
+        self.assertEqual(reading(self.probe), self.frame(1234))
+        self.probe.tick()
+        self.assertEqual(reading(self.probe), self.frame(2000))
+
     def test_no_command_is_wrong(self):
         self.probe.tick(20)
         self.assertFalse(self.encoder.error)
