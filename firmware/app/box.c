@@ -340,15 +340,17 @@ static void release_recorder(box_t *box)
     }
 }
 
-void box_step(box_t *box, bool reads)
+void box_step(box_t *box, box_reader_t reader)
 {
     if ((box->phase != BOX_WRITES) || (box->at >= units_of_place(0U))) {
         note_fault(box);
     }
-    if (!reads) {
+    if (reader == BOX_UNREAD) {
         release_recorder(box);
     }
-    save_fault(box);
+    if (reader != BOX_READS_SAVED) {
+        save_fault(box);
+    }
 }
 
 static const drive_cfg_t *whole_config_of(const config_block_t *block, const about_t *about)
@@ -430,7 +432,8 @@ void box_rescue(box_t *box, recorder_t *recorder, recorder_place_t *place,
     if (box->why_none == NULL) {
         save_at_once(box, recorder, live, cut);
     }
-    box->log->saved = 0U; /* another recording begins */
+    box->app->drive = (drive_t){0}; /* a start that fails must not show this run as its own */
+    box->log->saved = 0U;           /* another recording begins */
     fault_log_seal(box->log);
 }
 

@@ -4,7 +4,7 @@
  * reset and through a loss of power.
  *
  *     start       box_init(&box, ...);  box_rescue(&box, ...) if a reset has left the RAM
- *     background  box_step(&box, reads);  once a pass
+ *     background  box_step(&box, reader);  once a pass
  *
  * After a fault the recorder has frozen. As soon as the drive is at rest with open gates,
  * box_step() writes log and recording into the flash, a unit in each pass, so that console, link
@@ -65,6 +65,13 @@ typedef enum {
     BOX_STAMPS
 } box_phase_t;
 
+/* What is being read meanwhile. */
+typedef enum {
+    BOX_UNREAD = 0,
+    BOX_READS_RECORDER, /* the recording of the recorder: it is not released */
+    BOX_READS_SAVED     /* the saved recording: no other takes its place, and none is released */
+} box_reader_t;
+
 typedef struct box {
     hal_t *hal;
     app_t *app;
@@ -101,13 +108,13 @@ void box_init(box_t *box, app_t *app, hal_t *hal, const about_t *about, fault_lo
  * After a reset that has left the RAM as it was: `recorder` and the blocks of `live` hold what the
  * run before has left, and `place` says where the recording lies; its configurations are set here.
  * Saves the recording if it is to be saved; that takes some 0.2 s. Notes the reset. Call after
- * box_init() and before these memories are used again. Overwrites app->drive.
+ * box_init() and before these memories are used again. Leaves app->drive zeroed.
  */
 void box_rescue(box_t *box, recorder_t *recorder, recorder_place_t *place,
                 const live_config_t *live);
 
-/* One pass. reads: the recording of the recorder is being read, so it is not released. */
-void box_step(box_t *box, bool reads);
+/* One pass. A fault is noted in the log whatever is being read. */
+void box_step(box_t *box, box_reader_t reader);
 
 /* Whether a recording is being written: nobody may change its configurations meanwhile. */
 bool box_is_saving(const box_t *box);

@@ -285,16 +285,26 @@ static void link_send(link_t *link)
     }
 }
 
-/*
- * While the console sends the saved recording, no other one takes its place.
- */
+static box_reader_t reader_of(console_dump_t phase)
+{
+    box_reader_t reader = BOX_READS_RECORDER;
+
+    if (phase == CONSOLE_DUMP_NONE) {
+        reader = BOX_UNREAD;
+    } else if (phase == CONSOLE_LAST_SENT) {
+        reader = BOX_READS_SAVED;
+    } else {
+        /* the recorder's */
+    }
+    return reader;
+}
+
 static void step_box(link_t *link)
 {
     box_t *const box = link->live->app->box;
-    const console_dump_t phase = link->console.dump_phase;
 
-    if ((box != NULL) && (phase != CONSOLE_LAST_SENT)) {
-        box_step(box, phase != CONSOLE_DUMP_NONE);
+    if (box != NULL) {
+        box_step(box, reader_of(link->console.dump_phase));
     }
 }
 

@@ -87,7 +87,7 @@ static void pass(uint32_t ticks)
         control_isr(&app);
         recorder_service(&recorder, &app.drive);
         commander_step(&app);
-        box_step(&box, false);
+        box_step(&box, BOX_UNREAD);
     }
 }
 
@@ -298,17 +298,40 @@ TEST(test_a_reader_keeps_the_recording_that_is_saved)
         control_isr(&app);
         recorder_service(&recorder, &app.drive);
         commander_step(&app);
-        box_step(&box, true);
+        box_step(&box, BOX_READS_RECORDER);
     }
     TEST_ASSERT_NULL(commander_run(&app, SOURCE_LINK));
     for (uint32_t k = 0U; k < 100U; k++) {
         control_isr(&app);
         recorder_service(&recorder, &app.drive);
-        box_step(&box, true);
+        box_step(&box, BOX_READS_RECORDER);
     }
     TEST_ASSERT_TRUE(recorder.frozen);
     pass(3U);
     TEST_ASSERT_FALSE(recorder.held);
+}
+
+/* The log counts it, and the saved recording that is being sent stays. */
+TEST(test_a_fault_that_comes_and_goes_while_the_saved_recording_is_sent_is_noted)
+{
+    fail_after(1500U);
+    save();
+    const uint32_t steps = flash.steps;
+
+    TEST_ASSERT_NULL(commander_clear(&app, SOURCE_LINK));
+    for (uint32_t k = 0U; k < 800U; k++) {
+        measured.flags = (k == 500U) ? DRIVE_FLAG_BREAK : 0U;
+        if (k == 600U) {
+            TEST_ASSERT_NULL(commander_clear(&app, SOURCE_LINK));
+        }
+        control_isr(&app);
+        recorder_service(&recorder, &app.drive);
+        commander_step(&app);
+        box_step(&box, BOX_READS_SAVED);
+    }
+    TEST_ASSERT_NOT_EQUAL(DRIVE_STATE_FAULT, app.drive.state);
+    TEST_ASSERT_EQUAL_UINT32(2U, fault_log_size(&faults));
+    TEST_ASSERT_EQUAL_UINT32(steps, flash.steps);
 }
 
 TEST(test_the_flash_is_spared_after_eight_savings)
@@ -416,6 +439,27 @@ TEST(test_a_reset_right_after_a_fault_notes_both)
     assert_file_repeats();
     TEST_ASSERT_EQUAL_UINT32(2U, fault_log_size(&faults));
     TEST_ASSERT_EQUAL_UINT32((1U << 16U) | FAULT_BREAK, fault_log_entry(&faults, 1U)->what);
+}
+
+/* A start that fails then shows a drive at its begin, and no fault of the run before. */
+TEST(test_a_rescue_leaves_nothing_of_the_run_before_in_the_drive)
+{
+    for (uint32_t k = 0U; k < 2U; k++) {
+        start(true);
+        if (k == 0U) {
+            run_for(900U);
+        } else {
+            fail_after(900U);
+        }
+        reset(HAL_RESET_WATCHDOG);
+        TEST_ASSERT_TRUE(box.rescued);
+        const uint32_t noted = fault_log_size(&faults);
+
+        TEST_ASSERT_EQUAL(DRIVE_STATE_INIT, app.drive.state);
+        TEST_ASSERT_NULL(app.drive.cfg);
+        box_step(&box, BOX_UNREAD);
+        TEST_ASSERT_EQUAL_UINT32(noted, fault_log_size(&faults));
+    }
 }
 
 TEST(test_a_recording_that_was_being_read_is_not_saved)

@@ -1291,3 +1291,21 @@ TEST(test_without_a_recording_a_box_or_a_known_part_there_are_no_words)
     const uint8_t body[] = {LINK_BOX_LOG, 0U, 0U, 8U};
     TEST_ASSERT_EQUAL_UINT32(0U, ask(LINK_BOX, body, sizeof body)->bytes[4]);
 }
+
+TEST(test_a_fault_is_noted_in_the_pass_that_sees_it_also_while_a_saved_recording_is_sent)
+{
+    static const console_dump_t phases[] = {CONSOLE_DUMP_NONE, CONSOLE_DUMP_SENT,
+                                            CONSOLE_LAST_SENT};
+
+    for (uint32_t k = 0U; k < (sizeof phases / sizeof phases[0]); k++) {
+        start();
+        box_init(&box, &app, &hardware, &live.about, &log_, true);
+        fault_log_init(&log_);
+        app.drive.state = DRIVE_STATE_FAULT;
+        app.drive.fault.id = FAULT_STALL;
+        serial.console.dump_phase = phases[k];
+        link_step(&serial);
+        TEST_ASSERT_EQUAL_UINT32(1U, fault_log_size(&log_));
+        app.box = NULL;
+    }
+}
