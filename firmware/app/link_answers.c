@@ -228,14 +228,12 @@ static uint32_t words_of_box(const box_t *box, uint32_t part)
 {
     uint32_t words = 0U;
 
-    if (box == NULL) {
-        /* there is none */
-    } else if (part == LINK_BOX_LOG) {
+    if ((box != NULL) && (part == LINK_BOX_LOG)) {
         words = FAULT_LOG_WORDS;
-    } else if (part == LINK_BOX_RECORDING) {
+    } else if ((box != NULL) && (part == LINK_BOX_RECORDING)) {
         words = box->file_words;
     } else {
-        /* an unknown part */
+        /* there is none */
     }
     return words;
 }

@@ -32,7 +32,8 @@ RARE static void shaft_decoder_note(shaft_decoder_t *shaft, uint8_t trouble)
     shaft->troubles++;
 }
 
-NEVER_INLINED void shaft_decoder_step(shaft_decoder_t *shaft, const sensor_cfg_t *cfg, hal_t *hal, drive_in_t *in)
+NEVER_INLINED void shaft_decoder_step(shaft_decoder_t *shaft, const sensor_cfg_t *cfg, hal_t *hal,
+                                      drive_in_t *in)
 {
     const uint32_t kind = cfg->kind;
     bool known = true;

@@ -95,9 +95,9 @@ static bool is_state_whole(const recorder_t *recorder, const recorder_place_t *p
                            uint32_t segment)
 {
     const drive_t *const state = &recorder->states[segment];
-    const uint32_t hash = recorder->segments[segment].hash;
 
-    return is_config(place, state->cfg) && ((hash == 0U) || (hash == recorder_hash(state)));
+    return is_config(place, state->cfg) &&
+           (recorder->segments[segment].hash == recorder_hash(state));
 }
 
 /*
@@ -148,15 +148,22 @@ static uint32_t entries_to(const recorder_place_t *place, uint32_t segment,
 
 /*
  * Returns the number of entries of the segment that was written last. If the reset came while the
- * recorder entered a segment, this is the segment before it.
+ * recorder entered a segment, or before the hash of its state was noted, this is the segment before
+ * it.
  */
 static uint32_t find_end(recorder_t *recorder, const recorder_place_t *place)
 {
+    const uint32_t before = (recorder->current + RECORDER_SEGMENTS - 1U) % RECORDER_SEGMENTS;
     uint32_t count = entries_to(place, recorder->current, recorder->at);
 
     if (count == 0U) {
-        recorder->current = (recorder->current + RECORDER_SEGMENTS - 1U) % RECORDER_SEGMENTS;
-        count = entries_to(place, recorder->current, recorder->at);
+        recorder->current = before;
+        count = entries_to(place, before, recorder->at);
+    } else if (recorder->segments[recorder->current].hash == 0U) {
+        recorder->current = before;
+        count = entries_to(place, before, recorder->segments[before].end);
+    } else {
+        /* the segment has begun */
     }
     return count;
 }
@@ -170,18 +177,21 @@ static bool freeze_here(recorder_t *recorder, const recorder_place_t *place, dri
     const uint32_t count = find_end(recorder, place);
     const uint32_t segment = recorder->current;
     const recorder_entry_t *const first = first_entry_of(place, segment);
-    uint32_t whole;
+    const bool known = is_state_whole(recorder, place, segment);
+    uint32_t whole = 0U;
 
     copy_state(work, &recorder->states[segment]);
-    whole = roll_entries(work, place, first, count);
-    if ((whole < count) && ((whole + 1U) == count)) {
+    if (known) {
+        whole = roll_entries(work, place, first, count);
+    }
+    if (known && (whole < count) && ((whole + 1U) == count)) {
         copy_state(work, &recorder->states[segment]); /* the last entry has stepped it */
         whole = roll_entries(work, place, first, whole);
     }
     recorder->segments[segment].end = &first[whole];
     copy_state(&recorder->states[SPARE], work);
     recorder->frozen = true;
-    return (count > 0U) && ((whole + 1U) >= count);
+    return known && (count > 0U) && ((whole + 1U) >= count);
 }
 
 /* Whether a segment leads to the state `after`. */
@@ -191,7 +201,8 @@ static bool leads_to(const recorder_t *recorder, const recorder_place_t *place, 
     const uint32_t count = entries_to(place, segment, recorder->segments[segment].end);
 
     copy_state(work, &recorder->states[segment]);
-    return (roll_entries(work, place, first_entry_of(place, segment), count) == count) &&
+    return is_state_whole(recorder, place, segment) &&
+           (roll_entries(work, place, first_entry_of(place, segment), count) == count) &&
            (drive_words_hash(work) == drive_words_hash(&recorder->states[after]));
 }
 

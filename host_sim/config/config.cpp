@@ -190,6 +190,7 @@ void check_hall(const Config &config)
                     "1 to 6 once each, two neighbours different in one signal");
     }
     std::vector<double> real;
+    real.reserve(HALL_SECTORS);
     for (std::size_t k = 0; k < HALL_SECTORS; k++) {
         real.push_back(sensor.hall_edges_deg[k] + config.plant.hall_error_deg[k]);
     }

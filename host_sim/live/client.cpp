@@ -280,10 +280,10 @@ std::optional<Health> Client::ping()
     BodyReader reader(*body);
     const uint8_t load_pct = reader.u8();
     const uint8_t flags = reader.u8();
-    const Health health = {load_pct,     (flags & LINK_HEALTH_TICK_LOST) != 0,
-                           who(flags),   why_lost(flags),
-                           reader.u16(), reader.u32(),
-                           reader.u32(), reset_of(reader)};
+    Health health = {load_pct,     (flags & LINK_HEALTH_TICK_LOST) != 0,
+                     who(flags),   why_lost(flags),
+                     reader.u16(), reader.u32(),
+                     reader.u32(), reset_of(reader)};
     const uint32_t ticket = reader.u32();
     if (!reader.is_done()) {
         refuse_answer(LINK_PING);

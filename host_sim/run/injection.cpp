@@ -103,6 +103,36 @@ void Injection::strike(const Fault &fault, const Seam &seam)
     }
 }
 
+// What the sensor of the shaft tells.
+void Injection::impose_on_shaft(const Fault &fault, hal_host_faults_t &hal)
+{
+    const double value = fault.entry.value.value_or(0);
+    switch (fault.entry.kind) {
+    case FaultKind::angle_stuck:
+        force(hal.angle, fault.last.angle);
+        force(hal.shaft, fault.last_shaft);
+        break;
+    case FaultKind::sensor_high:
+        hal.shaft_high = static_cast<uint16_t>(hal.shaft_high | wires(value));
+        break;
+    case FaultKind::sensor_low:
+        hal.shaft_low = static_cast<uint16_t>(hal.shaft_low | wires(value));
+        break;
+    case FaultKind::sensor_flipped:
+        hal.shaft_flip = static_cast<uint16_t>(hal.shaft_flip ^ wires(value));
+        break;
+    case FaultKind::encoder_slip:
+        hal.shaft_slip = static_cast<uint16_t>(hal.shaft_slip + std::lround(value));
+        break;
+    case FaultKind::angle_offset:
+        hal.angle_offset =
+            static_cast<uint16_t>(hal.angle_offset + std::lround(value * ANGLE_PER_DEG));
+        break;
+    default:
+        break;
+    }
+}
+
 // What the drive is told as long as a fault lasts, on top of the faults before it in the list.
 void Injection::impose_on_binding(const Fault &fault, hal_host_faults_t &hal) const
 {
@@ -145,26 +175,6 @@ void Injection::impose_on_binding(const Fault &fault, hal_host_faults_t &hal) co
         break;
     case FaultKind::duty_c_stuck:
         force(hal.duty[2], duty_count(fault, 2));
-        break;
-    case FaultKind::angle_stuck:
-        force(hal.angle, fault.last.angle);
-        force(hal.shaft, fault.last_shaft);
-        break;
-    case FaultKind::sensor_high:
-        hal.shaft_high = static_cast<uint16_t>(hal.shaft_high | wires(*value));
-        break;
-    case FaultKind::sensor_low:
-        hal.shaft_low = static_cast<uint16_t>(hal.shaft_low | wires(*value));
-        break;
-    case FaultKind::sensor_flipped:
-        hal.shaft_flip = static_cast<uint16_t>(hal.shaft_flip ^ wires(*value));
-        break;
-    case FaultKind::encoder_slip:
-        hal.shaft_slip = static_cast<uint16_t>(hal.shaft_slip + std::lround(*value));
-        break;
-    case FaultKind::angle_offset:
-        hal.angle_offset = static_cast<uint16_t>(hal.angle_offset +
-                                                 std::lround(value.value_or(0.0) * ANGLE_PER_DEG));
         break;
     case FaultKind::overcurrent:
         force(hal.ia, current_count(ampere));
@@ -236,6 +246,7 @@ void Injection::impose(int64_t tick, const Seam &seam)
     for (const Fault &fault : faults_) {
         if (fault.begun && tick < fault.until) {
             impose_on_binding(fault, binding_);
+            impose_on_shaft(fault, binding_);
             impose_on_plant(fault, seam.plant, sensors);
         }
     }

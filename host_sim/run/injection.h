@@ -68,6 +68,7 @@ private:
     static void strike(const Fault &fault, const Seam &seam);
     void impose(int64_t tick, const Seam &seam);
     void impose_on_binding(const Fault &fault, hal_host_faults_t &hal) const;
+    static void impose_on_shaft(const Fault &fault, hal_host_faults_t &hal);
     static void impose_on_plant(const Fault &fault, plant_t &plant, Sensors &sensors);
     static uint16_t duty_count(const Fault &fault, std::size_t leg);
     uint16_t current_count(double ampere) const;

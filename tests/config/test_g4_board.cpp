@@ -339,7 +339,8 @@ TEST(a_button_is_pulled_to_where_nobody_presses_it)
     for (const bool low : {false, true}) {
         const Lines set = {"hal.button_pin=PC10", fmt::format("hal.button_polarity={}",
                                                               low ? "active_low" : "active_high")};
-        const nf::G4Pin *const pin = pin_of(resolved(set), "PC10");
+        const auto board = resolved(set);
+        const nf::G4Pin *const pin = pin_of(board, "PC10");
         TEST_ASSERT_TRUE(pin->mode == nf::PinMode::input);
         TEST_ASSERT_TRUE(pin->pull == (low ? nf::Pull::up : nf::Pull::down));
     }

@@ -655,8 +655,8 @@ TEST(a_state_that_is_none_is_refused)
     for (std::size_t at = STATE; at < STATE + good[4]; at++) {
         refused += refusal_of(with(good, at, 0xFFFFFFFF)).empty() ? 0 : 1;
     }
-    // 8 flags, 10 choices, guard.at, tick, and 13 shifts of the model; 67, 24 of the probe, 2 of the
-    // safe state, and flag and valley of the weakening, 3 of the calibration, 2 of the flux's
+    // 8 flags, 10 choices, guard.at, tick, and 13 shifts of the model; 67, 24 of the probe, 2 of
+    // the safe state, and flag and valley of the weakening, 3 of the calibration, 2 of the flux's
     // supervision, 3 of the guard and 2 of the scene, whose range in state.def has no −1. A flag's
     // word counts by its lowest byte.
     TEST_ASSERT_EQUAL_INT(8 + 10 + 1 + 1 + 13 + 67 + 24 + 2 + 2 + 3 + 2 + 3 + 2, refused);

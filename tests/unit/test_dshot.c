@@ -61,11 +61,13 @@ static uint32_t bits_of(uint32_t value, bool telemetry)
     return (v << 4U) | checksum(v);
 }
 
-/* So many bits from the highest one on, at `scale` times the nominal speed's period. */
+/* So many bits from the highest one on, at `scale` times the nominal speed's period. Beyond 32 they
+ * are 0. */
 static void send(uint32_t bits, uint32_t length, uint32_t speed, double scale)
 {
     for (uint32_t k = 0U; k < length; k++) {
-        const bool one = ((bits >> (length - 1U - k)) & 1U) != 0U;
+        const uint32_t place = length - 1U - k;
+        const bool one = (place < 32U) && (((bits >> place) & 1U) != 0U);
 
         pulse(now_ns, scale * (one ? ONE_NS[speed] : ZERO_NS[speed]));
         now_ns += scale * BIT_NS[speed];
