@@ -414,6 +414,12 @@ RARE static void save_at_once(box_t *box, const recorder_t *recorder, const live
     box->why_none = box->rescued ? NULL : "the flash does not keep what is written";
 }
 
+/* A start that fails must not show the run before as its own. No control interrupt runs yet. */
+static void forget_run(drive_t *drive)
+{
+    *drive = (drive_t){0};
+}
+
 void box_rescue(box_t *box, recorder_t *recorder, recorder_place_t *place,
                 const live_config_t *live)
 {
@@ -432,8 +438,8 @@ void box_rescue(box_t *box, recorder_t *recorder, recorder_place_t *place,
     if (box->why_none == NULL) {
         save_at_once(box, recorder, live, cut);
     }
-    box->app->drive = (drive_t){0}; /* a start that fails must not show this run as its own */
-    box->log->saved = 0U;           /* another recording begins */
+    forget_run(&box->app->drive);
+    box->log->saved = 0U; /* another recording begins */
     fault_log_seal(box->log);
 }
 
