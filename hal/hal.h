@@ -123,6 +123,12 @@ typedef struct {
      * bits; at most some 60 ms old. HAL_NO_THROTTLE: the board has none
      */
     uint16_t throttle;
+    /*
+     * conversions of the throttle that have ended, wrapping; goes up by 1 for each, some 60 ms
+     * apart at most, and only when one has ended: a count that stands still is a converter that
+     * does
+     */
+    uint8_t conversions;
     bool button; /* the button is pressed at this moment, not debounced; false: there is none */
 } hal_inputs_t;
 

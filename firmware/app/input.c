@@ -15,6 +15,7 @@ static void begin_input(input_t *input, uint32_t kind, uint32_t tick)
     *input = (input_t){.tick = tick,
                        .rest = tick,
                        .kind = (uint8_t)kind,
+                       .voltage = {.tick = tick},
                        .button = {.raw = true, .pressed = true, .since = tick},
                        .guard = {.source = SOURCE_INPUT}};
     input_signal_init(&input->signal, tick);
@@ -73,8 +74,10 @@ static void take_reading(input_t *input, const drive_cfg_t *cfg, hal_t *hal, uin
     const input_cfg_t *const set = &cfg->input;
 
     if (set->kind == (uint32_t)INPUT_KIND_VOLTAGE) {
-        voltage_input_take(&input->voltage, hal_inputs(hal).throttle, cfg->sampling.bus_shift, set,
-                           &input->signal, tick, tick - input->tick);
+        const hal_inputs_t inputs = hal_inputs(hal);
+
+        voltage_input_take(&input->voltage, &inputs, cfg->sampling.bus_shift, set, &input->signal,
+                           tick);
     } else {
         take_pulses(input, set, hal, tick);
     }

@@ -11,23 +11,26 @@
 #ifndef VOLTAGE_INPUT_H
 #define VOLTAGE_INPUT_H
 
+#include "hal.h"
 #include "input_cfg.h"
 #include "input_signal.h"
 
 #include <stdint.h>
 
 typedef struct {
-    int32_t smooth_q30; /* output of the low-pass, 0…2^30 */
+    int32_t smooth_q30;  /* output of the low-pass, 0…2^30 */
+    uint32_t tick;       /* of the last reading */
+    uint8_t conversions; /* hal_inputs_t.conversions that were taken */
 } voltage_input_t;
 
 /*
- * Takes the present count and tells the signal of it. Call at most once a tick.
+ * Tells the signal of the throttle once a conversion; a conversion that was taken before tells
+ * nothing, so a converter that stands still is silent. A throttle that the board does not have is
+ * bad in each call. Call at most once a tick.
  *
- * count: 0…2^(15 − shift) − 1, or HAL_NO_THROTTLE; shift: 0…7, from counts to Q15; ticks: passed
- * since the last call, 1 or more.
+ * inputs->throttle: 0…2^(15 − shift) − 1, or HAL_NO_THROTTLE; shift: 0…7, from counts to Q15.
  */
-void voltage_input_take(voltage_input_t *voltage, uint32_t count, uint32_t shift,
-                        const input_cfg_t *cfg, input_signal_t *signal, uint32_t tick,
-                        uint32_t ticks);
+void voltage_input_take(voltage_input_t *voltage, const hal_inputs_t *inputs, uint32_t shift,
+                        const input_cfg_t *cfg, input_signal_t *signal, uint32_t tick);
 
 #endif

@@ -12,6 +12,7 @@ void hal_host_inputs_init(hal_host_inputs_t *inputs, uint64_t tick_ps)
 void hal_host_inputs_step(hal_host_inputs_t *inputs)
 {
     inputs->passed_ps += inputs->tick_ps;
+    inputs->now.conversions++;
 }
 
 uint32_t hal_host_inputs_time(const hal_host_inputs_t *inputs)

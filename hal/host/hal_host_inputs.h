@@ -28,7 +28,7 @@ typedef struct {
 /* No throttle, the button released, a sensor that reads 0, no pulses. tick_ps: above 0. */
 void hal_host_inputs_init(hal_host_inputs_t *inputs, uint64_t tick_ps);
 
-/* Lets one tick pass. */
+/* Lets one tick pass, in which a conversion of the throttle ends. */
 void hal_host_inputs_step(hal_host_inputs_t *inputs);
 
 /* Present time, in 1/HAL_PULSE_HZ, rounded down. */

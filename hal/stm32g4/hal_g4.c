@@ -110,10 +110,11 @@ static void read_regular(hal_t *hal)
 {
     if (is_for_temperature(hal->ticks)) {
         hal->temperature = sensing_temperature();
-    } else if (BOARD.has_throttle) {
+    } else if (BOARD.has_throttle && sensing_has_throttle()) {
         hal->throttle = sensing_throttle();
+        hal->conversions++;
     } else {
-        /* there is none */
+        /* there is none, or its conversion has not ended */
     }
 }
 
@@ -263,6 +264,7 @@ hal_inputs_t hal_inputs(const hal_t *hal)
 {
     return (hal_inputs_t){
         .throttle = hal->throttle,
+        .conversions = hal->conversions,
         .button = BOARD.has_button && is_pressed(),
     };
 }

@@ -37,6 +37,7 @@ struct hal {
     uint16_t phase_c;     /* count of the third phase, as adc_ia; drive_step() does not use it */
     uint16_t temperature; /* raw counts of the last conversion */
     uint16_t throttle;    /* the same of the throttle; HAL_NO_THROTTLE: there is none */
+    uint8_t conversions;  /* hal_inputs_t.conversions */
     bool asked;           /* a conversion of one of the two was started in the last tick */
     hal_reset_t reset;    /* the last reset */
 };

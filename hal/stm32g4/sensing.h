@@ -64,6 +64,12 @@ static inline uint16_t sensing_temperature(void)
     return (uint16_t)reg_read(HAL_ADC_TEMPERATURE + ADC_DR);
 }
 
+/* Whether a conversion has ended that was not read; reading clears the flag, RM0440 21.7.1. */
+static inline bool sensing_has_throttle(void)
+{
+    return reg_any(HAL_ADC_THROTTLE + ADC_ISR, ADC_ISR_EOC);
+}
+
 static inline uint16_t sensing_throttle(void)
 {
     return (uint16_t)reg_read(HAL_ADC_THROTTLE + ADC_DR);

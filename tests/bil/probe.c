@@ -22,7 +22,7 @@ typedef struct {
     uint32_t ticks;
     uint32_t readings; /* the reading of the sensor, its index behind it */
     uint32_t indexes;
-    uint32_t inputs; /* throttle, button behind it */
+    uint32_t inputs; /* throttle, button, conversions from bit 24 on */
     uint32_t temperature;
     uint32_t now;
     uint32_t paused; /* not 0: the background fetches no pulses */
@@ -75,7 +75,8 @@ static void fetch(void)
         probe.kept[probe.pulses % PULSES_KEPT].width = pulse.width;
         probe.pulses++;
     }
-    probe.inputs = inputs.throttle | (inputs.button ? 0x10000U : 0U);
+    probe.inputs =
+        inputs.throttle | (inputs.button ? 0x10000U : 0U) | ((uint32_t)inputs.conversions << 24U);
     probe.now = hal_pulse_now(&hardware);
 }
 

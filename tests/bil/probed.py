@@ -45,6 +45,10 @@ class Probe(board.Board):
     def button(self):
         return bool(self.word("inputs") >> 16 & 1)
 
+    @property
+    def conversions(self):
+        return self.word("inputs") >> 24
+
     def pulses(self):
         """(start, width) of those that were fetched since the last look, in units."""
         count = self.word("pulses")

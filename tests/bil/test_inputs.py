@@ -234,6 +234,21 @@ class Levels(unittest.TestCase):
         self.assertEqual(probe.word("temperature"), 3000)
         self.assertNotEqual(probe.throttle, 3000)
 
+    def test_a_conversion_is_counted_once_and_one_that_does_not_end_is_not(self):
+        """Seven of eight are of the throttle. Then the converters never tell the end of one."""
+        probe = Probe()
+        probe.tick(3)
+        before = probe.conversions
+        probe.tick(8 * REGULAR_TICKS)
+        self.assertEqual(probe.conversions - before, 7)
+        for converter in probe.chip.converters:
+            converter.__class__ = type("Stalled", (type(converter),), {"converting": property(lambda _: False, lambda *_: None)})
+        before = probe.conversions
+        probe.chip.pins[probe.wiring.throttle] = 3210
+        probe.tick(8 * REGULAR_TICKS)
+        self.assertEqual(probe.conversions, before)
+        self.assertNotEqual(probe.throttle, 3210)
+
     def test_the_first_throttle_is_measured_before_the_first_tick(self):
         probe = Probe()
         probe.tick()

@@ -128,6 +128,12 @@ TEST(test_throttle_and_button_are_what_was_set)
     TEST_ASSERT_TRUE(hal_inputs(&hal).button);
 }
 
+TEST(test_a_conversion_of_the_throttle_ends_in_each_tick)
+{
+    pass(300U);
+    TEST_ASSERT_EQUAL_UINT8((uint8_t)300U, hal_inputs(&hal).conversions);
+}
+
 TEST(test_an_index_pulse_is_told_once)
 {
     hal_shaft_t shaft;

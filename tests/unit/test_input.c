@@ -315,6 +315,41 @@ TEST(test_an_open_wire_ramps_to_a_stop_within_the_time_and_is_named)
     }
 }
 
+TEST(test_a_converter_that_stands_still_ramps_to_a_stop_within_the_time)
+{
+    run_at_half();
+    converts_each = UINT32_MAX;
+    passes(TIMEOUT);
+    TEST_ASSERT_NULL(lost);
+    passes(2U);
+    TEST_ASSERT_EQUAL_STRING("no signal", lost);
+    passes(STOP_TICKS);
+    TEST_ASSERT_FALSE(runs());
+}
+
+/* Each of them is one reading: of the board, one in 128 ticks, and 256 where one is left out. */
+TEST(test_rare_conversions_keep_the_motor_running_and_eight_of_them_start_it)
+{
+    for (converts_each = 128U; converts_each <= 256U; converts_each += 128U) {
+        const uint32_t each = converts_each;
+
+        power_up();
+        converts_each = each;
+        passes(2U * ARM);
+        TEST_ASSERT_EQUAL_UINT8(INPUT_ARMED, input.state);
+        throttle(HALF_COUNT);
+        passes((INPUT_SIGNAL_GOOD - 1U) * each);
+        TEST_ASSERT_FALSE(runs());
+        passes(4U * each); /* the median and the low-pass */
+        TEST_ASSERT_TRUE(runs());
+        passes(20000U);
+        TEST_ASSERT_TRUE(runs());
+        TEST_ASSERT_NULL(lost);
+        TEST_ASSERT_INT32_WITHIN(EXAMPLE_SPEED_STEP / 100, (EXAMPLE_SPEED_STEP / 1000) * 501,
+                                 target());
+    }
+}
+
 TEST(test_a_wire_that_is_mended_while_the_motor_slows_down_does_not_speed_it_up)
 {
     run_at_half();

@@ -11,19 +11,34 @@ static const input_cfg_t CFG = {.least = 328, .most = 32439, .filter_q15 = 328};
 static voltage_input_t voltage;
 static input_signal_t signal;
 static uint32_t tick;
+static hal_inputs_t inputs;
 
 void setUp(void)
 {
     voltage = (voltage_input_t){0};
+    inputs = (hal_inputs_t){0};
     input_signal_init(&signal, 0U);
     tick = 0U;
+}
+
+/* A pass without a conversion. */
+static void look(void)
+{
+    voltage_input_take(&voltage, &inputs, SHIFT, &CFG, &signal, tick);
+}
+
+static void take_after(uint32_t count, uint32_t ticks)
+{
+    tick += ticks;
+    inputs.throttle = (uint16_t)count;
+    inputs.conversions++;
+    look();
 }
 
 static void take(uint32_t count, uint32_t times)
 {
     for (uint32_t k = 0U; k < times; k++) {
-        tick++;
-        voltage_input_take(&voltage, count, SHIFT, &CFG, &signal, tick, 1U);
+        take_after(count, 1U);
     }
 }
 
@@ -44,14 +59,40 @@ TEST(test_a_step_comes_with_the_time_constant)
     TEST_ASSERT_UINT32_WITHIN(8U, 16000U, input_signal_value(&signal));
 }
 
-/* A pass that comes after several ticks takes over as much as they would, up to the whole. */
-TEST(test_passes_that_come_late_do_not_slow_it_down)
+/* A conversion that comes after several ticks takes over as much as they would, up to the whole. */
+TEST(test_conversions_that_come_late_do_not_slow_it_down)
 {
     take(1000U, 8U);
-    voltage_input_take(&voltage, 2000U, SHIFT, &CFG, &signal, tick + 10U, 10U);
+    take_after(2000U, 10U);
     TEST_ASSERT_INT32_WITHIN(3, 8000 + 800, voltage.smooth_q30 / 32768);
-    voltage_input_take(&voltage, 2000U, SHIFT, &CFG, &signal, tick + 9000U, UINT32_MAX);
+    take_after(2000U, UINT32_MAX);
     TEST_ASSERT_INT32_WITHIN(2, 16000, voltage.smooth_q30 / 32768);
+}
+
+TEST(test_a_conversion_is_one_reading_however_often_it_is_looked_at)
+{
+    for (uint32_t k = 1U; k < INPUT_SIGNAL_GOOD; k++) {
+        take_after(1000U, 128U);
+        for (uint32_t j = 0U; j < 200U; j++) {
+            look();
+        }
+        TEST_ASSERT_EQUAL_UINT8(k, signal.good);
+        TEST_ASSERT_EQUAL_UINT8(INPUT_LOST_SILENT, signal.lost);
+    }
+    take_after(1000U, 128U);
+    TEST_ASSERT_EQUAL_UINT8(INPUT_LOST_NOT, signal.lost);
+}
+
+TEST(test_a_converter_that_stands_still_is_silent)
+{
+    take(1000U, 8U);
+    for (uint32_t k = 0U; k < 101U; k++) {
+        TEST_ASSERT_EQUAL_UINT8(INPUT_LOST_NOT, signal.lost);
+        tick++;
+        look();
+        input_signal_step(&signal, tick, 100U);
+    }
+    TEST_ASSERT_EQUAL_UINT8(INPUT_LOST_SILENT, signal.lost);
 }
 
 TEST(test_counts_at_the_ends_are_a_wire_and_change_no_reading)

@@ -25,6 +25,7 @@ static identify_t identify;
 static input_t input;
 static const char *lost; /* the last reason that the input has told */
 static step_t speed;
+static uint32_t converts_each; /* so many ticks lie between conversions; begin_with() sets 1 */
 
 /* What the drive makes of the command, and one pass of the background. */
 static void pass(void)
@@ -45,6 +46,9 @@ static void pass(void)
     app.drive.rotor.observer.speed = speed;
     hardware.ticks++;
     hardware.now += TICK_UNITS;
+    if ((hardware.ticks % converts_each) == 0U) {
+        hardware.inputs.conversions++;
+    }
     commander_step(&app);
     why = input_step(&input, &live, &identify, hardware.ticks);
     lost = (why == NULL) ? lost : why;
@@ -72,6 +76,7 @@ static void begin_with(const input_cfg_t *settings)
     input_init(&input);
     lost = NULL;
     speed = 0;
+    converts_each = 1U;
 }
 
 static inline bool runs(void)
