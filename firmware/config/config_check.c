@@ -9,6 +9,7 @@
 #include <stdint.h>
 
 #define Q16_MASK (0xFFFFU)
+#define HALF_TURN_Q16 (0x8000)
 /* Full scale of a phase current, Q15 of I_b. */
 #define CURRENT_MAX (16384)
 
@@ -154,6 +155,7 @@ static const char *check_hall(const char *before, const hall_cfg_t *cfg)
 
         turn += width;
         bad = in_order(bad, "sensor.hall.edges_q16", 1, (int64_t)width);
+        bad = in_order(bad, "sensor.hall.edges_q16", (int64_t)width, HALF_TURN_Q16 - 1);
     }
     bad = in_order(bad, "sensor.hall.edges_q16", (int64_t)turn, (int64_t)Q16_MASK + 1);
     return ((bad == NULL) && !hall_order_holds(cfg->patterns)) ? "sensor.hall.patterns" : bad;

@@ -178,6 +178,16 @@ void check_six(const Config &config, const char *key, const std::vector<double> 
     }
 }
 
+// The width of the widest sector between six edges that rise within one turn.
+double widest_deg(const std::vector<double> &edges)
+{
+    double widest = edges.front() + 360 - edges.back();
+    for (std::size_t k = 1; k < edges.size(); k++) {
+        widest = std::max(widest, edges[k] - edges[k - 1]);
+    }
+    return widest;
+}
+
 // The sectors that six patterns of Hall signals begin, in the order of the rotor's turn.
 void check_hall(const Config &config)
 {
@@ -202,6 +212,10 @@ void check_hall(const Config &config)
                         k == 0 ? sensor.hall_edges_deg : config.plant.hall_error_deg,
                         "makes sectors that overlap", "edges that rise within one turn");
         }
+    }
+    if (widest_deg(sensor.hall_edges_deg) >= 180) {
+        refuse_list(config, "sensor.hall_edges_deg", sensor.hall_edges_deg,
+                    "makes a sector of half a turn or more", "sectors of some 60°");
     }
 }
 

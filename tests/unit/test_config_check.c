@@ -278,6 +278,14 @@ TEST(test_hall_sectors_that_are_none_are_named)
     TEST_ASSERT_EQUAL_STRING("sensor.hall.edges_q16", config_check(&cfg));
     cfg.sensor.hall.edges_q16[2] = cfg.sensor.hall.edges_q16[0] + 1U; /* it turns twice */
     TEST_ASSERT_EQUAL_STRING("sensor.hall.edges_q16", config_check(&cfg));
+    for (uint32_t k = 0U; k < HALL_SECTORS; k++) {
+        cfg.sensor.hall.edges_q16[k] = k; /* the last sector is nearly the whole turn */
+    }
+    TEST_ASSERT_EQUAL_STRING("sensor.hall.edges_q16", config_check(&cfg));
+    cfg.sensor.hall.edges_q16[5] = 32769U; /* 5 to 0 is 32767, 4 to 5 is 32765 */
+    TEST_ASSERT_NULL(config_check(&cfg));
+    cfg.sensor.hall.edges_q16[5] = 32768U; /* half a turn */
+    TEST_ASSERT_EQUAL_STRING("sensor.hall.edges_q16", config_check(&cfg));
 }
 
 TEST(test_the_sensor_takes_over_below_the_speed_of_the_observer)
