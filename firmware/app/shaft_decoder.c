@@ -26,6 +26,17 @@ RARE static void shaft_decoder_tell(const shaft_decoder_t *shaft, drive_in_t *in
     in->flags = (uint16_t)(in->flags | flags);
 }
 
+/* A request to run begins to count anew. */
+static void shaft_decoder_ask(shaft_decoder_t *shaft, uint8_t request)
+{
+    const bool asked = (request & DRIVE_REQUEST_RUN) != 0U;
+
+    if (asked && !shaft->asked) {
+        shaft->before = shaft->troubles;
+    }
+    shaft->asked = asked;
+}
+
 RARE static void shaft_decoder_note(shaft_decoder_t *shaft, uint8_t trouble)
 {
     shaft->trouble = trouble;
@@ -42,6 +53,7 @@ NEVER_INLINED void shaft_decoder_step(shaft_decoder_t *shaft, const sensor_cfg_t
     if (kind != shaft->kind) {
         shaft_decoder_begin(shaft, kind);
     }
+    shaft_decoder_ask(shaft, in->command.request);
     if (kind == (uint32_t)SENSOR_KIND_HALL) {
         known = hall_step(&shaft->hall, &cfg->hall, hal_shaft(hal).reading);
         in->angle = (uint16_t)(shaft->hall.angle >> Q32_TO_Q16_SHIFT);

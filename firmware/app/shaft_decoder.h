@@ -21,7 +21,9 @@
 typedef struct {
     uint32_t kind;     /* sensor_kind_t of the decoder that runs */
     uint32_t troubles; /* ticks in which a trouble was found, wraps */
+    uint32_t before;   /* so many of them were before the last request to run */
     uint8_t trouble;   /* the last one, shaft_trouble_t */
+    bool asked;        /* the last frame had that request */
     hall_t hall;
     encoder_t encoder;
     absolute_t absolute;
@@ -37,7 +39,8 @@ static inline bool shaft_decoder_is_on(const shaft_decoder_t *shaft, const senso
 }
 
 /*
- * One tick: sets angle and flags of the frame. With a sensor of kind NONE the frame stays as it is.
+ * One tick: sets angle and flags of the frame, whose command is the last one that the drive took.
+ * With a sensor of kind NONE the frame stays as it is.
  * Another kind than in the last tick begins anew. Need not be called while shaft_decoder_is_on() is
  * false.
  */

@@ -247,6 +247,45 @@ static void add_source(text_t *text, const app_t *app)
     }
 }
 
+/* Returns the trouble of a sensor that has one now, or has had one since the last start. */
+static const char *trouble_of(const app_t *app)
+{
+    const shaft_decoder_t *const shaft = app->shaft;
+    const bool unknown = (app->in.flags & DRIVE_FLAG_NO_ANGLE) != 0U;
+    const char *trouble = NULL;
+
+    if ((shaft != NULL) && (unknown || (shaft->troubles != shaft->before))) {
+        trouble = shaft_trouble_text((shaft_trouble_t)shaft->trouble);
+    } else if (app->drive.rotor.failed) {
+        trouble = "wrong_angle";
+    } else {
+        /* there is none */
+    }
+    return trouble;
+}
+
+/* Says who tells the angle of a drive with a sensor, and what is wrong with the sensor. */
+static void add_sensor(text_t *text, const app_t *app)
+{
+    const drive_t *const drive = &app->drive;
+
+    if ((drive->cfg != NULL) && drive_has_sensor(drive)) {
+        const char *const trouble = trouble_of(app);
+
+        if (drive_is_sensed(drive)) {
+            text_add(text, ", angle by sensor");
+        } else if (drive->state == DRIVE_STATE_RUN) {
+            text_add(text, ", angle by observer");
+        } else {
+            /* nobody tells it */
+        }
+        if (trouble != NULL) {
+            text_add(text, ", sensor: ");
+            text_add(text, trouble);
+        }
+    }
+}
+
 void status_add(text_t *text, const app_t *app, const hal_t *hal, const about_t *about)
 {
     add_state(text, &app->drive, about);
@@ -262,5 +301,6 @@ void status_add(text_t *text, const app_t *app, const hal_t *hal, const about_t 
     add_quantity(text, " C, late ", (int32_t)hal_health(hal).late_ticks, 0U);
     add_quantity(text, ", load ", (int32_t)hal_health(hal).load_pct, 0U);
     text_add(text, " %");
+    add_sensor(text, app);
     add_source(text, app);
 }

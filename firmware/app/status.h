@@ -11,6 +11,10 @@
  * and what to check; OSCILLATION also has its frequency. If there was a swing since the start that
  * was not a fault (oscillation.h), its frequency comes next. Then the line says if the bandwidth of
  * the speed loop is lowered.
+ *
+ * With a sensor of the shaft the line ends with "angle by sensor" or, in RUN, "angle by observer".
+ * "sensor: hall_signal" follows if there was a trouble since the last request to run, or if the
+ * angle is unknown: shaft_trouble_text(), or "wrong_angle" if the drive found the sensor wrong.
  */
 #ifndef STATUS_H
 #define STATUS_H

@@ -112,6 +112,69 @@ TEST(test_with_open_gates_the_speed_is_unknown_and_with_a_sensor_it_is_known)
     assert_state(DRIVE_STATE_READY, "READY, speed 2000 of 0 rpm, ");
 }
 
+static shaft_decoder_t shaft;
+static drive_cfg_t sensed_cfg;
+
+/* READY with Hall sensors, of which sensor 1 is high. */
+static void power_on_with_hall(void)
+{
+    sensed_cfg = example_drive_cfg_with_startup();
+    sensed_cfg.sampling.sensor_pole_pairs = 1U;
+    sensed_cfg.sensor.kind = (uint32_t)SENSOR_KIND_HALL;
+    sensed_cfg.crc = config_guard_crc(&sensed_cfg);
+    TEST_ASSERT_NULL(app_init(&app, &hardware, &sensed_cfg));
+    app_sense(&app, &shaft);
+    hardware.shaft.reading = 1U;
+    calibrate();
+}
+
+static void assert_says(const char *words)
+{
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(status(), words), text.characters);
+}
+
+TEST(test_it_tells_whether_sensor_or_observer_gives_the_angle_and_what_ails_the_sensor)
+{
+    power_on_with_hall();
+    assert_says("load 0 %, angle by sensor");
+    TEST_ASSERT_NULL(strstr(text.characters, ", sensor: "));
+    hardware.shaft.reading = 7U; /* no angle has that */
+    tick(10U);
+    assert_says("load 0 %, sensor: hall_pattern"); /* nobody tells the angle */
+    hardware.shaft.reading = 1U;
+    tick(10U);
+    assert_says("load 0 %, angle by sensor, sensor: hall_pattern"); /* it was so */
+    app.drive.state = DRIVE_STATE_RUN;
+    app.drive.rotor.source = (uint8_t)ESTIMATE_OBSERVER;
+    assert_says(", angle by observer, sensor: hall_pattern");
+}
+
+TEST(test_the_next_request_to_run_forgets_the_trouble_of_the_sensor_but_not_that_it_is_wrong)
+{
+    const drive_command_t run = {.request = DRIVE_REQUEST_RUN};
+
+    power_on_with_hall();
+    hardware.shaft.reading = 7U;
+    tick(10U);
+    hardware.shaft.reading = 1U;
+    command_mailbox_post(&app.mailbox, &run);
+    tick_period();
+    tick_period();
+    assert_says(", angle by sensor");
+    TEST_ASSERT_NULL(strstr(text.characters, ", sensor: "));
+    app.drive.rotor.failed = true;
+    assert_says(", sensor: wrong_angle");
+}
+
+TEST(test_without_a_sensor_nothing_is_said_of_one)
+{
+    calibrate();
+    app.drive.state = DRIVE_STATE_RUN;
+    app.drive.rotor.failed = true;
+    TEST_ASSERT_NULL(strstr(status(), "angle"));
+    TEST_ASSERT_NULL(strstr(status(), "sensor"));
+}
+
 /* 3 turns of the shaft with 2 pole pairs are 6 electrical ones. */
 TEST(test_a_position_is_asked_for_in_turns_and_is_no_speed)
 {
