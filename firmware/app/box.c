@@ -243,9 +243,21 @@ static void stamp_place(box_t *box)
     give_up_saving(box, good);
 }
 
+static void begin_saving(box_t *box, const recorder_t *recorder, const about_t *about, bool cut)
+{
+    recorder_about_t facts = recording_about(about, hal_reset(box->hal));
+
+    facts.cut = cut ? 1U : 0U;
+    recorder_pack_start(&box->pack, recorder, &facts, FILE_WORDS_MAX);
+    box->phase = BOX_MEASURES;
+}
+
 static void go_on_saving(box_t *box)
 {
     switch (box->phase) {
+    case BOX_BEGINS:
+        begin_saving(box, box->app->recorder, box->about, false);
+        break;
     case BOX_MEASURES:
         measure_recording(box);
         break;
@@ -264,15 +276,6 @@ static void go_on_saving(box_t *box)
     default: /* BOX_IDLE */
         break;
     }
-}
-
-static void begin_saving(box_t *box, const recorder_t *recorder, const about_t *about, bool cut)
-{
-    recorder_about_t facts = recording_about(about, hal_reset(box->hal));
-
-    facts.cut = cut ? 1U : 0U;
-    recorder_pack_start(&box->pack, recorder, &facts, FILE_WORDS_MAX);
-    box->phase = BOX_MEASURES;
 }
 
 /* Whether the recorder keeps the recording of a fault that is not saved. */
@@ -303,7 +306,7 @@ static void save_fault(box_t *box)
     } else if (box_is_saving(box)) {
         go_on_saving(box);
     } else if (box->log->saves < BOX_SAVES_MAX) {
-        begin_saving(box, box->app->recorder, box->about, false);
+        box->phase = BOX_BEGINS; /* in a pass of its own: it takes most of what a pass may take */
     } else {
         /* the recording stays in the RAM until it is read */
     }

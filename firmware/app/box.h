@@ -58,6 +58,7 @@
 
 typedef enum {
     BOX_IDLE = 0,
+    BOX_BEGINS,   /* looks at the recording */
     BOX_MEASURES, /* chooses how much of the recording fits */
     BOX_KEEPS,    /* step 1, see above */
     BOX_ERASES,

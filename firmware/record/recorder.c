@@ -494,63 +494,119 @@ static uint32_t ticks_of_segment(const recorder_t *recorder, uint32_t segment)
     return recorder->states[after].tick - recorder->states[segment].tick;
 }
 
+/* What the entries of a segment say. */
+typedef struct {
+    uint32_t entries;
+    uint32_t changes;
+    uint32_t crc[2]; /* of the configurations that its changes name; the same one twice: only one */
+    bool too_many;   /* its changes name more than two configurations */
+} segment_facts_t;
+
+static void note_change(segment_facts_t *facts, uint32_t crc)
+{
+    if (facts->changes == 0U) {
+        facts->crc[0] = crc;
+        facts->crc[1] = crc;
+    } else if ((crc == facts->crc[0]) || (crc == facts->crc[1])) {
+        /* known already */
+    } else if (facts->crc[0] == facts->crc[1]) {
+        facts->crc[1] = crc;
+    } else {
+        facts->too_many = true;
+    }
+    facts->changes++;
+}
+
+/*
+ * Reads the entries of a segment. A recording has thousands of them, and the background has to come
+ * round before the watchdog waits in vain: each entry is read once only.
+ */
+static segment_facts_t facts_of(const recorder_t *recorder, uint32_t segment)
+{
+    const recorder_entry_t *const first = first_of(recorder, segment);
+    segment_facts_t facts = {.entries =
+                                 count_entries(recorder, segment, recorder->segments[segment].end)};
+
+    for (uint32_t at = 0U; at < facts.entries; at++) {
+        if (is_entry_of_change(&first[at])) {
+            note_change(&facts, first[at].word[3]);
+        }
+    }
+    return facts;
+}
+
+/* Whether the changes of a segment name no other configurations than these two. */
+static bool names_only(const segment_facts_t *facts, uint32_t one, uint32_t other)
+{
+    const bool first = (facts->crc[0] == one) || (facts->crc[0] == other);
+    const bool second = (facts->crc[1] == one) || (facts->crc[1] == other);
+
+    return (facts->changes == 0U) || (!facts->too_many && first && second);
+}
+
 /*
  * Whether a segment is sound: its changes name only the two configurations of a history that begins
  * with `begin`, and it has a frame for each of its ticks. If a bit of the write pointer has
  * flipped, old frames remain or new ones are overwritten, so the number of frames differs.
  */
-static bool has_only_two(const recorder_t *recorder, uint32_t segment, const drive_cfg_t *begin)
+static bool has_only_two(const recorder_t *recorder, const segment_facts_t *facts, uint32_t segment,
+                         const drive_cfg_t *begin)
 {
     const drive_cfg_t *const other = other_config(recorder, begin);
     const uint32_t other_crc = (other == NULL) ? begin->crc : other->crc;
-    const recorder_entry_t *const first = first_of(recorder, segment);
-    const uint32_t count = count_entries(recorder, segment, recorder->segments[segment].end);
-    uint32_t frames = 0U;
-    bool known = true;
 
-    for (uint32_t at = 0U; at < count; at++) {
-        const uint32_t crc = first[at].word[3];
-        const bool change = is_entry_of_change(&first[at]);
-
-        known = known && (!change || (crc == begin->crc) || (crc == other_crc));
-        frames += change ? 0U : 1U;
-    }
-    return known && (frames == ticks_of_segment(recorder, segment));
+    return names_only(facts, begin->crc, other_crc) &&
+           ((facts->entries - facts->changes) == ticks_of_segment(recorder, segment));
 }
 
 /*
  * Whether the configurations from this segment to the end are known: none was overwritten, and they
- * are two at most.
+ * are two at most. `facts` has those of these segments.
  */
-static bool is_configured(const recorder_t *recorder, uint32_t segment)
+static bool is_configured(const recorder_t *recorder,
+                          const segment_facts_t facts[RECORDER_SEGMENTS], uint32_t segment)
 {
     const drive_cfg_t *const begin = recorder->states[segment].cfg;
     const uint32_t more = ((recorder->current + RECORDER_SEGMENTS) - segment) % RECORDER_SEGMENTS;
     bool known = begin->crc == recorder->segments[segment].config_crc;
 
     for (uint32_t k = 0U; k <= more; k++) {
-        known = known && has_only_two(recorder, (segment + k) % RECORDER_SEGMENTS, begin);
+        const uint32_t next = (segment + k) % RECORDER_SEGMENTS;
+
+        known = known && has_only_two(recorder, &facts[next], next, begin);
     }
     return known;
 }
 
 /*
  * Returns the number of segments of the history, up to the current one: there is no gap between
- * them, and their configurations are known.
+ * them, and their configurations are known. Fills in the facts of these segments.
  */
-static uint32_t count_segments(const recorder_t *recorder)
+static uint32_t count_segments(const recorder_t *recorder, segment_facts_t facts[RECORDER_SEGMENTS])
 {
     uint32_t segment = in_ring(recorder->current);
-    uint32_t count = is_configured(recorder, segment) ? 1U : 0U;
-    bool more = (count != 0U) && recorder->segments[segment].follows;
+    uint32_t count = 0U;
+    bool more = true;
 
     while (more && (count < RECORDER_SEGMENTS)) {
-        segment = segment_before(segment);
-        more = is_configured(recorder, segment);
+        facts[segment] = facts_of(recorder, segment);
+        more = is_configured(recorder, facts, segment);
         count += more ? 1U : 0U;
         more = more && recorder->segments[segment].follows;
+        segment = segment_before(segment);
     }
     return count;
+}
+
+/* Adds the next segment to the history. */
+static void add_segment(const recorder_t *recorder, recorder_history_t *history, uint32_t at,
+                        const segment_facts_t *facts)
+{
+    const uint32_t begin_crc = recorder_begin_state(recorder, history)->cfg->crc;
+
+    history->of_segment[at] = facts->entries;
+    history->entries += facts->entries;
+    history->changes = history->changes || !names_only(facts, begin_crc, begin_crc);
 }
 
 recorder_history_t recorder_history(const recorder_t *recorder)
@@ -558,20 +614,17 @@ recorder_history_t recorder_history(const recorder_t *recorder)
     recorder_history_t history = {.first = END, .entries = 0U};
 
     if (recorder->frozen && is_ring_sound(recorder)) {
+        segment_facts_t facts[RECORDER_SEGMENTS];
         uint32_t count;
 
         barrier_compiler(); /* read the recording only after `frozen` */
-        count = count_segments(recorder);
+        count = count_segments(recorder, facts);
         if (count > 0U) {
             history.first =
                 ((recorder->current + RECORDER_SEGMENTS + 1U) - count) % RECORDER_SEGMENTS;
         }
         for (uint32_t k = 0U; k < count; k++) {
-            const uint32_t segment = (history.first + k) % RECORDER_SEGMENTS;
-
-            history.of_segment[k] =
-                count_entries(recorder, segment, recorder->segments[segment].end);
-            history.entries += history.of_segment[k];
+            add_segment(recorder, &history, k, &facts[(history.first + k) % RECORDER_SEGMENTS]);
         }
     }
     return history;
@@ -626,15 +679,8 @@ const drive_cfg_t *recorder_further_config(const recorder_t *recorder,
                                            const recorder_history_t *history)
 {
     const drive_cfg_t *const begin = recorder_begin_state(recorder, history)->cfg;
-    const drive_cfg_t *const other = other_config(recorder, begin);
-    bool found = false;
 
-    for (uint32_t at = 0U; at < history->entries; at++) {
-        const recorder_entry_t *const entry = recorder_entry(recorder, history, at);
-
-        found = found || (is_entry_of_change(entry) && (entry->word[3] != begin->crc));
-    }
-    return found ? other : NULL;
+    return history->changes ? other_config(recorder, begin) : NULL;
 }
 
 bool recorder_find(const recorder_t *recorder, uint32_t number, recorder_view_t *view)

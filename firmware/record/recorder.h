@@ -161,6 +161,7 @@ typedef struct {
     uint32_t first; /* oldest segment */
     uint32_t entries;
     uint32_t of_segment[RECORDER_SEGMENTS]; /* entries of each segment, from the first one on */
+    bool changes; /* another configuration than that of its begin is in force in it, too */
 } recorder_history_t;
 
 recorder_history_t recorder_history(const recorder_t *recorder);
