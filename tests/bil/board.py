@@ -379,9 +379,14 @@ class Board:
         if not self.core.asleep:
             self.core.run()  # to the end of the pass that is under way
         while left:
-            left = left[self.chip.usart.receive_at_once(left):]
-            self.core.asleep = False
-            self.core.run()
+            left = self.send_at_once(left)
+
+    def send_at_once(self, left):
+        """As much as the receiver takes: to the end of the pass for that. What is left."""
+        left = left[self.chip.usart.receive_at_once(left):]
+        self.core.asleep = False
+        self.core.run()
+        return left
 
     def said(self):
         """What the console has said since the last look, once it is silent."""

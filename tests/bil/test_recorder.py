@@ -51,6 +51,7 @@ class Drive:
 
     def fail(self):
         """Returns the drive's number of the tick that sees it."""
+        self.tick()  # what was said may have ended within a conversion
         self.tick(bus=OVERVOLTAGE)
         return self.board.ticks - 1
 
