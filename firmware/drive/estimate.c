@@ -53,7 +53,7 @@ static bool has_free_zero(const drive_t *drive)
 }
 
 /* Whether this difference of two angles is less than `limit`, below 2^31, either way. */
-static bool is_within(angle_t ahead, angle_t limit)
+static bool lies_within(angle_t ahead, angle_t limit)
 {
     return (ahead + limit) < (2U * limit);
 }
@@ -69,7 +69,7 @@ static bool agrees(const rotor_t *rotor, const drive_t *drive)
     const angle_t ahead = rotor_position_angle(&rotor->angle_sensor.position) -
                           rotor_position_angle(&rotor->position);
 
-    return is_within(ahead, LEFT_BEHIND + (hall ? HALF_SECTOR : 0U));
+    return lies_within(ahead, LEFT_BEHIND + (hall ? HALF_SECTOR : 0U));
 }
 
 static angle_t measured_angle(const drive_t *drive, uint16_t count)
@@ -94,7 +94,7 @@ static void follow_sensor(rotor_t *rotor, const drive_t *drive, uint16_t count)
     }
     error = angle_sensor_step(&rotor->angle_sensor, measured_angle(drive, count),
                               drive->motor.model.observer.speed_limit);
-    rotor->followed = is_within(fx_unsigned(error), LEFT_BEHIND) || !has_free_zero(drive);
+    rotor->followed = lies_within(fx_unsigned(error), LEFT_BEHIND) || !has_free_zero(drive);
 }
 
 /*
