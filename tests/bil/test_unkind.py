@@ -19,6 +19,7 @@ LATE_TICKS = 40  # every other one: more than the drive bears
 SLOW_ROUND = 40  # ticks in which each part of the slow schedule has its turn
 TYPING_S = 5e-3  # more than a short line takes
 LINE_MAX = 512  # characters that the console keeps to be sent
+TOLD_TICKS = 4    # the pass that was under way, which may go beyond a tick, and the one that tells
 LEAST_ACCESSES = 10  # flags twice each, demand, count and the gates: fewer would be another register
 SPIKE_S = 100e-9  # as the switches make when they turn on; the filter has 141 ns
 
@@ -121,7 +122,7 @@ class EachAccess(unittest.TestCase):
             if made.chip.system.pending:
                 made.core.handle(made.chip.system.take(board.THREAD))
         open_then = not made.chip.timer.gates_on()
-        made.tick(3)
+        made.tick(TOLD_TICKS)
         open_now = not made.chip.timer.gates_on()
         said = re.search(r"FAULT by \w+", made.said())
         gates = "open" if open_then and open_now else "closed again"
