@@ -502,7 +502,7 @@ typedef struct {
     bool too_many;   /* its changes name more than two configurations */
 } segment_facts_t;
 
-static void note_change(segment_facts_t *facts, uint32_t crc)
+RARE static void note_change(segment_facts_t *facts, uint32_t crc)
 {
     if (facts->changes == 0U) {
         facts->crc[0] = crc;
@@ -536,7 +536,7 @@ static segment_facts_t facts_of(const recorder_t *recorder, uint32_t segment)
 }
 
 /* Whether the changes of a segment name no other configurations than these two. */
-static bool names_only(const segment_facts_t *facts, uint32_t one, uint32_t other)
+RARE static bool names_only(const segment_facts_t *facts, uint32_t one, uint32_t other)
 {
     const bool first = (facts->crc[0] == one) || (facts->crc[0] == other);
     const bool second = (facts->crc[1] == one) || (facts->crc[1] == other);
@@ -549,8 +549,8 @@ static bool names_only(const segment_facts_t *facts, uint32_t one, uint32_t othe
  * with `begin`, and it has a frame for each of its ticks. If a bit of the write pointer has
  * flipped, old frames remain or new ones are overwritten, so the number of frames differs.
  */
-static bool has_only_two(const recorder_t *recorder, const segment_facts_t *facts, uint32_t segment,
-                         const drive_cfg_t *begin)
+RARE static bool has_only_two(const recorder_t *recorder, const segment_facts_t *facts,
+                              uint32_t segment, const drive_cfg_t *begin)
 {
     const drive_cfg_t *const other = other_config(recorder, begin);
     const uint32_t other_crc = (other == NULL) ? begin->crc : other->crc;
@@ -563,8 +563,8 @@ static bool has_only_two(const recorder_t *recorder, const segment_facts_t *fact
  * Whether the configurations from this segment to the end are known: none was overwritten, and they
  * are two at most. `facts` has those of these segments.
  */
-static bool is_configured(const recorder_t *recorder,
-                          const segment_facts_t facts[RECORDER_SEGMENTS], uint32_t segment)
+RARE static bool is_configured(const recorder_t *recorder,
+                               const segment_facts_t facts[RECORDER_SEGMENTS], uint32_t segment)
 {
     const drive_cfg_t *const begin = recorder->states[segment].cfg;
     const uint32_t more = ((recorder->current + RECORDER_SEGMENTS) - segment) % RECORDER_SEGMENTS;
@@ -582,7 +582,8 @@ static bool is_configured(const recorder_t *recorder,
  * Returns the number of segments of the history, up to the current one: there is no gap between
  * them, and their configurations are known. Fills in the facts of these segments.
  */
-static uint32_t count_segments(const recorder_t *recorder, segment_facts_t facts[RECORDER_SEGMENTS])
+RARE static uint32_t count_segments(const recorder_t *recorder,
+                                    segment_facts_t facts[RECORDER_SEGMENTS])
 {
     uint32_t segment = in_ring(recorder->current);
     uint32_t count = 0U;
@@ -599,8 +600,8 @@ static uint32_t count_segments(const recorder_t *recorder, segment_facts_t facts
 }
 
 /* Adds the next segment to the history. */
-static void add_segment(const recorder_t *recorder, recorder_history_t *history, uint32_t at,
-                        const segment_facts_t *facts)
+RARE static void add_segment(const recorder_t *recorder, recorder_history_t *history, uint32_t at,
+                             const segment_facts_t *facts)
 {
     const uint32_t begin_crc = recorder_begin_state(recorder, history)->cfg->crc;
 
