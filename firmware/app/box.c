@@ -418,7 +418,7 @@ RARE static void save_at_once(box_t *box, const recorder_t *recorder, const live
 }
 
 /* A start that fails must not show the run before as its own. No control interrupt runs yet. */
-static void forget_run(drive_t *drive)
+static void forget_rescued(drive_t *drive)
 {
     *drive = (drive_t){0};
 }
@@ -441,7 +441,7 @@ void box_rescue(box_t *box, recorder_t *recorder, recorder_place_t *place,
     if (box->why_none == NULL) {
         save_at_once(box, recorder, live, cut);
     }
-    forget_run(&box->app->drive);
+    forget_rescued(&box->app->drive);
     box->log->saved = 0U; /* another recording begins */
     fault_log_seal(box->log);
 }

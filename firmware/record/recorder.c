@@ -502,7 +502,7 @@ typedef struct {
     bool too_many;   /* its changes name more than two configurations */
 } segment_facts_t;
 
-RARE static void note_change(segment_facts_t *facts, uint32_t crc)
+RARE static void note_further(segment_facts_t *facts, uint32_t crc)
 {
     if (facts->changes == 0U) {
         facts->crc[0] = crc;
@@ -529,7 +529,7 @@ static segment_facts_t facts_of(const recorder_t *recorder, uint32_t segment)
 
     for (uint32_t at = 0U; at < facts.entries; at++) {
         if (is_entry_of_change(&first[at])) {
-            note_change(&facts, first[at].word[3]);
+            note_further(&facts, first[at].word[3]);
         }
     }
     return facts;

@@ -44,7 +44,7 @@ NO_PART_OF_IT = {f"{name}.{kind}" for name in ("cobs", "config_block", "config_c
                                                "recorder_dump", "recorder_pack", "recorder_roll")
                  for kind in "ch"}  # not called in a tick
 BACKGROUND = {  # of the recorder
-    "add_segment", "facts_of", "names_only", "note_change", "ticks_of_segment",
+    "add_segment", "facts_of", "names_only", "note_further", "ticks_of_segment",
     "count_entries", "count_segments", "fill_view", "has_only_two", "is_configured", "is_entry_of_change",
     "is_nearly_full", "is_over", "note_hash", "number_after", "offer", "other_config", "prepare", "recorder_begin_state", "recorder_end_state", "recorder_entry",
     "recorder_find", "recorder_follow", "recorder_further_config", "recorder_hash", "recorder_history", "recorder_hold", "recorder_keep_state", "recorder_release",

@@ -37,7 +37,7 @@ ROLL_FILE, BOX_FILE = Path("firmware/record/recorder_roll.c"), Path("firmware/ap
 WRITERS = {  # the recorder writes copies that no interrupt steps, and the box writes before the first interrupt
     f"{DRIVE}.{STATE}": [(LIFE_FILE, "set_state")],
     DRIVE: [(LIFE_FILE, "initialise"), (RECORDER_FILE, "offer"), (RECORDER_FILE, "recorder_keep_state"),
-            (ROLL_FILE, "copy_state"), (BOX_FILE, "forget_run")],
+            (ROLL_FILE, "copy_state"), (BOX_FILE, "forget_rescued")],
 }
 GROUPS = {  # type of a group → stem of the module that writes it
     "control_t": "frame", "current_vector_t": "vector", "motion_t": "run", "motor_t": "motor", "rotor_t": "estimate",
