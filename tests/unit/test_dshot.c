@@ -40,11 +40,17 @@ static void count(bool good)
     }
 }
 
+/* The capture's time wraps. */
+static uint32_t units_of(double ns)
+{
+    return (uint32_t)(uint64_t)(ns / NS);
+}
+
 /* A pulse of the capture: times are rounded to its unit. */
 static void pulse(double start_ns, double width_ns)
 {
-    const uint32_t start = (uint32_t)(start_ns / NS);
-    const uint32_t end = (uint32_t)((start_ns + width_ns) / NS);
+    const uint32_t start = units_of(start_ns);
+    const uint32_t end = units_of(start_ns + width_ns);
 
     count(dshot_take(&dshot, &(hal_pulse_t){.start = start, .width = end - start}, &signal));
 }
@@ -78,7 +84,7 @@ static void send(uint32_t bits, uint32_t length, uint32_t speed, double scale)
 static void pause_ns(double ns)
 {
     now_ns += ns;
-    count(dshot_step(&dshot, (uint32_t)(now_ns / NS), &signal));
+    count(dshot_step(&dshot, units_of(now_ns), &signal));
 }
 
 static void send_frame(uint32_t bits, uint32_t speed)
@@ -230,7 +236,7 @@ TEST(test_an_inverted_line_is_named_and_gives_no_frame)
             now_ns += BIT_NS[speed];
         }
         now_ns += 200000.0;
-        count(dshot_step(&dshot, (uint32_t)(now_ns / NS), &signal));
+        count(dshot_step(&dshot, units_of(now_ns), &signal));
         TEST_ASSERT_EQUAL_UINT8(INPUT_LOST_INVERTED, signal.lost);
     }
     TEST_ASSERT_EQUAL_UINT32(0U, got);
@@ -306,7 +312,7 @@ TEST(test_jitter_of_a_sixteenth_of_a_bit_changes_no_value)
 TEST(test_the_time_of_the_pulses_may_wrap)
 {
     now_ns = (4294967296.0 - 250.0) * NS; /* within the frame */
-    dshot.last = (uint32_t)(now_ns / NS) - 1000U;
+    dshot.last = units_of(now_ns) - 1000U;
     send(bits_of(1046U, false), 16U, 0U, 1.0);
     for (uint32_t k = 0U; k < 3U; k++) {
         now_ns -= (k == 0U) ? (4294967296.0 * NS) : 0.0;
