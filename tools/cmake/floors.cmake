@@ -55,18 +55,18 @@ function(nf_compile_alone)
     set_source_files_properties(${ARGV} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
-# nf_add_floor(<target> SOURCES <file>... [BACKGROUND <file>...] [LINK <target>...])
+# nf_add_floor(<target> SOURCES <file>... [SMALL <file>...] [LINK <target>...])
 #
-# BACKGROUND: sources of which no tick has a part. An image has them small, as its flash is nearly full.
+# SMALL: sources that an ordinary tick of RUN does not run through. An image has them small, as its flash is nearly full.
 #
 # One floor: a static library whose folder is its public include folder.
 # It sees the headers of the floors it links and no others, so an upward include
 # does not compile.
 function(nf_add_floor target)
-    cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;BACKGROUND;LINK")
-    add_library(${target} STATIC ${arg_SOURCES} ${arg_BACKGROUND})
+    cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;SMALL;LINK")
+    add_library(${target} STATIC ${arg_SOURCES} ${arg_SMALL})
     if(CMAKE_SYSTEM_NAME STREQUAL "Generic")
-        set_source_files_properties(${arg_BACKGROUND} PROPERTIES COMPILE_OPTIONS -Os)
+        set_source_files_properties(${arg_SMALL} PROPERTIES COMPILE_OPTIONS -Os)
     endif()
     target_include_directories(${target} PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
     target_compile_features(${target} PUBLIC c_std_11)
