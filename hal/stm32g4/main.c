@@ -171,7 +171,7 @@ RARE static void test_kept(void)
 {
     const fault_log_t log = faults;
 
-    (void)ram_test_kept();
+    ram_test_kept();
     faults = log;
 }
 

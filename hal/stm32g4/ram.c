@@ -34,12 +34,11 @@ bool ram_is_kept(void)
     return ram_tested_end == &kept_start;
 }
 
-bool ram_test_kept(void)
+void ram_test_kept(void)
 {
     if (ram_is_kept() && (ram_fault == 0U)) {
         ram_fault = ram_test(&kept_start, &kept_end);
     }
-    return ram_fault == 0U;
 }
 
 void ram_keep(void)

@@ -45,8 +45,8 @@ uint32_t ram_test(uint32_t *first, const uint32_t *end);
 /* Whether .kept has what the run before has left. The same at each call. */
 bool ram_is_kept(void);
 
-/* Tests .kept if the reset entry has not done so. Returns whether all RAM is good. */
-bool ram_test_kept(void);
+/* Tests .kept if the reset entry has not done so. Sets ram_fault. */
+void ram_test_kept(void);
 
 /*
  * Sets the mark: from now on a reset leaves .kept as it is. ram_forget() takes it away: if the

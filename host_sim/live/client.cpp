@@ -2,17 +2,16 @@
 #include "client.h"
 
 #include "line_rate.h"
+#include "recording.h"
 
 #include <algorithm>
 #include <random>
 #include <utility>
 
 extern "C" {
-#include "fault_log.h"
 #include "frame_code.h"
 #include "input_signal.h"
 #include "source.h"
-#include "text.h"
 }
 
 #include <fmt/format.h>
@@ -264,9 +263,7 @@ namespace
 std::string reset_of(BodyReader &reader)
 {
     const auto reason = static_cast<hal_reset_reason_t>(reader.u8());
-    text_t text = {};
-    fault_log_tell_reset(&text, {reason, reader.u8()});
-    return {text.characters, text.length};
+    return replay::reset_text({reason, reader.u8()});
 }
 
 } // namespace

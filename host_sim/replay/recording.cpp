@@ -9,6 +9,7 @@ extern "C" {
 #include "config_guard.h"
 #include "crc32.h"
 #include "drive_words.h"
+#include "fault_log.h"
 #include "frame_code.h"
 #include "words.h"
 }
@@ -313,19 +314,22 @@ std::string Recording::build() const
     return text.find_first_not_of('0') == std::string::npos ? "" : text;
 }
 
+std::string reset_text(hal_reset_t reset)
+{
+    text_t text = {};
+    fault_log_tell_reset(&text, reset);
+    return {text.characters, text.length};
+}
+
 std::string Recording::reset() const
 {
-    // hal_reset_reason_t, whose first one is that nobody knows.
-    constexpr std::array<const char *, 6> NAMES = {"",         "supply",   "pin",
-                                                   "software", "watchdog", "of another kind"};
     const uint32_t reason = header.about.reset & 0xFFU;
-    const uint32_t exception = header.about.reset >> 8U;
-    if (reason == 0 || reason >= NAMES.size()) {
+    if (reason == HAL_RESET_UNKNOWN) {
         return "";
     }
-    return fmt::format("{}: {}{}", header.about.cut != 0 ? "ends with a reset" : "last reset",
-                       NAMES[reason],
-                       exception == 0 ? "" : fmt::format(" after exception {}", exception));
+    return fmt::format(
+        "{}: {}", header.about.cut != 0 ? "ends with a reset" : "last reset",
+        reset_text({static_cast<hal_reset_reason_t>(reason), header.about.reset >> 8U}));
 }
 
 fault_t Recording::fault() const

@@ -6,6 +6,7 @@
 #include "recorded_run.h"
 
 extern "C" {
+#include "hal.h"
 #include "recorder_dump.h"
 }
 
@@ -16,6 +17,9 @@ extern "C" {
 
 namespace nf::replay
 {
+
+// The reason of a reset: "watchdog after exception 3".
+std::string reset_text(hal_reset_t reset);
 
 // What is wrong with a file, in one line.
 struct RecordingError : std::runtime_error {
