@@ -23,9 +23,6 @@
 #define KEPT_AHEAD (2U) /* by how much step 1 raises the number of the kept place */
 #define FILLING (0xFFFFFFFFU)
 #define SECOND_US (1000000U)
-#define BYTE_MASK (0xFFU)
-#define EXCEPTION_SHIFT (8U)
-#define POWER_UP_SHIFT (16U)
 
 _Static_assert(HAL_BOX_SLOTS == (BOX_PLACES * PLACE_SLOTS), "places of whole slots");
 _Static_assert(offsetof(recorder_header_t, words) == (LENGTH_WORD * sizeof(uint32_t)),
@@ -364,16 +361,18 @@ static const drive_cfg_t *whole_config_of(const config_block_t *block, const abo
 }
 
 /* Returns why the recording that was rescued is not saved; NULL: it is to be saved. */
-static const char *why_not_saved(const box_t *box, const recorder_t *recorder, bool cut)
+static const char *why_not_saved(const box_t *box, const recorder_t *recorder,
+                                 recorder_rescued_t rescued)
 {
-    const drive_t *const end = recorder_end_state(recorder);
-    const bool failed = end->state == DRIVE_STATE_FAULT;
+    const bool failed = !rescued.cut && (recorder_end_state(recorder)->state == DRIVE_STATE_FAULT);
     const char *why = NULL;
 
-    if (!failed && !cut) {
-        why = "it was being read";
-    } else if (!failed && (end->state <= DRIVE_STATE_READY)) {
+    if (!rescued.found) {
+        why = "what lies in the RAM is no recording";
+    } else if (!failed && !rescued.drove) {
         why = "the drive was at rest";
+    } else if (!failed && !rescued.cut) {
+        why = "it was being read";
     } else if (failed && (recorder_newest(recorder) == box->log->saved)) {
         why = "it was saved before";
     } else if (box->log->saves >= BOX_SAVES_MAX) {
@@ -384,26 +383,19 @@ static const char *why_not_saved(const box_t *box, const recorder_t *recorder, b
     return why;
 }
 
-/*
- * Notes a reset that was not asked for, and a fault that came so shortly before the reset that the
- * background has not noted it. end: the state at the end of the recording, NULL: there is none.
- */
-static void note_last_reset(box_t *box, const drive_t *end, bool cut)
+/* Notes a reset that was not asked for. */
+static void note_last_reset(box_t *box, recorder_rescued_t rescued)
 {
     const hal_reset_t reset = hal_reset(box->hal);
-    const bool in_run = cut && (end != NULL) && (end->state > DRIVE_STATE_READY);
+    const bool in_run = rescued.cut && rescued.drove;
 
-    if (in_run && (end->state == DRIVE_STATE_FAULT) && (end->fault.tick != box->log->fault_tick)) {
-        fault_log_fault(box->log, &end->fault);
-    }
     if (in_run || (reset.reason == HAL_RESET_WATCHDOG) || (reset.exception != 0U)) {
         fault_log_reset(box->log, reset);
     }
 }
 
-/* Apart, so that its facts are not on the stack while the drive is stepped. */
-RARE static void save_at_once(box_t *box, const recorder_t *recorder, const live_config_t *live,
-                              bool cut)
+static void save_at_once(box_t *box, const recorder_t *recorder, const live_config_t *live,
+                         bool cut)
 {
     const drive_cfg_t *const cfg = recorder_end_state(recorder)->cfg;
     about_t about = *box->about;
@@ -417,31 +409,21 @@ RARE static void save_at_once(box_t *box, const recorder_t *recorder, const live
     box->why_none = box->rescued ? NULL : "the flash does not keep what is written";
 }
 
-/* A start that fails must not show the run before as its own. No control interrupt runs yet. */
-static void forget_rescued(drive_t *drive)
-{
-    *drive = (drive_t){0};
-}
-
 void box_rescue(box_t *box, recorder_t *recorder, recorder_place_t *place,
                 const live_config_t *live)
 {
-    bool cut = false;
-    bool good;
+    const hal_reset_reason_t reason = hal_reset(box->hal).reason;
+    recorder_rescued_t rescued;
 
     place->configs[0] = whole_config_of(&live->stored.block, box->about);
     place->configs[1] = whole_config_of(&live->other, box->about);
-    good = recorder_rescue(recorder, place, &box->app->drive, &cut);
-    note_last_reset(box, good ? recorder_end_state(recorder) : NULL, cut);
-    if (good) {
-        box->why_none = why_not_saved(box, recorder, cut);
-    } else {
-        box->why_none = "what lies in the RAM is no recording";
-    }
+    place->powered = (reason != HAL_RESET_SUPPLY) && (reason != HAL_RESET_UNKNOWN);
+    rescued = recorder_rescue(recorder, place);
+    note_last_reset(box, rescued);
+    box->why_none = why_not_saved(box, recorder, rescued);
     if (box->why_none == NULL) {
-        save_at_once(box, recorder, live, cut);
+        save_at_once(box, recorder, live, rescued.cut);
     }
-    forget_rescued(&box->app->drive);
     box->log->saved = 0U; /* another recording begins */
     fault_log_seal(box->log);
 }
@@ -476,9 +458,9 @@ void box_tell_start(text_t *text, const box_t *box)
 void box_tell_entry(text_t *text, const box_t *box, uint32_t age)
 {
     const fault_log_entry_t *const entry = fault_log_entry(box->log, age);
-    const uint32_t id = entry->what & BYTE_MASK;
+    const uint32_t id = entry->what & FAULT_LOG_ID_MASK;
     const uint32_t number = box->log->count - age;
-    const uint32_t power_up = entry->what >> POWER_UP_SHIFT;
+    const uint32_t power_up = entry->what >> FAULT_LOG_POWER_UP_SHIFT;
 
     text_number(text, (int32_t)number, 0U);
     text_add(text, ": power-up ");
@@ -489,7 +471,8 @@ void box_tell_entry(text_t *text, const box_t *box, uint32_t age)
     if (id >= FAULT_LOG_RESET) {
         const uint32_t reason = id - FAULT_LOG_RESET;
         const hal_reset_t reset = {.reason = (hal_reset_reason_t)reason,
-                                   .exception = (entry->what >> EXCEPTION_SHIFT) & BYTE_MASK};
+                                   .exception = (entry->what >> FAULT_LOG_EXCEPTION_SHIFT) &
+                                                FAULT_LOG_EXCEPTION_MASK};
 
         text_add(text, "reset: ");
         fault_log_tell_reset(text, reset);

@@ -12,8 +12,8 @@
  * anew at the next rest. When the recording is saved and the drive starts again, the recorder is
  * released so that it records the next fault.
  *
- * After a reset, box_rescue() makes a recording of the RAM (recorder_roll.h) and saves it, if the
- * drive was not at rest then, or if it holds a fault that was not saved.
+ * After a reset, box_rescue() makes a recording of the RAM (recorder_rescue.h) and saves it, if the
+ * gates were on until the reset, or if it holds a fault that was not saved.
  *
  * Two places in flash take turns. Each is three slots of hal.h:
  *
@@ -47,7 +47,7 @@
 #include "fault_log.h"
 #include "live_config.h"
 #include "recorder_pack.h"
-#include "recorder_roll.h"
+#include "recorder_rescue.h"
 #include "text.h"
 
 #include <stdbool.h>
@@ -107,9 +107,9 @@ void box_init(box_t *box, app_t *app, hal_t *hal, const about_t *about, fault_lo
 
 /*
  * After a reset that has left the RAM as it was: `recorder` and the blocks of `live` hold what the
- * run before has left, and `place` says where the recording lies; its configurations are set here.
+ * run before has left, and `place` says where the recording lies; its other members are set here.
  * Saves the recording if it is to be saved; that takes some 0.2 s. Notes the reset. Call after
- * box_init() and before these memories are used again. Leaves app->drive zeroed.
+ * box_init() and before these memories are used again.
  */
 void box_rescue(box_t *box, recorder_t *recorder, recorder_place_t *place,
                 const live_config_t *live);

@@ -5,9 +5,6 @@
 #include "words.h"
 
 #define CRC_WORD (FAULT_LOG_WORDS - 1U)
-#define EXCEPTION_SHIFT (8U)
-#define EXCEPTION_MASK (0xFFU)
-#define POWER_UP_SHIFT (16U)
 #define POWER_UP_MASK (0xFFFFU)
 
 uint32_t fault_log_word(const fault_log_t *log, uint32_t at)
@@ -58,7 +55,6 @@ void fault_log_power_up(fault_log_t *log)
     log->seconds = 0U;
     log->saves = 0U;
     log->saved = 0U;
-    log->fault_tick = 0U;
     fault_log_seal(log);
 }
 
@@ -71,22 +67,21 @@ static void add(fault_log_t *log, const fault_log_entry_t *entry)
 
 void fault_log_fault(fault_log_t *log, const fault_t *fault)
 {
-    const fault_log_entry_t entry = {.what =
-                                         (uint32_t)fault->id | (log->power_up << POWER_UP_SHIFT),
+    const fault_log_entry_t entry = {.what = (uint32_t)fault->id |
+                                             (log->power_up << FAULT_LOG_POWER_UP_SHIFT),
                                      .seconds = log->seconds,
                                      .value = (uint32_t)fault->value,
                                      .limit = (uint32_t)fault->limit};
 
-    log->fault_tick = fault->tick;
     add(log, &entry);
 }
 
 void fault_log_reset(fault_log_t *log, hal_reset_t reset)
 {
-    const uint32_t exception = reset.exception & EXCEPTION_MASK;
+    const uint32_t exception = reset.exception & FAULT_LOG_EXCEPTION_MASK;
     const uint32_t what = FAULT_LOG_RESET + (uint32_t)reset.reason;
-    const fault_log_entry_t entry = {.what = what | (exception << EXCEPTION_SHIFT) |
-                                             (log->power_up << POWER_UP_SHIFT),
+    const fault_log_entry_t entry = {.what = what | (exception << FAULT_LOG_EXCEPTION_SHIFT) |
+                                             (log->power_up << FAULT_LOG_POWER_UP_SHIFT),
                                      .seconds = log->seconds};
 
     add(log, &entry);

@@ -24,8 +24,8 @@
 /* An entry. All members are words. */
 typedef struct {
     /*
-     * bits 0…7: fault_id_t, or FAULT_LOG_RESET + hal_reset_reason_t; bits 8…15: of a reset, its
-     * exception; bits 16…31: number of the power-up
+     * fault_id_t, or FAULT_LOG_RESET + hal_reset_reason_t; of a reset, its exception; number of the
+     * power-up: see the masks below
      */
     uint32_t what;
     uint32_t seconds; /* since the power-up */
@@ -34,15 +34,18 @@ typedef struct {
 } fault_log_entry_t;
 
 #define FAULT_LOG_RESET (0x80U)
+#define FAULT_LOG_ID_MASK (0xFFU)
+#define FAULT_LOG_EXCEPTION_SHIFT (8U)
+#define FAULT_LOG_EXCEPTION_MASK (0xFFU)
+#define FAULT_LOG_POWER_UP_SHIFT (16U)
 
 /* The log. All members are words. */
 typedef struct {
     uint32_t count; /* entries since the board is new; the newest has the number `count` − 1 */
     uint32_t power_up;
-    uint32_t seconds;    /* since the power-up */
-    uint32_t saves;      /* recordings whose saving was begun since the power-up */
-    uint32_t saved;      /* number of the last segment of the recording saved last; 0: none */
-    uint32_t fault_tick; /* drive_t.tick of the fault noted last */
+    uint32_t seconds; /* since the power-up */
+    uint32_t saves;   /* recordings whose saving was begun since the power-up */
+    uint32_t saved;   /* number of the last segment of the recording saved last; 0: none */
     /* entry n is at n modulo FAULT_LOG_ENTRIES */
     fault_log_entry_t entries[FAULT_LOG_ENTRIES];
     uint32_t crc;

@@ -43,7 +43,6 @@
 #define VALUE_BITS (16U)
 #define VALUE_MASK (0xFFFFU)
 #define SIGN_BIT (0x8000U)
-#define CHANGE_MARK (0x8000U) /* bit of the third word, marks a change */
 #define MARK_WORD (2U)
 #define ENTRY_WORDS (4U)
 #define BYTE_BITS (8U)
@@ -79,11 +78,6 @@ typedef struct {
     channel_t channels[CHANNELS];
     bool began;
 } code_t;
-
-static bool is_of_change(const recorder_entry_t *entry)
-{
-    return (entry->word[MARK_WORD] & CHANGE_MARK) != 0U;
-}
 
 static uint32_t value_of(const recorder_entry_t *entry, uint32_t channel)
 {
@@ -176,7 +170,7 @@ static const recorder_entry_t *first_frame(const recorder_entry_t *entries, uint
     const recorder_entry_t *found = NULL;
 
     for (uint32_t k = 0U; (k < count) && (found == NULL); k++) {
-        found = is_of_change(&entries[k]) ? NULL : &entries[k];
+        found = recorder_entry_is_change(&entries[k]) ? NULL : &entries[k];
     }
     return found;
 }
@@ -189,7 +183,7 @@ static void find_changing_bits(const recorder_entry_t *entries, uint32_t count,
 
     *bits = (recorder_entry_t){{0U, 0U, 0U, 0U}};
     for (uint32_t k = 0U; (k < count) && (first != NULL); k++) {
-        if (!is_of_change(&entries[k])) {
+        if (!recorder_entry_is_change(&entries[k])) {
             bits->word[0] |= entries[k].word[0] ^ first->word[0];
             bits->word[1] |= entries[k].word[1] ^ first->word[1];
             bits->word[3] |= entries[k].word[3] ^ first->word[3];
@@ -209,7 +203,7 @@ static sums_t sum_up(const recorder_entry_t *entries, uint32_t count, uint32_t c
         learn_first(&history, value_of(first, channel));
     }
     for (uint32_t k = 0U; k < count; k++) {
-        if (!is_of_change(&entries[k]) && (&entries[k] != first)) {
+        if (!recorder_entry_is_change(&entries[k]) && (&entries[k] != first)) {
             const uint32_t value = (entries[k].word[word] >> shift) & VALUE_MASK;
 
             add_difference(&sums, &history, value);
@@ -268,7 +262,7 @@ static void plan_code(code_t *code, const recorder_entry_t *entries, uint32_t co
 
     find_changing_bits(entries, count, &changing);
     for (uint32_t k = 0U; k < count; k++) {
-        has_change = has_change || is_of_change(&entries[k]);
+        has_change = has_change || recorder_entry_is_change(&entries[k]);
     }
     for (uint32_t channel = 0U; channel < CHANNELS; channel++) {
         const bool has_escape = has_change && (channel == 0U);
@@ -389,7 +383,7 @@ static void code_frame(bits_out_t *writer, code_t *code, const recorder_entry_t 
 
 static void put_entry(bits_out_t *writer, code_t *code, const recorder_entry_t *entry)
 {
-    if (is_of_change(entry)) {
+    if (recorder_entry_is_change(entry)) {
         code_change(writer, code, entry);
     } else if (code->began) {
         code_frame(writer, code, entry);
@@ -492,7 +486,7 @@ static void get_change(bits_in_t *reader, recorder_entry_t *entry)
 {
     entry->word[0] = get_bits(reader, 2U * VALUE_BITS);
     entry->word[1] = get_bits(reader, 2U * VALUE_BITS);
-    entry->word[MARK_WORD] = CHANGE_MARK;
+    entry->word[MARK_WORD] = RECORDER_CHANGE_MARK;
     entry->word[3] = get_bits(reader, 2U * VALUE_BITS);
 }
 

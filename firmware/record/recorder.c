@@ -15,7 +15,6 @@
 #define HALF_MASK (0xFFFFU)
 #define BYTE_MASK (0xFFU)
 #define COMPARE_MASK (0x7FFFU)
-#define CHANGE_MARK (0x8000U)
 #define GATE_BIT (15U)
 #define TICK_ENTRIES (3U) /* entries reserved for a tick */
 #define SLACK_SHARE (2U)  /* at most 1/2 of a segment is slack, even in a long slow period */
@@ -123,7 +122,8 @@ static recorder_entry_t *put_change(recorder_t *recorder, recorder_entry_t *at,
     recorder->target = fx_unsigned(in->command.target);
     recorder->slow = slow_part(in);
     recorder->changed = false;
-    *at = (recorder_entry_t){{recorder->target, recorder->slow, CHANGE_MARK, drive->cfg->crc}};
+    *at = (recorder_entry_t){
+        {recorder->target, recorder->slow, RECORDER_CHANGE_MARK, drive->cfg->crc}};
     return &at[1];
 }
 
@@ -283,6 +283,7 @@ static void begin_anew(recorder_t *recorder)
     recorder->triggered = false;
     recorder->kept = 0U;
     recorder->changed = false;
+    recorder->end_hash = 0U;
     barrier_compiler();
     recorder->frozen = false;
 }
@@ -330,8 +331,9 @@ static void offer(recorder_t *recorder, const volatile drive_t *drive, uint32_t 
     if (next == END) {
         recorder->kept = 0U;
     } else {
-        recorder->segments[next] =
-            (recorder_segment_t){.number = number_after(recorder), .config_crc = drive->cfg->crc};
+        recorder->segments[next] = (recorder_segment_t){.number = number_after(recorder),
+                                                        .config_crc = drive->cfg->crc,
+                                                        .sum = RECORDER_SUM_START};
     }
     barrier_compiler();
     recorder->states[next] = *drive;
@@ -383,64 +385,6 @@ static void prepare(recorder_t *recorder, const volatile drive_t *live)
     }
 }
 
-uint32_t recorder_hash(const drive_t *state)
-{
-    return drive_words_hash(state) | 1U;
-}
-
-/* Once for each segment. The interrupt neither writes the state of the current one nor its hash. */
-static void note_hash(recorder_t *recorder)
-{
-    const uint32_t segment = recorder->current;
-
-    if ((segment < NONE) && (recorder->segments[segment].hash == 0U)) {
-        recorder->segments[segment].hash = recorder_hash(&recorder->states[segment]);
-    }
-}
-
-void recorder_service(recorder_t *recorder, const drive_t *drive)
-{
-    const volatile drive_t *const live = drive;
-    const bool failed = live->state == DRIVE_STATE_FAULT;
-
-    recorder->passed = failed && (recorder->followed || recorder->passed);
-    if (failed && !recorder->triggered && !recorder->passed) {
-        trigger(recorder, live->fault.tick);
-        recorder->held = true;
-    }
-    if (recorder->frozen) {
-        if ((!failed || recorder->passed) && !recorder->held) {
-            recorder->ended = recorder_newest(recorder);
-            begin_anew(recorder);
-        }
-    } else if (!recorder->offered) {
-        note_hash(recorder);
-        prepare(recorder, live);
-    } else {
-        /* the next tick decides */
-    }
-}
-
-void recorder_follow(recorder_t *recorder, bool on)
-{
-    recorder->followed = on;
-}
-
-void recorder_hold(recorder_t *recorder, const drive_t *drive)
-{
-    const volatile drive_t *const live = drive;
-
-    recorder->held = true;
-    if (!recorder->triggered) {
-        trigger(recorder, (live->tick - 1U) - recorder->post_ticks);
-    }
-}
-
-void recorder_release(recorder_t *recorder)
-{
-    recorder->held = false;
-}
-
 static uint32_t segment_before(uint32_t segment)
 {
     return (segment == 0U) ? (RECORDER_SEGMENTS - 1U) : (segment - 1U);
@@ -469,6 +413,108 @@ static uint32_t count_entries(const recorder_t *recorder, uint32_t segment,
     return least;
 }
 
+uint32_t recorder_hash(const drive_t *state)
+{
+    return drive_words_hash(state) | 1U;
+}
+
+/* Once for each segment. The interrupt neither writes the state of the current one nor its hash. */
+static void note_hash(recorder_t *recorder)
+{
+    const uint32_t segment = recorder->current;
+
+    if ((segment < NONE) && (recorder->segments[segment].hash == 0U)) {
+        recorder->segments[segment].hash = recorder_hash(&recorder->states[segment]);
+    }
+}
+
+/* Extends the sum of a segment to the entries before `end`. */
+static void sum_entries_to(recorder_t *recorder, uint32_t segment, const recorder_entry_t *end)
+{
+    const recorder_entry_t *const first = first_of(recorder, segment);
+    const uint32_t count = count_entries(recorder, segment, end);
+    recorder_segment_t *const about = &recorder->segments[segment];
+
+    for (uint32_t k = about->summed; k < count; k++) {
+        about->sum = recorder_entry_sum(about->sum, &first[k]);
+    }
+    about->summed = count;
+}
+
+/*
+ * Sums the entries since the last call: of the segment that is written, and of the one before it,
+ * whose last entries may have come after that call. If a tick enters a segment just now, the next
+ * call sums them.
+ */
+static void note_sums(recorder_t *recorder)
+{
+    const uint32_t segment = recorder->current;
+    const recorder_entry_t *const at = recorder->at;
+
+    if ((segment < NONE) && (recorder->current == segment) && is_ring_sound(recorder)) {
+        if (recorder->segments[segment].follows) {
+            const uint32_t before = segment_before(segment);
+
+            sum_entries_to(recorder, before, recorder->segments[before].end);
+        }
+        sum_entries_to(recorder, segment, at);
+    }
+}
+
+/* Once for each recording that is frozen. */
+static void note_end(recorder_t *recorder)
+{
+    if (recorder->end_hash == 0U) {
+        note_sums(recorder);
+        recorder->end_hash = recorder_hash(&recorder->states[SPARE]);
+    }
+}
+
+void recorder_service(recorder_t *recorder, const drive_t *drive)
+{
+    const volatile drive_t *const live = drive;
+    const bool failed = live->state == DRIVE_STATE_FAULT;
+
+    recorder->passed = failed && (recorder->followed || recorder->passed);
+    if (failed && !recorder->triggered && !recorder->passed) {
+        trigger(recorder, live->fault.tick);
+        recorder->held = true;
+    }
+    if (recorder->frozen) {
+        note_end(recorder);
+        if ((!failed || recorder->passed) && !recorder->held) {
+            recorder->ended = recorder_newest(recorder);
+            begin_anew(recorder);
+        }
+    } else if (!recorder->offered) {
+        note_hash(recorder);
+        note_sums(recorder);
+        prepare(recorder, live);
+    } else {
+        /* the next tick decides */
+    }
+}
+
+void recorder_follow(recorder_t *recorder, bool on)
+{
+    recorder->followed = on;
+}
+
+void recorder_hold(recorder_t *recorder, const drive_t *drive)
+{
+    const volatile drive_t *const live = drive;
+
+    recorder->held = true;
+    if (!recorder->triggered) {
+        trigger(recorder, (live->tick - 1U) - recorder->post_ticks);
+    }
+}
+
+void recorder_release(recorder_t *recorder)
+{
+    recorder->held = false;
+}
+
 /*
  * Returns the second of the two configurations that a history can have, or NULL when it can have
  * only one.
@@ -478,11 +524,6 @@ static const drive_cfg_t *other_config(const recorder_t *recorder, const drive_c
     const drive_cfg_t *const end = recorder->states[SPARE].cfg;
 
     return (end == begin) ? recorder->before : end;
-}
-
-static bool is_entry_of_change(const recorder_entry_t *entry)
-{
-    return (entry->word[2] & CHANGE_MARK) != 0U;
 }
 
 /* Returns the number of ticks from the state before a segment to the state after it. */
@@ -528,7 +569,7 @@ static segment_facts_t facts_of(const recorder_t *recorder, uint32_t segment)
                                  count_entries(recorder, segment, recorder->segments[segment].end)};
 
     for (uint32_t at = 0U; at < facts.entries; at++) {
-        if (is_entry_of_change(&first[at])) {
+        if (recorder_entry_is_change(&first[at])) {
             note_further(&facts, first[at].word[3]);
         }
     }
@@ -719,7 +760,7 @@ const drive_t *recorder_keep_state(recorder_t *recorder, uint32_t number)
 bool recorder_unpack(const recorder_entry_t *entry, recorder_frame_t *frame)
 {
     const uint32_t *const word = entry->word;
-    const bool is_frame = !is_entry_of_change(entry);
+    const bool is_frame = !recorder_entry_is_change(entry);
     drive_in_t *const in = &frame->in;
     drive_out_t *const out = &frame->out;
 

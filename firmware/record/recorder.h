@@ -60,7 +60,9 @@ typedef struct {
      * reset; 0: not computed yet
      */
     uint32_t hash;
-    bool follows; /* the segment continues the one before it without a gap */
+    uint32_t summed; /* number of its entries that `sum` covers */
+    uint32_t sum;    /* recorder_entry_sum() of them, for the same reader */
+    bool follows;    /* the segment continues the one before it without a gap */
 } recorder_segment_t;
 
 typedef struct {
@@ -103,6 +105,8 @@ typedef struct {
     const recorder_entry_t *due_entries;
     uint32_t due_segment_entries;
     uint32_t post_ticks;
+    /* recorder_hash() of the state after the last frame; 0: not frozen, or not computed yet */
+    uint32_t end_hash;
     recorder_segment_t segments[RECORDER_SEGMENTS];
     /*
      * The state before the first frame of each segment. The last one belongs to no segment: in a
@@ -135,7 +139,8 @@ void recorder_step(recorder_t *recorder, const drive_t *drive, const drive_in_t 
 void recorder_change(recorder_t *recorder, const drive_cfg_t *before);
 
 /*
- * Takes snapshots, freezes and restarts the recording. Context: background; a tick may interrupt it
+ * Takes snapshots, freezes and restarts the recording, and notes check words of states and entries
+ * for whoever finds them in a memory after a reset. Context: background; a tick may interrupt it
  * anywhere.
  */
 void recorder_service(recorder_t *recorder, const drive_t *drive);

@@ -27,13 +27,17 @@ void recorder_about_name(recorder_about_t *about, const char *name)
     }
 }
 
-/* Fills in the words of the header that describe the end of the recording. */
+/*
+ * Fills in the words of the header that describe the end of the recording. Of a recording that a
+ * reset has cut only the tick is known.
+ */
 static void describe_end(recorder_header_t *header, const drive_t *end)
 {
-    const bool failed = end->state == DRIVE_STATE_FAULT;
+    const bool known = header->about.cut == 0U;
+    const bool failed = known && (end->state == DRIVE_STATE_FAULT);
 
     header->end_tick = end->tick;
-    header->end_hash = drive_words_hash(end);
+    header->end_hash = known ? drive_words_hash(end) : 0U;
     header->fault_id = failed ? (uint32_t)end->fault.id : (uint32_t)FAULT_NONE;
     header->fault_value = failed ? (uint32_t)end->fault.value : 0U;
     header->fault_limit = failed ? (uint32_t)end->fault.limit : 0U;
@@ -69,8 +73,8 @@ void recorder_dump_start(recorder_dump_t *dump, const recorder_t *recorder,
     header->packed = 0U;
     recorder_dump_resize(dump, header->entries * ENTRY_WORDS);
     header->first_tick = recorder_begin_state(recorder, &dump->history)->tick;
-    describe_end(header, recorder_end_state(recorder));
     header->about = *about;
+    describe_end(header, recorder_end_state(recorder));
 }
 
 uint32_t recorder_dump_lines(const recorder_dump_t *dump)

@@ -74,8 +74,12 @@ typedef struct {
     uint32_t further;    /* number of configurations after the entries, 0 or 1 */
     uint32_t first_tick; /* tick of the first frame */
     uint32_t end_tick;   /* the tick after the last frame */
-    uint32_t end_hash;   /* drive_words_hash() of the state at the end */
-    /* fault_id_t if the recording ends in FAULT, otherwise 0; so are the next three */
+    /* drive_words_hash() of the state at the end; 0 if a reset has cut the recording */
+    uint32_t end_hash;
+    /*
+     * fault_id_t if the recording ends in FAULT, 0 otherwise and if a reset has cut it; so are the
+     * next three
+     */
     uint32_t fault_id;
     uint32_t fault_value;
     uint32_t fault_limit;

@@ -9,7 +9,6 @@
 #include <stddef.h>
 
 #define HEAD_WORDS (2U) /* of a piece, before its code */
-#define CHANGE_MARK (0x8000U)
 #define HALF_MASK (0xFFFFU)
 #define LENGTH_SHIFT (8U)
 
@@ -20,9 +19,9 @@ static uint32_t crc_of_outputs(const recorder_entry_t *entries, uint32_t count)
     uint32_t crc = CRC32_START;
 
     for (uint32_t k = 0U; k < count; k++) {
-        const uint32_t *const word = entries[k].word;
+        if (!recorder_entry_is_change(&entries[k])) {
+            const uint32_t *const word = entries[k].word;
 
-        if ((word[2] & CHANGE_MARK) == 0U) {
             crc = crc32_word(crc32_word(crc, word[2]), word[3] & HALF_MASK);
         }
     }

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rolls a recording forward on the machine that has made it: drive_step() is pure, so a state and
- * the entries after it give the outputs again, and the state at the end.
+ * A recording in a memory that a reset has left as it was, or nearly so.
  *
- * So a board that was reset can find out whether what lies in its RAM is a recording: it is one if
- * the outputs that the drive computes from it are those that were recorded.
+ * While the recorder runs it notes a check word of each state and of the entries, and the
+ * configurations have their CRC. So a board that was reset finds out whether what lies in its RAM
+ * is a recording. Whether the drive computes the recorded outputs from it is for the replay on the
+ * PC.
  *
- * Context: background, before the control interrupt is enabled. About a control tick an entry.
+ * Context: background, before the control interrupt is enabled.
  */
-#ifndef RECORDER_ROLL_H
-#define RECORDER_ROLL_H
+#ifndef RECORDER_RESCUE_H
+#define RECORDER_RESCUE_H
 
 #include "recorder.h"
 
@@ -25,18 +26,28 @@ typedef struct {
      * wrong. No other pointer of the recording is followed.
      */
     const drive_cfg_t *configs[2];
+    /*
+     * The memory had its supply all the time. Then the entries after those that have a check word
+     * belong to the recording, but for the last one, which may be half written.
+     */
+    bool powered;
 } recorder_place_t;
+
+typedef struct {
+    bool found; /* recorder_history() has a history; if not, the recorder must be initialised */
+    /*
+     * The recording was not frozen, so it ends with the reset. Of the state at its end only the
+     * tick and the configuration are known.
+     */
+    bool cut;
+    bool drove; /* the gates were on in one of its ticks */
+} recorder_rescued_t;
 
 /*
  * Makes a frozen recording of a memory that a reset has left, whatever it holds. It may have been
- * frozen before, or have been written until the reset. Returns true when recorder_history() then
- * has a history all outputs of which were computed again: an older segment with another output is
- * left out, and an entry that the reset has left half written. Returns false when the last segment
- * has another output; then the recorder must be initialised.
- *
- * *work: room for a state; when it returns true, it is the state at the end.
- * *cut: the recording was not frozen, so it ends with the reset.
+ * frozen before, or have been written until the reset. An older segment with a wrong check word is
+ * left out. About 150000 instructions.
  */
-bool recorder_rescue(recorder_t *recorder, const recorder_place_t *place, drive_t *work, bool *cut);
+recorder_rescued_t recorder_rescue(recorder_t *recorder, const recorder_place_t *place);
 
 #endif

@@ -32,9 +32,13 @@ std::optional<Difference> compare(int64_t tick, const drive_out_t &recorded,
     return std::nullopt;
 }
 
+// A reset leaves no state at the end to compare with.
 std::optional<Difference> compare_end(const Recording &recording, const drive_t &drive)
 {
     const recorder_header_t &h = recording.header;
+    if (h.about.cut != 0) {
+        return std::nullopt;
+    }
     const int64_t last = recording.last();
     const fault_id_t id = drive.state == DRIVE_STATE_FAULT ? drive.fault.id : FAULT_NONE;
     if (static_cast<uint32_t>(id) != h.fault_id) {
@@ -50,15 +54,25 @@ std::optional<Difference> compare_end(const Recording &recording, const drive_t 
     return std::nullopt;
 }
 
+// The fault in which the recording ends. If a reset has cut it, only the replay knows.
+fault_t fault_at_end(const Recording &recording, const Result &result)
+{
+    if (recording.header.about.cut == 0) {
+        return recording.fault();
+    }
+    const fault_t &latched = result.fault;
+    return result.state == DRIVE_STATE_FAULT ? latched : fault_t{};
+}
+
 std::string end_text(const Recording &recording, const Result &result)
 {
-    const recorder_header_t &h = recording.header;
     const Bases &bases = recording.run.image.bases;
-    if (h.fault_id == FAULT_NONE) {
+    const FoundFault fault = {fault_at_end(recording, result), result.fault.swing_hz,
+                              result.fault.advice};
+    if (fault.id == FAULT_NONE) {
         return fmt::format("  ends in {}, speed {:.0f} rpm\n", state_name(result.state),
                            result.speed_rpm);
     }
-    const FoundFault fault = {recording.fault(), result.fault.swing_hz, result.fault.advice};
     const int64_t at = recording.run.tick_of(fault.tick);
     return fmt::format("  fault at tick {}, {:.4f} s before the end, at {:.0f} rpm: {}\n", at,
                        static_cast<double>(recording.last() - at) * bases.control_period_s,
@@ -68,9 +82,10 @@ std::string end_text(const Recording &recording, const Result &result)
 std::string verdict(const Recording &recording, const Result &result)
 {
     if (!result.difference) {
-        return fmt::format("  replayed: the outputs of all {} ticks and the state's hash "
-                           "{:08x} are those recorded\n",
-                           recording.run.outputs.size(), result.end_hash);
+        const bool cut = recording.header.about.cut != 0;
+        return fmt::format("  replayed: the outputs of all {} ticks{} are those recorded\n",
+                           recording.run.outputs.size(),
+                           cut ? "" : fmt::format(" and the state's hash {:08x}", result.end_hash));
     }
     const Difference &d = *result.difference;
     const bool hash = d.signal.rfind("the ", 0) == 0; // of a state or of outputs
@@ -132,10 +147,11 @@ Result replay(const Recording &recording)
 
 int64_t tick_of_interest(const Recording &recording, const Result &result)
 {
-    const int64_t fault = recording.run.tick_of(recording.header.fault_tick);
-    const bool seen = recording.header.fault_id != FAULT_NONE && fault >= recording.run.first() &&
-                      fault <= recording.last();
-    const int64_t end = seen ? fault : recording.last();
+    const fault_t fault = fault_at_end(recording, result);
+    const int64_t at = recording.run.tick_of(fault.tick);
+    const bool seen =
+        fault.id != FAULT_NONE && at >= recording.run.first() && at <= recording.last();
+    const int64_t end = seen ? at : recording.last();
     return result.difference ? result.difference->tick : end;
 }
 

@@ -41,14 +41,14 @@ ENTRIES = {"proof_init": DRIVE, "proof_startup": DRIVE, "proof_startup_regulated
            "proof_recorder": RECORDER, "proof_current_sum": CURRENT_SUM}
 CHECK = "check_state"  # what each entry ends with
 NO_PART_OF_IT = {f"{name}.{kind}" for name in ("cobs", "config_block", "config_ceiling", "config_lock", "config_rule", "drive_words", "fault_text", "frame_code",
-                                               "recorder_dump", "recorder_pack", "recorder_roll")
+                                               "recorder_dump", "recorder_pack", "recorder_rescue")
                  for kind in "ch"}  # not called in a tick
 BACKGROUND = {  # of the recorder
     "add_segment", "facts_of", "names_only", "note_further", "ticks_of_segment",
-    "count_entries", "count_segments", "fill_view", "has_only_two", "is_configured", "is_entry_of_change",
-    "is_nearly_full", "is_over", "note_hash", "number_after", "offer", "other_config", "prepare", "recorder_begin_state", "recorder_end_state", "recorder_entry",
+    "count_entries", "count_segments", "fill_view", "has_only_two", "is_configured",
+    "is_nearly_full", "is_over", "note_end", "note_hash", "note_sums", "number_after", "offer", "other_config", "prepare", "recorder_begin_state", "recorder_end_state", "recorder_entry", "recorder_entry_is_change", "recorder_entry_sum",
     "recorder_find", "recorder_follow", "recorder_further_config", "recorder_hash", "recorder_history", "recorder_hold", "recorder_keep_state", "recorder_release",
-    "recorder_newest", "recorder_service", "recorder_unpack", "segment_after", "segment_before", "trigger",
+    "recorder_newest", "recorder_service", "recorder_unpack", "segment_after", "segment_before", "sum_entries_to", "trigger",
 }
 
 # How many cases Eva keeps apart: those of the case distinctions in the code, and branches of small functions.

@@ -188,7 +188,9 @@ static void assert_file_repeats(void)
         at += assert_piece(&drive, &frame, &file[first + at]);
     }
     TEST_ASSERT_EQUAL_UINT32(header()->end_tick, drive.tick);
-    TEST_ASSERT_EQUAL_HEX32(header()->end_hash, drive_words_hash(&drive));
+    if (header()->about.cut == 0U) {
+        TEST_ASSERT_EQUAL_HEX32(header()->end_hash, drive_words_hash(&drive));
+    }
     TEST_ASSERT_GREATER_OR_EQUAL_UINT32(LEAST_TICKS, header()->end_tick - header()->first_tick);
 }
 
@@ -379,15 +381,16 @@ static void reset(hal_reset_reason_t reason)
 
 TEST(test_a_reset_in_a_run_is_saved_with_its_reason)
 {
-    uint32_t hash;
+    uint32_t tick;
 
     run_for(1234U);
-    hash = drive_words_hash(&app.drive);
+    tick = app.drive.tick;
     reset(HAL_RESET_WATCHDOG);
     TEST_ASSERT_TRUE(box.rescued);
     TEST_ASSERT_NULL(box.why_none);
     assert_file_repeats();
-    TEST_ASSERT_EQUAL_HEX32(hash, header()->end_hash);
+    TEST_ASSERT_EQUAL_UINT32(tick, header()->end_tick);
+    TEST_ASSERT_EQUAL_HEX32(0U, header()->end_hash);
     TEST_ASSERT_EQUAL_UINT32(HAL_RESET_WATCHDOG, header()->about.reset);
     TEST_ASSERT_EQUAL_UINT32(1U, header()->about.cut);
     TEST_ASSERT_EQUAL_UINT32(1U, fault_log_size(&faults));
@@ -427,39 +430,34 @@ TEST(test_a_fault_that_was_saved_is_not_saved_again)
     assert_file_repeats();
 }
 
-/* The background has not had a pass since the fault. */
-TEST(test_a_reset_right_after_a_fault_notes_both)
+/* The background has not had a pass since the fault, so only the recording tells it. */
+TEST(test_a_reset_right_after_a_fault_saves_the_run)
 {
     run_for(900U);
     measured.flags = DRIVE_FLAG_BREAK;
     control_isr(&app);
     measured.flags = 0U;
+    control_isr(&app);
     reset(HAL_RESET_WATCHDOG);
     TEST_ASSERT_TRUE(box.rescued);
     assert_file_repeats();
-    TEST_ASSERT_EQUAL_UINT32(2U, fault_log_size(&faults));
-    TEST_ASSERT_EQUAL_UINT32((1U << 16U) | FAULT_BREAK, fault_log_entry(&faults, 1U)->what);
+    TEST_ASSERT_EQUAL_UINT32(app.drive.fault.tick + 1U, header()->end_tick);
+    TEST_ASSERT_EQUAL_UINT32(1U, fault_log_size(&faults));
 }
 
-/* A start that fails then shows a drive at its begin, and no fault of the run before. */
-TEST(test_a_rescue_leaves_nothing_of_the_run_before_in_the_drive)
+/* A fault in a start that never had its gates on. */
+TEST(test_a_fault_at_rest_that_was_not_saved_is_saved_after_a_reset)
 {
-    for (uint32_t k = 0U; k < 2U; k++) {
-        start(true);
-        if (k == 0U) {
-            run_for(900U);
-        } else {
-            fail_after(900U);
-        }
-        reset(HAL_RESET_WATCHDOG);
-        TEST_ASSERT_TRUE(box.rescued);
-        const uint32_t noted = fault_log_size(&faults);
-
-        TEST_ASSERT_EQUAL(DRIVE_STATE_INIT, app.drive.state);
-        TEST_ASSERT_NULL(app.drive.cfg);
-        box_step(&box, BOX_UNREAD);
-        TEST_ASSERT_EQUAL_UINT32(noted, fault_log_size(&faults));
-    }
+    pass(EXAMPLE_CALIBRATION_TICKS + 100U);
+    measured.flags = DRIVE_FLAG_BREAK;
+    pass(1U);
+    measured.flags = 0U;
+    pass(POST_TICKS + 3U);
+    TEST_ASSERT_TRUE(recorder.frozen);
+    reset(HAL_RESET_PIN);
+    TEST_ASSERT_TRUE(box.rescued);
+    assert_file_repeats();
+    TEST_ASSERT_EQUAL_UINT32(FAULT_BREAK, header()->fault_id);
 }
 
 TEST(test_a_recording_that_was_being_read_is_not_saved)

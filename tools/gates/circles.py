@@ -33,11 +33,11 @@ PORTS = Path("firmware/math/port")
 CORE = ("-target", "thumbv7em-none-eabi", "-ffreestanding")  # has what the ports use
 DRIVE, STATE = "drive_t", "state"
 LIFE_FILE, RECORDER_FILE = Path("firmware/drive/life.c"), Path("firmware/record/recorder.c")
-ROLL_FILE, BOX_FILE = Path("firmware/record/recorder_roll.c"), Path("firmware/app/box.c")
-WRITERS = {  # the recorder writes copies that no interrupt steps, and the box writes before the first interrupt
+RESCUE_FILE = Path("firmware/record/recorder_rescue.c")
+WRITERS = {  # the recorder writes copies that no interrupt steps
     f"{DRIVE}.{STATE}": [(LIFE_FILE, "set_state")],
     DRIVE: [(LIFE_FILE, "initialise"), (RECORDER_FILE, "offer"), (RECORDER_FILE, "recorder_keep_state"),
-            (ROLL_FILE, "copy_state"), (BOX_FILE, "forget_rescued")],
+            (RESCUE_FILE, "freeze_here")],
 }
 GROUPS = {  # type of a group → stem of the module that writes it
     "control_t": "frame", "current_vector_t": "vector", "motion_t": "run", "motor_t": "motor", "rotor_t": "estimate",
