@@ -20,8 +20,8 @@
 #define ALONE_PASSES (100000U)
 #define PAUSE_PASSES (LINK_PAUSE_MS * 1000U)
 
-#define STOPS "the link is silent: the drive stops"
-#define STOPS_TYPED "nothing is typed: the drive stops; Enter keeps it running"
+#define STOPS ": the drive stops"
+#define STOPS_TYPED ": the drive stops; Enter keeps it running"
 
 void link_init(link_t *link, live_config_t *live)
 {
@@ -174,6 +174,12 @@ static void answer_waiting(link_t *link)
     }
 }
 
+static void say_silence(link_t *link, source_t source, const char *rest)
+{
+    text_add(&link->console.out, source_silence(source));
+    link_say(link, rest);
+}
+
 static void watch_line(link_t *link)
 {
     const live_config_t *const live = link->live;
@@ -186,7 +192,7 @@ static void watch_line(link_t *link)
         return_line(link);
     }
     if (source_guard_step(&link->guard, live->app, &link->console.identify, now(link), timeout)) {
-        link_say(link, STOPS);
+        say_silence(link, SOURCE_LINK, STOPS);
     }
 }
 
@@ -200,7 +206,7 @@ static void watch_person(link_t *link)
         source_guard_heard(&link->typed, now(link));
     }
     if (source_guard_step(&link->typed, live->app, &link->console.identify, now(link), timeout)) {
-        link_say(link, STOPS_TYPED);
+        say_silence(link, SOURCE_CONSOLE, STOPS_TYPED);
     }
 }
 
@@ -212,7 +218,7 @@ static void watch_input(link_t *link)
     if (lost != NULL) {
         text_add(&link->console.out, "the input is lost: ");
         text_add(&link->console.out, lost);
-        link_say(link, ": the drive stops");
+        link_say(link, STOPS);
     }
     link->console.input = input_text(&link->input);
 }

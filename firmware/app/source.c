@@ -51,3 +51,11 @@ const char *source_name(source_t source)
 
     return names[source];
 }
+
+const char *source_silence(source_t source)
+{
+    static const char *const silences[SOURCES] = {"nobody is heard", "nothing is typed",
+                                                  "the link is silent", "the input is silent"};
+
+    return silences[source];
+}

@@ -45,4 +45,7 @@ source_result_t source_decide(source_t in_command, source_t of, source_event_t e
 /* The name for a person: "nobody", "console", "link" or "input". */
 const char *source_name(source_t source);
 
+/* What a person reads when the source is not heard, as the beginning of a sentence. */
+const char *source_silence(source_t source);
+
 #endif

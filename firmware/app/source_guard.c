@@ -77,7 +77,7 @@ bool source_guard_step(source_guard_t *guard, app_t *app, identify_t *identify, 
         go_on_stopping(guard, app);
     } else if (guard->watching && (timeout_ticks != 0U) &&
                source_guard_is_silent(guard, tick, timeout_ticks)) {
-        begins = source_guard_lose(guard, app, identify, "the link is silent");
+        begins = source_guard_lose(guard, app, identify, source_silence(guard->source));
     } else {
         /* the source is heard, or need not be heard */
     }

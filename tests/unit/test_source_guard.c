@@ -207,8 +207,12 @@ TEST(test_a_drive_that_is_not_asked_to_run_is_left_alone)
     TEST_ASSERT_EQUAL_UINT8(0U, command().request);
 }
 
-TEST(test_a_measurement_of_the_motor_ends_at_once)
+/* The measurement that the source has begun ends at once, and says who is silent. */
+static void measurement_ends(source_t source, const char *says)
 {
+    setUp();
+    text.length = 0U;
+    guard.source = source;
     TEST_ASSERT_NULL(identify_start(&identify));
     identify_step(&identify, &text);
     command_at(100U);
@@ -218,9 +222,15 @@ TEST(test_a_measurement_of_the_motor_ends_at_once)
     TEST_ASSERT_EQUAL_UINT8(0U, command().request);
     text.length = 0U;
     identify_step(&identify, &text);
-    TEST_ASSERT_EQUAL_STRING_LEN("identify refused: the link is silent\r\n", text.characters,
-                                 text.length);
+    TEST_ASSERT_EQUAL_STRING_LEN(says, text.characters, text.length);
     TEST_ASSERT_FALSE(identify_is_busy(&identify));
+}
+
+TEST(test_a_measurement_of_the_motor_ends_at_once_and_names_the_source)
+{
+    measurement_ends(SOURCE_LINK, "identify refused: the link is silent\r\n");
+    measurement_ends(SOURCE_CONSOLE, "identify refused: nothing is typed\r\n");
+    measurement_ends(SOURCE_INPUT, "identify refused: the input is silent\r\n");
 }
 
 /* It began to stop nothing that would have to come to rest. */
