@@ -264,7 +264,7 @@ const std::vector<Field> FIELDS = {
     {"input", "pulse_low_s", "s", 0.0006, 0.002, OPTIONAL, input<&I::pulse_low_s>, "servo pulse that is no throttle", WITH_PULSE_INPUT},
     {"input", "pulse_high_s", "s", 0.001, 0.0024, OPTIONAL, input<&I::pulse_high_s>, "servo pulse that is full throttle", WITH_PULSE_INPUT},
     {"input", "pulse_margin_s", "s", 0.00005, 0.0004, OPTIONAL, input<&I::pulse_margin_s>, "beyond both a pulse is no servo pulse", WITH_PULSE_INPUT},
-    {"input", "timeout_s", "s", 0.05, 2, OPTIONAL, input<&I::timeout_s>, "without a good reading for so long the input is lost, and the drive ramps to a stop", WITH_INPUT},
+    {"input", "timeout_s", "s", 0, 2, OPTIONAL, input<&I::timeout_s>, "without a good reading for so long the input is lost, and the drive ramps to a stop; at least 0.05 s, and 400 periods of the PWM with a voltage; 0: 0.1 s, or 400 periods if that is longer", WITH_INPUT},
     {"input", "arm_s", "s", 0.2, 10, OPTIONAL, input<&I::arm_s>, "the input has to be seen at rest for so long before it may start the motor", WITH_INPUT},
 
     {"model", "resistance", "", 0.1, 10, OPTIONAL, model<&ModelScales::resistance>, "controller's belief / motor file"},

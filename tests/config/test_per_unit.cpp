@@ -588,6 +588,20 @@ TEST(servo_pulses)
     expect(2, other.button);
 }
 
+// A voltage that is read every 256 ticks at worst is not lost when one reading is missing.
+TEST(the_time_out_of_an_input_is_a_tenth_of_a_second_or_400_ticks)
+{
+    for (const char *kind : {"input.kind=voltage", "input.kind=rc_pulse", "input.kind=dshot"}) {
+        expect(1000, motor_b({kind}).input.timeout_ticks);
+        expect(400, motor_b({kind, "board.pwm_frequency_hz=3000"}).input.timeout_ticks);
+        expect(900, motor_b({kind, "board.pwm_frequency_hz=3000", "input.timeout_s=0.3"})
+                        .input.timeout_ticks);
+        expect(500, motor_b({kind, "input.timeout_s=0.05"}).input.timeout_ticks);
+    }
+    expect(150, motor_b({"input.kind=dshot", "board.pwm_frequency_hz=3000", "input.timeout_s=0.05"})
+                    .input.timeout_ticks);
+}
+
 // Throttle 48 to 2047, less 47.
 TEST(dshot)
 {

@@ -3,6 +3,7 @@
 
 #include "numbers.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace nf
@@ -15,6 +16,11 @@ constexpr double FULL_Q15 = 32767;       // of the converter, and the largest re
 constexpr int32_t DSHOT_READINGS = 2000; // throttle 48 to 2047
 constexpr double SPAN_MIN = 0.01;        // of full scale: a shorter way is no throttle
 constexpr double PERCENT = 100;
+constexpr double TIMEOUT_S = 0.1; // where nobody has chosen it
+constexpr double TIMEOUT_MIN_S = 0.05;
+// A voltage is read every 128 ticks, and after 256 where the temperature is measured between
+// (hal/stm32g4/hal_g4.c). One reading may be missing or bad: 384. The background may be late: 16.
+constexpr double VOLTAGE_TICKS = 400;
 
 int32_t rounded(double value)
 {
@@ -77,6 +83,23 @@ void set_throttle(input_cfg_t &c, const InputSettings &input, const Bases &b)
     keep(c.slope_q30, input.slope_pct_s / PERCENT * b.control_period_s * Q30, 1, Q30 - 1);
 }
 
+// The default is the same for each kind: a longer time is locked on a running board, another kind
+// is not.
+double timeout_s(const InputSettings &input, const Bases &b)
+{
+    const double voltage_s = VOLTAGE_TICKS * b.control_period_s;
+    if (input.timeout_s <= 0) {
+        return std::max(TIMEOUT_S, voltage_s);
+    }
+    const bool by_pwm = input.kind == InputKind::voltage && voltage_s > TIMEOUT_MIN_S;
+    require({"input.timeout_s", input.timeout_s}, by_pwm ? voltage_s : TIMEOUT_MIN_S, HUGE_VAL,
+            by_pwm
+                ? "a voltage is read every 128 to 256 periods of board.pwm_frequency_hz, and 400 "
+                  "bear a missing reading"
+                : "a short gap of a sound input is no loss");
+    return input.timeout_s;
+}
+
 } // namespace
 
 input_cfg_t make_input(const InputSettings &input, const Bases &b)
@@ -91,7 +114,7 @@ input_cfg_t make_input(const InputSettings &input, const Bases &b)
         input.voltage_filter_s > 0 ? -std::expm1(-b.control_period_s / input.voltage_filter_s) : 1;
     keep(c.filter_q15, share * Q15, 1, FULL_Q15);
     // Rounded up: neither is 0.
-    c.timeout_ticks = static_cast<uint32_t>(std::ceil(input.timeout_s / b.control_period_s));
+    c.timeout_ticks = static_cast<uint32_t>(std::ceil(timeout_s(input, b) / b.control_period_s));
     c.arm_ticks = static_cast<uint32_t>(std::ceil(input.arm_s / b.control_period_s));
     return c;
 }
