@@ -22,7 +22,7 @@ void note_idle(const std::vector<const Layer *> &layers, Config &config)
             !field.acting.holds(config)) {
             config.scenario.notes.push_back(
                 fmt::format("{}: {} = {}: acts {}", origin->second.text(), field.name(),
-                            field.number_text(config), field.acting.when));
+                            field.value_text(config), field.acting.when));
         }
     }
 }

@@ -386,4 +386,14 @@ TEST(charge_of_the_bootstrap_supplies_is_the_boards_and_needs_a_start_up)
     }
 }
 
+TEST(a_word_that_does_not_act_is_repeated_as_it_was_written)
+{
+    const Folder folder;
+    const nf::Config config = nf::load_scenario("s", {}, {"input.button=enable"});
+    TEST_ASSERT_EQUAL_size_t(1, config.scenario.notes.size());
+    TEST_ASSERT_EQUAL_STRING(
+        "--set: input.button = \"enable\": acts only with input.kind other than \"none\"",
+        config.scenario.notes[0].c_str());
+}
+
 } // namespace
