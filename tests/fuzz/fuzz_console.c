@@ -7,24 +7,15 @@
 #include "commander.h"
 #include "console.h"
 #include "drive_config.h"
+#include "fuzz_board.h"
 #include "fuzzed.h"
 
 #include <string.h>
 
 #define ENTRIES (RECORDER_SEGMENTS * RECORDER_ENTRIES_MIN)
 #define POST_TICKS (8U)
-#define TICKS_MAX (4096U) /* of an input; a calibration takes some 1000 */
-#define TICKS_OF_A_BYTE (16U)
-
-/* The board's converters have 12 bits. */
-#define COUNT_MAX (4095U)
 
 static const about_t ABOUT = {DRIVE_ABOUT};
-
-struct hal {
-    uint32_t ticks;
-    hal_health_t health;
-};
 
 /*
  * The serial line: what is to be received, how much may be sent, how much of the console's text
@@ -37,81 +28,12 @@ typedef struct {
     uint32_t sent;
 } line_t;
 
-typedef struct {
-    const uint8_t *at;
-    size_t left;
-} fed_t;
-
 static line_t line;
-static drive_in_t measured;
-static drive_out_t demanded;
 static app_t app;
 static hal_t hardware;
 static console_t console;
 static recorder_t recorder;
 static recorder_entry_t entries[ENTRIES];
-
-void hal_sample(hal_t *hal, drive_in_t *in)
-{
-    const drive_command_t command = in->command;
-
-    (void)hal;
-    *in = measured;
-    in->command = command;
-}
-
-void hal_apply(hal_t *hal, const drive_out_t *out)
-{
-    demanded = *out;
-    hal->ticks++;
-}
-
-void hal_open_gates(hal_t *hal)
-{
-    (void)hal;
-    demanded.gate_enable = false;
-}
-
-uint32_t hal_ticks(const hal_t *hal)
-{
-    return hal->ticks;
-}
-
-hal_shaft_t hal_shaft(hal_t *hal)
-{
-    (void)hal;
-    return (hal_shaft_t){0};
-}
-
-bool hal_pulse(hal_t *hal, hal_pulse_t *pulse)
-{
-    (void)hal;
-    (void)pulse;
-    return false;
-}
-
-uint32_t hal_pulse_now(const hal_t *hal)
-{
-    (void)hal;
-    return 0U;
-}
-
-hal_inputs_t hal_inputs(const hal_t *hal)
-{
-    (void)hal;
-    return (hal_inputs_t){.throttle = HAL_NO_THROTTLE};
-}
-
-hal_health_t hal_health(const hal_t *hal)
-{
-    return hal->health;
-}
-
-hal_reset_t hal_reset(const hal_t *hal)
-{
-    (void)hal;
-    return (hal_reset_t){.reason = HAL_RESET_WATCHDOG, .exception = 3U};
-}
 
 /* The console has no flash. */
 bool hal_store_read(hal_t *hal, uint32_t slot, uint32_t unit, uint8_t bytes[HAL_STORE_UNIT_BYTES])
@@ -138,40 +60,6 @@ bool hal_store_program(hal_t *hal, uint32_t slot, uint32_t unit,
     (void)unit;
     (void)bytes;
     return false;
-}
-
-static uint8_t next_byte(fed_t *input)
-{
-    uint8_t byte = 0U;
-
-    if (input->left > 0U) {
-        byte = input->at[0];
-        input->at++;
-        input->left--;
-    }
-    return byte;
-}
-
-static uint16_t next_half(fed_t *input)
-{
-    const unsigned low = next_byte(input);
-
-    return (uint16_t)(low | ((unsigned)next_byte(input) << 8U));
-}
-
-static uint16_t next_count(fed_t *input)
-{
-    return next_half(input) & COUNT_MAX;
-}
-
-/* No current, a bus of 24 V of 55.3 V. */
-static void measure_nothing(void)
-{
-    const drive_cfg_t *const cfg = &DRIVE_CONFIG;
-
-    measured = (drive_in_t){.adc_bus = (uint16_t)(14000U >> cfg->sampling.bus_shift)};
-    measured.adc_ia = (uint16_t)(16384U >> cfg->sampling.current_shift);
-    measured.adc_ib = measured.adc_ia;
 }
 
 static void receive(fed_t *input, size_t count)
@@ -237,8 +125,8 @@ static void console_holds(void)
 
 static size_t step(fed_t *input)
 {
-    const uint8_t what = next_byte(input);
-    const uint8_t count = next_byte(input);
+    const uint8_t what = fed_byte(input);
+    const uint8_t count = fed_byte(input);
     size_t ticks = 1U;
 
     switch (what % 6U) {
@@ -249,21 +137,18 @@ static size_t step(fed_t *input)
         ticks = 1U + (TICKS_OF_A_BYTE * (size_t)count);
         break;
     case 2U: /* something is measured */
-        measured.adc_ia = next_count(input);
-        measured.adc_ib = next_count(input);
-        measured.adc_bus = next_count(input);
-        hardware.health.adc_ic = next_count(input);
+        fuzz_board_measures(&hardware, input);
         break;
     case 3U:
-        measured.flags = count;
-        hardware.health.late_ticks = (uint32_t)next_half(input) << 16U;
-        hardware.health.load_pct = next_half(input);
+        hardware.measured.flags = count;
+        hardware.health.late_ticks = (uint32_t)fed_half(input) << 16U;
+        hardware.health.load_pct = fed_half(input);
         break;
     case 4U:
-        measured.adc_temperature = (uint16_t)(count * 16U);
+        hardware.measured.adc_temperature = (uint16_t)(count * 16U);
         break;
     default:
-        measure_nothing();
+        fuzz_board_rests(&hardware, &DRIVE_CONFIG);
         break;
     }
     line.room = (what >= 128U) ? count : SIZE_MAX;
@@ -282,7 +167,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
           "the recorder's size is taken");
     app_record(&app, &recorder);
     console_init(&console, &app, &hardware, &ABOUT);
-    measure_nothing();
+    fuzz_board_rests(&hardware, &DRIVE_CONFIG);
     while ((input.left > 0U) && (ticks < TICKS_MAX)) {
         const size_t more = step(&input);
         for (size_t k = 0U; k < more; k++) {

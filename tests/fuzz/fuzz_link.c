@@ -10,6 +10,7 @@
 #include "commander.h"
 #include "crc32.h"
 #include "drive_config.h"
+#include "fuzz_board.h"
 #include "fuzzed.h"
 #include "link.h"
 #include "words.h"
@@ -18,23 +19,12 @@
 
 #define ENTRIES (RECORDER_SEGMENTS * RECORDER_ENTRIES_MIN)
 #define POST_TICKS (8U)
-#define TICKS_MAX (4096U) /* of an input; a calibration takes some 1000 */
-#define TICKS_OF_A_BYTE (16U)
 #define LINE_MAX (512U)
 #define REQUESTS (DRIVE_REQUEST_RUN | DRIVE_REQUEST_CLEAR | DRIVE_REQUEST_ZERO)
 #define COMMAND_TICKET_AT (8U) /* behind type, tag, request, mode and target */
 #define LINE_TICKET_AT (2U)
 
-/* The board's converters have 12 bits. */
-#define COUNT_MAX (4095U)
-
 static const about_t ABOUT = {DRIVE_ABOUT};
-
-struct hal {
-    uint32_t ticks;
-    hal_health_t health;
-    uint32_t kept[HAL_KEPT_WORDS];
-};
 
 /*
  * The serial line: what is to be received, how much may be sent, and the frame that is being sent.
@@ -49,14 +39,7 @@ typedef struct {
     bool in_frame;
 } line_t;
 
-typedef struct {
-    const uint8_t *at;
-    size_t left;
-} fed_t;
-
 static line_t line;
-static drive_in_t measured;
-static drive_out_t demanded;
 static app_t app;
 static hal_t hardware;
 static live_config_t live;
@@ -127,78 +110,6 @@ bool hal_send(hal_t *hal, uint8_t byte)
     return room;
 }
 
-void hal_sample(hal_t *hal, drive_in_t *in)
-{
-    const drive_command_t command = in->command;
-
-    (void)hal;
-    *in = measured;
-    in->command = command;
-}
-
-void hal_apply(hal_t *hal, const drive_out_t *out)
-{
-    demanded = *out;
-    hal->ticks++;
-}
-
-void hal_open_gates(hal_t *hal)
-{
-    (void)hal;
-    demanded.gate_enable = false;
-}
-
-uint32_t hal_ticks(const hal_t *hal)
-{
-    return hal->ticks;
-}
-
-hal_shaft_t hal_shaft(hal_t *hal)
-{
-    (void)hal;
-    return (hal_shaft_t){0};
-}
-
-bool hal_pulse(hal_t *hal, hal_pulse_t *pulse)
-{
-    (void)hal;
-    (void)pulse;
-    return false;
-}
-
-uint32_t hal_pulse_now(const hal_t *hal)
-{
-    (void)hal;
-    return 0U;
-}
-
-hal_inputs_t hal_inputs(const hal_t *hal)
-{
-    (void)hal;
-    return (hal_inputs_t){.throttle = HAL_NO_THROTTLE};
-}
-
-hal_health_t hal_health(const hal_t *hal)
-{
-    return hal->health;
-}
-
-void hal_keep(hal_t *hal, uint32_t index, uint32_t word)
-{
-    hal->kept[index] = word;
-}
-
-uint32_t hal_kept(const hal_t *hal, uint32_t index)
-{
-    return hal->kept[index];
-}
-
-hal_reset_t hal_reset(const hal_t *hal)
-{
-    (void)hal;
-    return (hal_reset_t){.reason = HAL_RESET_WATCHDOG, .exception = 3U};
-}
-
 bool hal_store_read(hal_t *hal, uint32_t slot, uint32_t unit, uint8_t bytes[HAL_STORE_UNIT_BYTES])
 {
     (void)hal;
@@ -223,46 +134,12 @@ bool hal_store_program(hal_t *hal, uint32_t slot, uint32_t unit,
     return true;
 }
 
-static uint8_t next_byte(fed_t *input)
-{
-    uint8_t byte = 0U;
-
-    if (input->left > 0U) {
-        byte = input->at[0];
-        input->at++;
-        input->left--;
-    }
-    return byte;
-}
-
-static uint16_t next_half(fed_t *input)
-{
-    const unsigned low = next_byte(input);
-
-    return (uint16_t)(low | ((unsigned)next_byte(input) << 8U));
-}
-
-static uint16_t next_count(fed_t *input)
-{
-    return next_half(input) & COUNT_MAX;
-}
-
-/* No current, a bus of 24 V of 55.3 V. */
-static void measure_nothing(void)
-{
-    const drive_cfg_t *const cfg = &DRIVE_CONFIG;
-
-    measured = (drive_in_t){.adc_bus = (uint16_t)(14000U >> cfg->sampling.bus_shift)};
-    measured.adc_ia = (uint16_t)(16384U >> cfg->sampling.current_shift);
-    measured.adc_ib = measured.adc_ia;
-}
-
 static void receive(fed_t *input, size_t count)
 {
     line.in_at = 0U;
     line.in_length = 0U;
     while ((line.in_length < count) && (input->left > 0U)) {
-        line.in[line.in_length] = next_byte(input);
+        line.in[line.in_length] = fed_byte(input);
         line.in_length++;
     }
     may_command = true;
@@ -295,7 +172,7 @@ static void receive_frame(fed_t *input, size_t count)
     uint32_t crc = CRC32_START;
 
     while ((length < most) && (input->left > 0U)) {
-        bytes[length] = next_byte(input);
+        bytes[length] = fed_byte(input);
         length++;
     }
     give_ticket(bytes, length);
@@ -360,8 +237,8 @@ static void tick(void)
 
 static size_t step(fed_t *input)
 {
-    const uint8_t what = next_byte(input);
-    const uint8_t count = next_byte(input);
+    const uint8_t what = fed_byte(input);
+    const uint8_t count = fed_byte(input);
     size_t ticks = 1U;
 
     switch (what % 6U) {
@@ -372,20 +249,17 @@ static size_t step(fed_t *input)
         ticks = 1U + (TICKS_OF_A_BYTE * (size_t)count);
         break;
     case 2U: /* something is measured */
-        measured.adc_ia = next_count(input);
-        measured.adc_ib = next_count(input);
-        measured.adc_bus = next_count(input);
-        hardware.health.adc_ic = next_count(input);
+        fuzz_board_measures(&hardware, input);
         break;
     case 3U:
-        measured.flags = count;
+        hardware.measured.flags = count;
         hardware.health.tick_lost = (count & 0x80U) != 0U;
         break;
     case 4U: /* a frame is received */
         receive_frame(input, count);
         break;
     default:
-        measure_nothing();
+        fuzz_board_rests(&hardware, &DRIVE_CONFIG);
         break;
     }
     line.room = (what >= 128U) ? count : SIZE_MAX;
@@ -405,7 +279,7 @@ static void start(void)
     HOLDS(recorder_init(&recorder, entries, RECORDER_ENTRIES_MIN, POST_TICKS) == NULL,
           "the recorder's size is taken");
     app_record(&app, &recorder);
-    measure_nothing();
+    fuzz_board_rests(&hardware, &DRIVE_CONFIG);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
