@@ -8,6 +8,7 @@
 #include "tick.h"
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,9 @@ struct RunOptions {
     std::function<void(drive_t &, const sample_t &)> estimate;
     // What the power stage does in place of the drive's demand of this tick.
     std::function<drive_out_t(const Tick &)> power_stage;
+    // Who commands each tick in place of the script, whose command then only judges the run; none:
+    // the script goes on to command.
+    std::function<std::optional<drive_command_t>()> commander;
 };
 
 // What the drive takes for a parameter of the motor at the end of a run, beside what the motor has.

@@ -153,7 +153,7 @@ void ScenarioRun::watch_state()
 
 void ScenarioRun::one()
 {
-    const Tick tick = run_.control();
+    const Tick tick = run_.control(options_.commander ? options_.commander() : std::nullopt);
     judge_steps(tick);
     watch_state();
     if (run_.tick() >= evaluate_from_) {

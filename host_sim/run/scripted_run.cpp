@@ -191,12 +191,15 @@ Tick ScriptedRun::view() const
     return tick;
 }
 
-Tick ScriptedRun::control()
+Tick ScriptedRun::control(const std::optional<drive_command_t> &commanded)
 {
     if (is_recorded()) {
         sim_.feed(frames_[frame()]);
     } else {
         act();
+    }
+    if (commanded) {
+        command_mailbox_post(&sim_.app().mailbox, &*commanded);
     }
     const Tick tick = view();
     sim_.control();

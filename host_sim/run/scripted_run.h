@@ -13,6 +13,7 @@
 #include "profile.h"
 #include "tick.h"
 
+#include <optional>
 #include <vector>
 
 namespace nf
@@ -51,8 +52,9 @@ public:
     // The drive begins anew with this configuration (sim.h). Before the first tick.
     void start(const drive_cfg_t &cfg);
 
-    // The script acts, then the control interrupt.
-    Tick control();
+    // The script acts, then the control interrupt. `commanded`: in place of what the script
+    // commands and requests.
+    Tick control(const std::optional<drive_command_t> &commanded = {});
     // One PWM period goes by. A configuration that the next tick has is in force then.
     void advance()
     {

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""As much of an ELF file as the test needs: what a programmer writes into the flash."""
+"""As much of an ELF file as the tests need: what a programmer writes into the flash, and where variables are."""
 
 import struct
+import subprocess
 
 _HEADER = struct.Struct("<16sHHIIIIIHHHHHH")
 _PROGRAM = struct.Struct("<IIIIIIII")
@@ -19,3 +20,20 @@ def segments(path):
         kind, offset, _, physical, length, *_ = _PROGRAM.unpack_from(data, start + k * size)
         if kind == _LOAD and length:
             yield physical, data[offset:offset + length]
+
+
+def _output(*command):
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
+
+
+def offsets(gdb, image, *members):
+    """Of members of the types in the image's debug information."""
+    asked = [part for one in members for part in ("-ex", f"output/d {one}", "-ex", "echo \\n")]
+    return [int(number) for number in _output(gdb, "-nx", "-batch", *asked, image)]
+
+
+def address_of(image, name):
+    """Of a static variable. Where the image is linked in parts, its name goes on behind a point."""
+    words = _output("arm-none-eabi-nm", image)
+    at = next(k for k, word in enumerate(words) if word.partition(".")[0] == name)
+    return int(words[at - 2], 16)

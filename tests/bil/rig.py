@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: MIT
 """The board of IMAGE BOARD CLOCK, a test's first arguments: as it comes, ready and running, without a motor."""
 
-import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
 import board
+import elf
 from wiring import Wiring, port_and_number
 
 IMAGE, BOARD, CLOCK = (Path(argument) for argument in sys.argv[1:4])
@@ -93,6 +93,4 @@ def lose_a_conversion(made):
 
 def address_of(name):
     """Of a variable, to whose name the linker may have added something."""
-    words = subprocess.run(["arm-none-eabi-nm", IMAGE], capture_output=True, text=True, check=True).stdout.split()
-    names = [word.partition(".")[0] for word in words]
-    return int(words[names.index(name) - 2], 16)
+    return elf.address_of(IMAGE, name)

@@ -16,10 +16,11 @@ from pathlib import Path
 import analogue
 from board import Board
 
-ASKED = struct.Struct("<HHHHii")  # bil_plant.cpp
+ASKED = struct.Struct("<HHHHiiii")  # bil_plant.cpp
 MEASURED = 4  # of what is asked
 COLD = (0, 1, ~1 & 0xFFFFFFFF)  # what a reset has left of a winding without heat, kept_heat.c: that of the simulator
-DONE = struct.Struct("<HHHH")
+DONE = struct.Struct("<HHHHiBBH")
+SCRIPTED = (0, 0, 0, 0)  # the image obeys the script: it has no command of its own
 SPIKE_S = 100e-9  # as the switches make when they turn on
 SPIKE = 4095  # counts of a pin, beyond every level
 # That trips late, or early, or lies anywhere.
@@ -44,19 +45,20 @@ def turn_on(board):
         board.chip.spike(pin, SPIKE, SPIKE_S)
 
 
-def answer(plant, board, asked, spikes):
+def answer(plant, board, asked, spikes, commanded=lambda: SCRIPTED):
+    """`commanded`: target, mode and request of the next tick, and 1, where the image's background says them."""
     board.set_measured(*asked[:MEASURED])
     if spikes:
         turn_on(board)
     board.tick()
     timer = board.chip.timer
-    plant.stdin.write(DONE.pack(*timer.preloaded(), timer.gates_on()))
+    plant.stdin.write(DONE.pack(*timer.preloaded(), timer.gates_on(), *commanded()))
     plant.stdin.flush()
 
 
 def lines_of_changes(before, asked):
     """What somebody types for them."""
-    (run_before, speed_before), (run, speed) = before[-2:], asked[-2:]
+    (run_before, speed_before), (run, speed) = before[MEASURED:MEASURED + 2], asked[MEASURED:MEASURED + 2]
     lines = [f"speed {speed}"] if speed != speed_before else []
     if run != run_before:
         lines.append("run" if run else "stop")

@@ -5,13 +5,13 @@ test_command.py IMAGE BOARD CLOCK GDB
 """
 
 import struct
-import subprocess
 import sys
 import unittest
 from pathlib import Path
 
 import board
 from copies import in_a_copy
+from elf import address_of, offsets
 from rig import BOARD, CLOCK, IMAGE, MIDDLE
 
 GDB = Path(sys.argv[4])
@@ -21,29 +21,12 @@ TYPED = b"speed 1000\rrun\r"
 COARSE = 32  # instructions, more than a post has: what a tick could find amiss lies as near to a change
 
 
-def output(*command):
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
-
-
-def offsets(*members):
-    """Of members of the types in the image's debug information."""
-    asked = [part for one in members for part in ("-ex", f"output/d {one}", "-ex", "echo \\n")]
-    return [int(number) for number in output(GDB, "-nx", "-batch", *asked, IMAGE)]
-
-
-def address_of(name):
-    """Of a static variable. Where the image is linked in parts, its name goes on behind a point."""
-    words = output("arm-none-eabi-nm", IMAGE)
-    at = next(k for k, word in enumerate(words) if word.partition(".")[0] == name)
-    return int(words[at - 2], 16)
-
-
 class Command(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        app = address_of("app")
+        app = address_of(IMAGE, "app")
         taken, *layout = offsets(
-            "(int)&((app_t *)0)->in.command", "sizeof(drive_command_t)",
+            GDB, IMAGE, "(int)&((app_t *)0)->in.command", "sizeof(drive_command_t)",
             "(int)&((drive_command_t *)0)->mode", "(int)&((drive_command_t *)0)->request")
         assert layout == [COMMAND.size, 4, 5], layout
         cls.taken = app + taken
