@@ -189,6 +189,8 @@ TEST(a_bad_line_spoils_as_many_bytes_as_it_is_told)
 
 constexpr int SECOND = 10000;
 constexpr uint16_t REST = 164; // 4 % of full scale
+// By then an input has started the motor: eight servo pulses, three of the median and the search.
+constexpr int LATEST_START = 3000;
 
 // Without anybody at the line: closed loop with the motor of the scenario.
 TEST(a_potentiometer_turns_the_motor_and_its_open_wire_ramps_it_to_a_stop)
@@ -221,12 +223,70 @@ TEST(a_potentiometer_turns_the_motor_and_its_open_wire_ramps_it_to_a_stop)
     TEST_ASSERT_EQUAL(DRIVE_STATE_READY, drive.state);
 }
 
+// What comes to the command pin: servo pulses at 50 Hz or frames of DShot300 at 1 kHz, of no
+// throttle, half of it, or what no receiver sends.
+class Sender
+{
+public:
+    enum class Sends {
+        nothing,
+        rest,
+        half,
+        rubbish // servo pulses of 3 ms; frames with wrong checksums
+    };
+
+    Sender(SimulatedBoard &board, const std::string &kind) : board_(board), kind_(kind)
+    {
+    }
+
+    void set(Sends sends)
+    {
+        sends_ = sends;
+    }
+
+    // A PWM period of 0.1 ms goes by, so many times.
+    void pass(int ticks)
+    {
+        for (int k = 0; k < ticks; k++) {
+            if (sends_ != Sends::nothing && kind_ == "rc_pulse" && tick_ % 200 == 0) {
+                send(0, sends_ == Sends::rest ? 10000 : sends_ == Sends::half ? 15000 : 30000);
+            } else if (sends_ != Sends::nothing && kind_ == "dshot" && tick_ % 10 == 0) {
+                send_frame();
+            }
+            (void)board_.tick();
+            tick_++;
+        }
+    }
+
+private:
+    void send(uint32_t after, uint32_t width)
+    {
+        const hal_pulse_t pulse = {hal_pulse_now(&board_.run().sim().hal()) + 10 + after, width};
+        hal_host_inputs_send(&board_.inputs(), &pulse);
+    }
+    void send_frame()
+    {
+        const uint32_t data = (sends_ == Sends::rest ? 0U : 1047U) << 1U;
+        const uint32_t sum = (data ^ (data >> 4U) ^ (data >> 8U)) & 0xFU;
+        const uint32_t frame = (data << 4U) | (sends_ == Sends::rubbish ? sum ^ 1U : sum);
+        for (uint32_t k = 0; k < 16; k++) {
+            send(k * 100 / 3, ((frame >> (15 - k)) & 1U) != 0 ? 25 : 12);
+        }
+    }
+
+    SimulatedBoard &board_;
+    std::string kind_;
+    Sends sends_ = Sends::rest;
+    int tick_ = 0;
+};
+
 // A source that commands half of the speed, and is lost at some instant.
 struct Source {
     const char *name;
-    void (*begin)(SimulatedBoard &board, nf::live::Client &client);
+    const char *kind; // of the input
+    void (*begin)(SimulatedBoard &board, nf::live::Client &client, Sender &sender);
     void (*go_on)(SimulatedBoard &board, nf::live::Client &client); // heard again
-    void (*die)(SimulatedBoard &board);
+    void (*die)(SimulatedBoard &board, Sender &sender);
     const char *says;
 };
 
@@ -236,52 +296,85 @@ drive_command_t run_at_half(const SimulatedBoard &board)
             static_cast<uint8_t>(DRIVE_MODE_SPEED), DRIVE_REQUEST_RUN};
 }
 
+void begin_half(SimulatedBoard &, nf::live::Client &, Sender &sender)
+{
+    sender.set(Sender::Sends::half);
+}
+
+void send_nothing(SimulatedBoard &, Sender &sender)
+{
+    sender.set(Sender::Sends::nothing);
+}
+
+void send_rubbish(SimulatedBoard &, Sender &sender)
+{
+    sender.set(Sender::Sends::rubbish);
+}
+
+void need_nothing(SimulatedBoard &, nf::live::Client &)
+{
+}
+
 const std::vector<Source> MORTALS = {
-    {"link",
-     [](SimulatedBoard &board, nf::live::Client &client) {
+    {"link", "voltage",
+     [](SimulatedBoard &board, nf::live::Client &client, Sender &) {
          (void)client.hello();
          TEST_ASSERT_EQUAL_STRING("", client.command(run_at_half(board)).c_str());
      },
-     [](SimulatedBoard &, nf::live::Client &client) { (void)client.ping(); },
-     [](SimulatedBoard &) {}, "the link is silent: the drive stops"},
-    {"console", [](SimulatedBoard &board, nf::live::Client &) { type(board, "speed 700\rrun\r"); },
-     [](SimulatedBoard &board, nf::live::Client &) { type(board, "\r"); }, [](SimulatedBoard &) {},
+     [](SimulatedBoard &, nf::live::Client &client) { (void)client.ping(); }, send_nothing,
+     "the link is silent: the drive stops"},
+    {"console", "voltage",
+     [](SimulatedBoard &board, nf::live::Client &, Sender &) { type(board, "speed 700\rrun\r"); },
+     [](SimulatedBoard &board, nf::live::Client &) { type(board, "\r"); }, send_nothing,
      "nothing is typed: the drive stops; Enter keeps it running"},
-    {"potentiometer",
-     [](SimulatedBoard &board, nf::live::Client &) { board.inputs().now.throttle = 2048; },
-     [](SimulatedBoard &, nf::live::Client &) {},
-     [](SimulatedBoard &board) { board.inputs().now.throttle = 4095; },
+    {"potentiometer", "voltage",
+     [](SimulatedBoard &board, nf::live::Client &, Sender &) {
+         board.inputs().now.throttle = 2048;
+     },
+     need_nothing, [](SimulatedBoard &board, Sender &) { board.inputs().now.throttle = 4095; },
      "the input is lost: its voltage is above its range: the drive stops"},
+    {"receiver that is off", "rc_pulse", begin_half, need_nothing, send_nothing,
+     "the input is lost: no signal: the drive stops"},
+    {"receiver that sends no servo pulses", "rc_pulse", begin_half, need_nothing, send_rubbish,
+     "the input is lost: its pulses have wrong widths or periods: the drive stops"},
+    {"flight controller that is off", "dshot", begin_half, need_nothing, send_nothing,
+     "the input is lost: no signal: the drive stops"},
+    {"flight controller that is misread", "dshot", begin_half, need_nothing, send_rubbish,
+     "the input is lost: its checksums are wrong: the drive stops"},
 };
 
-// PC killed, nobody at the console, a wire of the potentiometer open, at random instants from the
-// start on: at rest within the longest time-out, a second, and the ramp.
+// PC killed, nobody at the console, a wire of the potentiometer open, a receiver or a flight
+// controller that is off or misread, at random instants from the start on: at rest within the
+// longest time-out, a second, and the ramp.
 TEST(a_source_that_is_lost_at_any_instant_leaves_the_motor_at_rest_in_time)
 {
     constexpr int RAMP = 2 * SECOND; // from half of the speed, also out of a start
-    const nf::Config config = nf::load_scenario(
-        "any", {}, {"input.kind=voltage", "input.arm_s=0.2", "tuning.console_timeout_s=1"});
     std::minstd_rand random(46);
-    for (unsigned k = 0; k < MORTALS.size() * testing_runs(10, 200); k++) {
+    for (unsigned k = 0; k < MORTALS.size() * testing_runs(4, 200); k++) {
         const Source &source = MORTALS[k % MORTALS.size()];
+        const nf::Config config =
+            nf::load_scenario("any", {},
+                              {std::string("input.kind=") + source.kind, "input.arm_s=0.2",
+                               "tuning.console_timeout_s=1"});
         SimulatedBoard board(config);
         BoardChannel channel(board);
         nf::live::Client client(channel, {}, {});
+        Sender sender(board, source.kind);
         board.inputs().now.throttle = REST;
-        pass(board, READY_TICKS);
+        sender.pass(READY_TICKS);
         type(board, "stop\n"); // the script's run
-        pass(board, SECOND / 2);
-        source.begin(board, client);
-        int left = static_cast<int>(random() % (3 * SECOND)) + 500;
+        sender.pass(SECOND / 2);
+        source.begin(board, client, sender);
+        int left = static_cast<int>(random() % (3 * SECOND)) + LATEST_START;
         for (; left > SECOND / 2; left -= SECOND / 2) {
-            pass(board, SECOND / 2);
+            sender.pass(SECOND / 2);
             source.go_on(board, client);
         }
-        pass(board, left);
+        sender.pass(left);
         TEST_ASSERT_TRUE_MESSAGE(board.link().live->app->out.gate_enable, source.name);
         (void)board.take();
-        source.die(board);
-        pass(board, SECOND + RAMP);
+        source.die(board, sender);
+        sender.pass(SECOND + RAMP);
         TEST_ASSERT_EQUAL_MESSAGE(DRIVE_STATE_READY, board.run().sim().drive().state, source.name);
         TEST_ASSERT_FALSE_MESSAGE(board.link().live->app->out.gate_enable, source.name);
         assert_has(source.says, text(board.take()));
