@@ -117,6 +117,10 @@ void control_isr(app_t *app)
     hal_sample(app->hal, &app->in);
     if ((app->shaft != NULL) && shaft_decoder_is_on(app->shaft, &app->drive.cfg->sensor)) {
         shaft_decoder_step(app->shaft, &app->drive.cfg->sensor, app->hal, &app->in);
+        if (!hall_survey_is_done(&app->shaft->survey)) {
+            hall_survey_step(&app->shaft->survey, app->shaft->hall.seen,
+                             rotor_position_turns_q16(&app->drive.vector.position));
+        }
     }
     if (drive_reads_slow_inputs(&app->drive)) {
         app->in.command = command_mailbox_take(&app->mailbox);

@@ -21,6 +21,7 @@
 #define NOISE_SHARE (16)
 /* a longer move of the vector is given up; the longest ramp of the first attempt takes 3 s */
 #define LONGEST_MOVE_MS (5000U)
+#define HALL_MOVE_SHIFT (2U)
 #define BRAKING_HELP \
     ": a supply that takes power back or a brake resistor helps, or a lower max_speed_rpm"
 /* an identification that takes longer is ended; usually it takes 10 to 30 s, with its lines */
@@ -151,6 +152,16 @@ static void say_scales(identify_t *identify, text_t *text)
     text_end_line(text);
 }
 
+static void add_survey(text_t *text, const hall_survey_t *survey)
+{
+    add_word(text, survey->start_q16);
+    add_word(text, survey->turn_q16);
+    for (uint32_t k = 0U; k < HALL_SURVEY_SIGNALS; k++) {
+        add_words(text, survey->signals[k].middle);
+        add_word(text, survey->signals[k].high);
+    }
+}
+
 static void say_record(identify_t *identify, text_t *text)
 {
     static const probe_word_t shown[] = {PROBE_CURRENT, PROBE_SPEED, PROBE_PULSE_D, PROBE_PULSE_Q,
@@ -173,6 +184,9 @@ static void say_record(identify_t *identify, text_t *text)
     add_word(text, sums->turn_q16);
     add_word(text, sums->across);
     add_word(text, sums->torque);
+    if (identify->phase == IDENTIFY_HALL) {
+        add_survey(text, &identify->app->shaft->survey);
+    }
     end_record(identify, text);
     text_end_line(text);
 }
@@ -252,6 +266,9 @@ static void say_phase(identify_t *identify, text_t *text)
     case IDENTIFY_COAST:
         text_add(text, "no current, the shaft coasts");
         break;
+    case IDENTIFY_HALL:
+        text_add(text, "the shaft turns backwards, then forwards");
+        break;
     default: /* the end */
         say_end(identify, text);
         break;
@@ -283,6 +300,9 @@ static bool plan_in_phase(identify_t *identify)
         break;
     case IDENTIFY_COAST:
         aims = identify_turn_plan_coast(identify);
+        break;
+    case IDENTIFY_HALL:
+        aims = identify_turn_plan_hall(identify);
         break;
     default: /* nothing is planned at the end */
         break;
@@ -345,13 +365,13 @@ static void have_asked(identify_t *identify)
 /*
  * Returns the ticks after which a move of the vector is given up. The longest ramp belongs to SPIN:
  * it goes from 1/4 of the highest speed down to 1/16 of it. The ramps of each further attempt take
- * twice as long.
+ * twice as long. A heavy rotor takes up to four times as long to turn back for the Hall sensors.
  */
 static uint32_t longest_move(const identify_t *identify)
 {
     const uint32_t ticks = LONGEST_MOVE_MS * fx_unsigned(identify->ms_ticks);
 
-    return ticks << identify->turn.slower;
+    return ticks << ((identify->phase == IDENTIFY_HALL) ? HALL_MOVE_SHIFT : identify->turn.slower);
 }
 
 /*
@@ -360,10 +380,23 @@ static uint32_t longest_move(const identify_t *identify)
  */
 static void give_up_moving(identify_t *identify)
 {
-    if ((identify->phase == IDENTIFY_RAMP) && !probing_may_brake(&identify->app->drive)) {
+    if (identify->phase == IDENTIFY_HALL) {
+        identify_aim_phase(identify, IDENTIFY_ENDS);
+    } else if ((identify->phase == IDENTIFY_RAMP) && !probing_may_brake(&identify->app->drive)) {
         identify_aim_refusal(identify, "the bus stays too high for braking" BRAKING_HELP);
     } else {
         identify_turn_catch_again(identify);
+    }
+}
+
+/*
+ * Begins the survey of the Hall signals. It needs no word, so it ends before the window of as many
+ * ticks.
+ */
+static void begin_survey(const identify_t *identify)
+{
+    if (identify->phase == IDENTIFY_HALL) {
+        hall_survey_begin(&identify->app->shaft->survey, fx_unsigned(identify->aim.ticks));
     }
 }
 
@@ -393,6 +426,7 @@ static void go_on(identify_t *identify, text_t *text)
     case IDENTIFY_SETTLING:
         if (has_settled(identify)) {
             ask_for_window(identify);
+            begin_survey(identify);
             wait_for(identify, IDENTIFY_MEASURING);
         }
         break;
@@ -520,6 +554,7 @@ static int32_t runaway_current(const identify_t *identify)
         break;
     case IDENTIFY_RAMP: /* a lost rotor is caught again */
     case IDENTIFY_COAST:
+    case IDENTIFY_HALL:
         largest = fault;
         break;
     case IDENTIFY_CATCH:

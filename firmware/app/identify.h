@@ -20,6 +20,8 @@
  *   RAMP    the speed goes down to half of the highest speed and up again, so fast that the rotor
  *           lags by about 17 degrees
  *   COAST   no current flows, and the frame follows the rotor that coasts
+ *   HALL    with Hall sensors: the vector turns backwards and then forwards, at a constant speed. A
+ *           failure here does not lose what is measured: the identification ends as well as without
  *
  * The rules are not made for a particular motor. Currents are shares of the name plate's currents.
  * Times are periods of a rectified mains, or ticks of the current control, whose gains follow the
@@ -28,12 +30,13 @@
  *
  * A record is `= KIND` and 19 numbers: axis, current, speed, pulse along, pulse across, quarter,
  * ticks; the sums of probe_sums_t in their order. KIND is one of pulse, catch, still, burst (pulses
- * on a current), spin, ramp, hold (constant speed after a ramp), coast. A first line gives the
- * scales of the records: `identify 2`, tick in ps, full scale of the current in µA and of the bus
- * in µV, pole pairs, and the shift of speeds (drive_cfg_t.speed_shift). The last line is `identify
- * done`. Each of these lines ends with ` #` and eight hexadecimal digits: the CRC-32 of the
- * characters before ` #` in this line and in all earlier lines of these kinds. So the CRC of the
- * next line at the latest shows that a line was changed, lost or exchanged, and a reader can
+ * on a current), spin, ramp, hold (constant speed after a ramp), coast, hall. A record of hall has
+ * eleven more numbers: those of hall_survey_t from start_q16 on, in their order. A first line gives
+ * the scales of the records: `identify 2`, tick in ps, full scale of the current in µA and of the
+ * bus in µV, pole pairs, and the shift of speeds (drive_cfg_t.speed_shift). The last line is
+ * `identify done`. Each of these lines ends with ` #` and eight hexadecimal digits: the CRC-32 of
+ * the characters before ` #` in this line and in all earlier lines of these kinds. So the CRC of
+ * the next line at the latest shows that a line was changed, lost or exchanged, and a reader can
  * recognise a line that a log contains twice. Other lines may come between these lines. Records of
  * `identify 1` had no CRC and no end.
  *

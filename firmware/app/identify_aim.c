@@ -76,8 +76,10 @@ void identify_aim_phase(identify_t *identify, identify_phase_t phase)
 
 void identify_aim_refusal_of(identify_t *identify, const char *why, const char *detail)
 {
-    identify->why = why;
-    identify->detail = detail;
+    if (identify->phase != IDENTIFY_HALL) {
+        identify->why = why;
+        identify->detail = detail;
+    }
     identify_aim_phase(identify, IDENTIFY_ENDS);
 }
 

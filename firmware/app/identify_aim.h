@@ -88,7 +88,10 @@ void identify_aim_phase(identify_t *identify, identify_phase_t phase);
  */
 bool identify_aim_is_enough(identify_t *identify, const char *why);
 
-/* Ends the identification. why: the reason, a constant text. */
+/*
+ * Ends the identification. why: the reason, a constant text. In HALL all else is measured already,
+ * so it ends well there; the records then lack a direction.
+ */
 void identify_aim_refusal(identify_t *identify, const char *why);
 
 /*

@@ -25,6 +25,7 @@ typedef enum {
     IDENTIFY_SPIN,
     IDENTIFY_RAMP,
     IDENTIFY_COAST,
+    IDENTIFY_HALL,
     IDENTIFY_ENDS /* opens the gates, and writes how the identification has ended */
 } identify_phase_t;
 
@@ -105,7 +106,7 @@ typedef struct {
     int32_t loss; /* voltage that the legs lose, extrapolated to zero current, Q15 of U_b */
 } identify_rest_t;
 
-/* Results and progress of SPIN, RAMP and COAST. */
+/* Results and progress of SPIN, RAMP, COAST and HALL. */
 typedef struct {
     step_t top; /* highest speed of the vector */
     step_t low; /* lower speed of the ramps */

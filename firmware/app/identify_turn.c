@@ -4,6 +4,8 @@
 #include "identify_aim.h"
 #include "trig.h"
 
+#include <stddef.h>
+
 #define ONE_Q14 (16384)
 #define ONE_Q16 (65536)
 #define ONE_Q20 (1048576)
@@ -161,6 +163,13 @@ static int32_t root_of(int64_t square)
     return (int32_t)trig_sqrt((uint32_t)bounded);
 }
 
+/* Damps the rotor's swing with K = ω_n. swing_ticks is known. */
+static void aim_damping(identify_t *identify)
+{
+    identify_aim_set(identify, PROBE_DAMPING,
+                     fx_min((2 * STEPS_PER_RADIAN) / identify->turn.swing_ticks, DAMPING_MOST));
+}
+
 /*
  * Makes the next ramps so steep that they take the torque TORQUE_ENOUGH. With the lag δ at the
  * acceleration α, the rotor's swing has ω_n² = α/sin δ. The frame damps the swing with K = ω_n.
@@ -176,8 +185,7 @@ static void steepen(identify_t *identify, int32_t torque)
     const int32_t ramp = (turn->ramp_ticks * (shown / 16)) / (TORQUE_ENOUGH / 16);
 
     turn->swing_ticks = fx_max(root_of(square), SWING_TICKS_LEAST);
-    identify_aim_set(identify, PROBE_DAMPING,
-                     fx_min((2 * STEPS_PER_RADIAN) / turn->swing_ticks, DAMPING_MOST));
+    aim_damping(identify);
     take_ramp(identify, turn->low, fx_max(ramp, shortest_ramp(identify)), longest);
 }
 
@@ -635,11 +643,17 @@ static bool has_coasted(const identify_t *identify)
     return (identify->step > COAST_WINDOWS) || ((identify->step > 2U) && slow);
 }
 
+static bool has_halls(const identify_t *identify)
+{
+    return (identify->app->shaft != NULL) &&
+           (identify->app->drive.cfg->sensor.kind == (uint32_t)SENSOR_KIND_HALL);
+}
+
 bool identify_turn_plan_coast(identify_t *identify)
 {
     size_coast(identify);
     if (has_coasted(identify)) {
-        identify_aim_phase(identify, IDENTIFY_ENDS);
+        identify_aim_phase(identify, has_halls(identify) ? IDENTIFY_HALL : IDENTIFY_ENDS);
     } else {
         identify_aim_current(identify, 0);
         identify_aim_gains(identify, IDENTIFY_GAINS_QUICK);
@@ -651,4 +665,75 @@ bool identify_turn_plan_coast(identify_t *identify)
         identify->step++;
     }
     return identify->phase == IDENTIFY_COAST;
+}
+
+/* ---- HALL ---- */
+
+#define HALL_WINDOWS (4U) /* two backwards, then two forwards */
+#define HALL_MS (200U)    /* shortest window */
+#define HALL_SPEED_SHARE (2)
+/* slowest speed, in steps per tick: its turn fits into a window */
+#define HALL_STEPS_LEAST (65536)
+#define GOLDEN_EIGHTHS (5U) /* golden section of a tick, in eighths of it */
+
+/* Returns the whole ticks of an electrical turn at about half of the highest speed. */
+static uint32_t hall_turn_ticks(const identify_t *identify)
+{
+    return UINT32_MAX /
+           fx_unsigned(fx_max(identify->turn.top / HALL_SPEED_SHARE, HALL_STEPS_LEAST));
+}
+
+/*
+ * Returns the speed at which a turn takes so many ticks and the golden section of a tick more. So
+ * the edges of the turns fall evenly on a tick.
+ */
+static step_t hall_speed(uint32_t turn_ticks)
+{
+    return fx_signed((UINT32_MAX / ((8U * turn_ticks) + GOLDEN_EIGHTHS)) * 8U);
+}
+
+/* Returns the ticks of as many turns of the shaft as HALL_MS takes, about. */
+static int32_t hall_ticks(const identify_t *identify, uint32_t turn_ticks)
+{
+    const uint32_t shaft =
+        (identify->about->rotation.pole_pairs * ((8U * turn_ticks) + GOLDEN_EIGHTHS)) / 8U;
+    const uint32_t least = HALL_MS * fx_unsigned(identify->ms_ticks);
+    const uint32_t ticks = ((least + shaft - 1U) / shaft) * shaft;
+
+    return fx_min(fx_signed(ticks), HALL_SURVEY_TICKS_MAX);
+}
+
+/* Returns the slope of the last ramps: with it the rotor lags by about 17 degrees. */
+static step_t hall_ramp(const identify_t *identify)
+{
+    const identify_turn_t *const turn = &identify->turn;
+
+    return (turn->top - turn->low) / fx_max(turn->ramp_ticks, 1);
+}
+
+/*
+ * The rotor coasts, and the frame follows it. A current along the rotor makes no torque, so it may
+ * flow at once.
+ */
+bool identify_turn_plan_hall(identify_t *identify)
+{
+    const uint32_t turn_ticks = hall_turn_ticks(identify);
+    const step_t speed = hall_speed(turn_ticks);
+
+    if (identify->step == HALL_WINDOWS) {
+        identify_aim_phase(identify, IDENTIFY_ENDS);
+    } else {
+        identify_aim_current(identify, identify->turn.loaded ? identify_aim_continuous(identify)
+                                                             : identify_turn_current(identify));
+        identify_aim_gains(identify, IDENTIFY_GAINS_FIRM);
+        aim_damping(identify);
+        identify_aim_set(identify, PROBE_TRACKING, 0);
+        aim_speed(identify, (identify->step < (HALL_WINDOWS / 2U)) ? -speed : speed,
+                  fx_min(spin_ramp(identify), hall_ramp(identify)));
+        identify_aim_window(identify, "hall", spin_settle(identify),
+                            hall_ticks(identify, turn_ticks));
+        identify->aim.rushes = false;
+        identify->step++;
+    }
+    return identify->phase == IDENTIFY_HALL;
 }

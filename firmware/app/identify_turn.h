@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Experiments on a rotor that turns: SPIN, RAMP, COAST.
+ * Experiments on a rotor that turns: SPIN, RAMP, COAST, HALL.
  *
  * A plan looks at the sums of the experiment that has ended, and sets up the next one. It returns
  * true if it has set one up. Otherwise it has changed the phase, and the plan of the new phase has
@@ -46,5 +46,6 @@ void identify_turn_catch_again(identify_t *identify);
 bool identify_turn_plan_spin(identify_t *identify);
 bool identify_turn_plan_ramp(identify_t *identify);
 bool identify_turn_plan_coast(identify_t *identify);
+bool identify_turn_plan_hall(identify_t *identify);
 
 #endif

@@ -14,6 +14,7 @@
 
 #include "drive_cfg.h"
 #include "hal.h"
+#include "hall_survey.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -27,6 +28,7 @@ typedef struct {
     hall_t hall;
     encoder_t encoder;
     absolute_t absolute;
+    hall_survey_t survey; /* of the levels of Hall sensors */
 } shaft_decoder_t;
 
 /* Nothing is known; no decoder runs. */

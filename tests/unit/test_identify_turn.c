@@ -944,3 +944,91 @@ TEST(test_coasting_ends_at_half_of_the_speed_or_after_its_windows)
     TEST_ASSERT_TRUE(coast_at(TOP));
     TEST_ASSERT_TRUE(coast_at(TOP / 4)); /* the second window ends nothing */
 }
+
+/* ---- HALL ---- */
+
+static drive_cfg_t with_halls;
+static shaft_decoder_t shaft;
+
+/* COAST has ended. */
+static void begin_hall(void)
+{
+    begin_coast();
+    with_halls = *app.drive.cfg;
+    with_halls.sensor.kind = (uint32_t)SENSOR_KIND_HALL;
+    app.drive.cfg = &with_halls;
+    app_sense(&app, &shaft);
+    identify.turn.swing_ticks = 100;
+    identify.step = 3U;
+    identify.turn.coast_speed = 3495;
+    TEST_ASSERT_FALSE(coast_at(TOP / 4));
+}
+
+TEST(test_only_hall_sensors_that_are_read_follow_the_coasting)
+{
+    begin_hall();
+    TEST_ASSERT_EQUAL(IDENTIFY_HALL, identify.phase);
+    begin_hall();
+    app.shaft = NULL;
+    identify_aim_phase(&identify, IDENTIFY_COAST);
+    identify.step = 3U;
+    TEST_ASSERT_FALSE(coast_at(TOP / 4));
+    TEST_ASSERT_EQUAL(IDENTIFY_ENDS, identify.phase);
+    begin_hall();
+    with_halls.sensor.kind = (uint32_t)SENSOR_KIND_ENCODER;
+    identify_aim_phase(&identify, IDENTIFY_COAST);
+    identify.step = 3U;
+    TEST_ASSERT_FALSE(coast_at(TOP / 4));
+    TEST_ASSERT_EQUAL(IDENTIFY_ENDS, identify.phase);
+}
+
+/* A turn at half of the speed takes 600 ticks: here 600 and 5/8. 200 ms are 2000 ticks. */
+TEST(test_the_vector_turns_twice_backwards_and_twice_forwards_for_the_hall_sensors)
+{
+    const double turn_ticks = 600.625;
+    const int32_t shaft_ticks = (int32_t)(turn_ticks * ABOUT.rotation.pole_pairs);
+    const int32_t turns = (2000 + shaft_ticks - 1) / shaft_ticks;
+
+    begin_hall();
+    for (int32_t k = 0; k < 4; k++) {
+        TEST_ASSERT_TRUE(identify_turn_plan_hall(&identify));
+        TEST_ASSERT_EQUAL_STRING("hall", identify.aim.kind);
+        /* rounded down by less than 8 steps and one of 2^32 */
+        TEST_ASSERT_DOUBLE_WITHIN(9.0, 4294967296.0 / turn_ticks, fx_abs(word(PROBE_SPEED)));
+        TEST_ASSERT_EQUAL(k < 2, word(PROBE_SPEED) < 0);
+        TEST_ASSERT_EQUAL_INT32(turns * shaft_ticks, identify.aim.ticks);
+        TEST_ASSERT_EQUAL_INT32(identify_turn_current(&identify), word(PROBE_CURRENT));
+        TEST_ASSERT_EQUAL_INT32(0, word(PROBE_TRACKING));
+        TEST_ASSERT_EQUAL_INT32(2 * 683565276 / 100, word(PROBE_DAMPING));
+        TEST_ASSERT_FALSE(identify.aim.rushes);
+    }
+    TEST_ASSERT_FALSE(identify_turn_plan_hall(&identify));
+    TEST_ASSERT_EQUAL(IDENTIFY_ENDS, identify.phase);
+    TEST_ASSERT_NULL(identify.why);
+}
+
+TEST(test_a_loaded_rotor_has_the_continuous_current_for_the_hall_sensors)
+{
+    begin_hall();
+    identify.turn.loaded = true;
+    TEST_ASSERT_TRUE(identify_turn_plan_hall(&identify));
+    TEST_ASSERT_EQUAL_INT32(CONTINUOUS, word(PROBE_CURRENT));
+}
+
+TEST(test_a_very_slow_vector_has_a_window_that_the_survey_holds)
+{
+    begin_hall();
+    identify.turn.top = 1;
+    TEST_ASSERT_TRUE(identify_turn_plan_hall(&identify));
+    TEST_ASSERT_EQUAL_INT32(HALL_SURVEY_TICKS_MAX, identify.aim.ticks);
+    TEST_ASSERT_INT32_WITHIN(9, 65536, -word(PROBE_SPEED));
+}
+
+TEST(test_a_failure_with_the_hall_sensors_ends_the_identification_well)
+{
+    begin_hall();
+    TEST_ASSERT_TRUE(identify_turn_plan_hall(&identify));
+    identify_aim_refusal(&identify, "a fault");
+    TEST_ASSERT_EQUAL(IDENTIFY_ENDS, identify.phase);
+    TEST_ASSERT_NULL(identify.why);
+}
