@@ -50,6 +50,7 @@ const Absolute ABSOLUTE[] = {
     {"measured.dead_time_s", &E::dead_time_bar_s},
     {"measured.knee_a", &E::knee_bar_a},
     {"measured.gain_mismatch_pct", &E::gain_mismatch_bar_pct},
+    {"sensor.hall_edges_deg", &E::hall_edges_bar_deg},
 };
 
 constexpr int DIGITS_MAX = 17; // of a double

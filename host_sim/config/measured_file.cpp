@@ -106,7 +106,9 @@ public:
         for (const Field &field : schema()) {
             const std::string text = field.value_text(written_);
             if (std::string(field.section) == "sensor" && text != field.value_text(default_)) {
-                lines += fmt::format("{} = {}\n", field.key, text);
+                lines += fmt::format(
+                    "{} = {}{}\n", field.key, text,
+                    bar_comment(field, bar_of(written_.motor, written_.measured, field.name())));
             }
         }
         return lines.empty() ? lines : "[sensor]\n" + lines;

@@ -61,6 +61,7 @@ MotorSettings plate_of(const MotorSettings &motor)
                                      ? std::min(motor.continuous_current_a, motor.max_current_a)
                                      : continuous_current(motor);
     plate.thermal_time_constant_s = motor.thermal_time_constant_s;
+    plate.sensor = motor.sensor;
     return plate;
 }
 
@@ -105,6 +106,12 @@ Config with_typical(const Config &plate)
 {
     Config config = plate;
     config.motor = typical(plate.motor, plate.board);
+    if (config.motor.sensor.kind == SensorKind::hall &&
+        config.tuning.angle_source == AngleSource::observer) {
+        // so that the drive reads it; both sources take a start-up
+        config.tuning.angle_source =
+            config.tuning.startup_current_pct > 0 ? AngleSource::both : AngleSource::sensor;
+    }
     // Whoever wrote a line of the plate is rather to blame than who assumed a value.
     const Origin assumed = {plate.origins.at("motor.name").file + " (typical value)", 0,
                             Author::tuning};

@@ -2,7 +2,8 @@
 // A motor of which only the name plate is known: what a user has to say before the drive can
 // measure the rest.
 //
-//   the plate says     name, pole_pairs, max_speed_rpm, max_current_a, continuous_current_a
+//   the plate says     name, pole_pairs, max_speed_rpm, max_current_a, continuous_current_a, and
+//                      the sensor of the shaft
 //   it does not say    resistance_ohm, inductance_d_h, inductance_q_h, flux_linkage_wb,
 //                      rated_torque_nm, rated_speed_rpm, inertia_kg_m2, viscous_friction_nm_s:
 //                      these are 0 in its settings
@@ -55,7 +56,8 @@ MotorSettings typical(const MotorSettings &plate, const BoardSettings &board);
 // factor of [model].
 Config known_from_plate(const Config &config);
 
-// The configuration of a name plate as build() takes it: `motor` is typical(). A message about such
+// The configuration of a name plate as build() takes it: `motor` is typical(). Hall sensors are
+// read whatever drive.angle_source says, so that they can be measured. A message about such
 // a value says "FILE (typical value)" for its place.
 Config with_typical(const Config &plate);
 

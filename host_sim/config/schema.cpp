@@ -115,6 +115,7 @@ const std::vector<Field> FIELDS = {
     {"measured", "current_noise_lsb", "LSB", 0, 1000, OPTIONAL, measured<&E::current_noise_lsb>, "noise of the current sensors, rms; 0: not stated", RECORD},
     {"measured", "gain_mismatch_pct", "%", -50, 50, OPTIONAL, measured<&E::gain_mismatch_pct>, "gain of current sensor a over that of b, less one", RECORD},
     {"measured", "gain_mismatch_bar_pct", "%", 0, 50, OPTIONAL, measured<&E::gain_mismatch_bar_pct>, "its error, at most, in % of the gain; 0: not stated", RECORD},
+    {"measured", "hall_edges_bar_deg", "°", 0, 180, OPTIONAL, measured<&E::hall_edges_bar_deg>, "error of sensor.hall_edges_deg, at most; 0: not stated", RECORD},
 
     {"board", "name", "", 1, NAME_CHARS_MAX, NEEDED, board<&B::name>, "what it is called in reports"},
     {"board", "pwm_frequency_hz", "Hz", 2000, 100000, NEEDED, board<&B::pwm_frequency_hz>, "PWM frequency and control rate"},

@@ -175,6 +175,23 @@ void remark_flux(const Flux &flux, std::vector<std::string> &remarks)
     }
 }
 
+// The file has the edges to the digits of their bar. Without a measurement it keeps what the name
+// plate says.
+void fill_halls(const Halls &halls, Result &result)
+{
+    double bar = 0;
+    for (const HallEdge &edge : halls.edges) {
+        bar = std::max(bar, error_bar(edge.deg.std, edge.deg.bound));
+    }
+    for (std::size_t k = 0; k < halls.edges.size(); k++) {
+        result.motor.sensor.hall_patterns[k] = halls.edges[k].pattern;
+        result.motor.sensor.hall_edges_deg[k] =
+            std::stod(within_bar(halls.edges[k].deg.value, bar));
+    }
+    result.motor.sensor.kind = SensorKind::hall;
+    result.measured.hall_edges_bar_deg = bar;
+}
+
 // φ is the same at each speed. What R and the legs have wrong makes an error that falls with the
 // speed.
 void remark_trend(const Flux &flux, int pole_pairs, std::vector<std::string> &remarks)
@@ -374,6 +391,14 @@ Result evaluate(const Records &sent, const Config &plate, double temperature_c)
                            left * ROUNDING_NOISE_LSB;
     result.inductances = inductances;
     result.flux = flux;
+    if (plate.motor.sensor.kind == SensorKind::hall || !records.of("hall").empty()) {
+        result.halls = fit_halls(records, legs, inductances, flux, shaft);
+    }
+    if (result.halls.measured) {
+        fill_halls(result.halls, result);
+    } else if (!result.halls.trouble.empty()) {
+        result.remarks.push_back(result.halls.trouble);
+    }
     remark_lag(inductances.lag, result.remarks);
     remark_phases(phases, result.remarks);
     remark_gains(phases.mismatch, result.remarks);

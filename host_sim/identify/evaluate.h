@@ -3,7 +3,7 @@
 #pragma once
 
 #include "config.h"
-#include "turn_fit.h"
+#include "hall_fit.h"
 
 #include <string>
 #include <vector>
@@ -20,6 +20,7 @@ struct Result {
     double noise_bar_lsb = 0;
     Inductances inductances; // over the current
     Flux flux;               // both ways to it
+    Halls halls;             // neither measured nor in trouble: the motor has no Hall sensors
     std::vector<std::string>
         remarks; // a line each, for a person: what does not fit, what was not seen
 };

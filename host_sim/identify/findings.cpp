@@ -102,6 +102,19 @@ Row row_of(const Curve &curve, const AtCurrent &point, const Truth &truth)
             error_bar(point.h.std, point.h.bound)};
 }
 
+// Each edge; its truth is the one on the same side of 0°.
+std::vector<Row> hall_rows(const Halls &halls, const Truth &truth)
+{
+    std::vector<Row> rows;
+    for (const HallEdge &edge : halls.edges) {
+        const double off = std::remainder(
+            edge.deg.value - truth.halls_deg.at(static_cast<std::size_t>(edge.pattern)), 360.0);
+        rows.push_back({"", fmt::format("Hall {} from", edge.pattern), "deg", 1, edge.deg.value,
+                        edge.deg.value - off, error_bar(edge.deg.std, edge.deg.bound)});
+    }
+    return rows;
+}
+
 std::vector<Row> rows_of_table(const Result &result, const Truth &truth)
 {
     std::vector<Row> rows = rows_of(result, truth);
@@ -109,6 +122,10 @@ std::vector<Row> rows_of_table(const Result &result, const Truth &truth)
         for (const AtCurrent &point : curve.points) {
             rows.push_back(row_of(curve, point, truth));
         }
+    }
+    if (result.halls.measured) {
+        const std::vector<Row> edges = hall_rows(result.halls, truth);
+        rows.insert(rows.end(), edges.begin(), edges.end());
     }
     return rows;
 }
@@ -144,6 +161,25 @@ nlohmann::ordered_json speeds_json(const Result &result)
 }
 
 } // namespace
+
+nlohmann::ordered_json halls_json(const Halls &halls, const std::optional<Truth> &truth)
+{
+    nlohmann::ordered_json json;
+    const std::vector<Row> rows = hall_rows(halls, truth.value_or(Truth{}));
+    for (std::size_t k = 0; k < rows.size(); k++) {
+        nlohmann::ordered_json entry;
+        entry["pattern"] = halls.edges[k].pattern;
+        entry["value"] = rows[k].value;
+        entry["bar"] = rows[k].bar;
+        if (truth) {
+            entry["truth"] = rows[k].truth;
+        }
+        json["edges_deg"].push_back(entry);
+    }
+    json["late_deg"] = halls.late_deg;
+    json["late_at_el_rad_s"] = halls.speed_el_rad_s;
+    return json;
+}
 
 std::vector<Finding> findings_of(const Result &result)
 {
@@ -185,6 +221,9 @@ std::string json_text(const Result &result, const std::optional<Truth> &truth, d
     json["flux_turning_wb"] = result.flux.turning_wb.value;
     if (result.flux.has_coasted) {
         json["flux_coasting_wb"] = result.flux.coasting_wb.value;
+    }
+    if (result.halls.measured) {
+        json["halls"] = halls_json(result.halls, truth);
     }
     json["duration_s"] = duration_s;
     json["remarks"] = result.remarks;

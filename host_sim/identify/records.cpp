@@ -33,7 +33,10 @@ constexpr long VERSION = 2;          // of the records, firmware/app/identify.h
 constexpr long UNCHECKED = 1;        // the one before it, without checksums and end
 constexpr std::size_t SCALE_NUMBERS = 5;
 constexpr std::size_t RECORD_NUMBERS = 19;
-const char *const KINDS[] = {"pulse", "catch", "still", "burst", "spin", "ramp", "hold", "coast"};
+constexpr std::size_t HALL_NUMBERS = 3;                      // of each signal
+constexpr std::size_t SURVEY_NUMBERS = 2 + 3 * HALL_NUMBERS; // more of a record of hall
+const char *const KINDS[] = {"pulse", "catch", "still", "burst", "spin",
+                             "ramp",  "hold",  "coast", "hall"};
 
 // What the firmware can have sent: the ranges of the words of probe.h and of a shift; and no motor
 // has more pole pairs.
@@ -139,6 +142,18 @@ void check_kind(const std::string &kind, const Place &place)
     }
 }
 
+void take_survey(const std::vector<double> &n, Record &r)
+{
+    std::size_t at = RECORD_NUMBERS;
+    r.start_turns = n[at++] / Q16;
+    r.turns_el = n[at++] / Q16;
+    for (HallLevels &hall : r.halls) {
+        hall.middle = std::complex<double>(n[at], n[at + 1]) / Q15 / r.ticks;
+        hall.high = n[at + 2] / r.ticks;
+        at += HALL_NUMBERS;
+    }
+}
+
 Record record_of(const std::string &kind, const std::vector<double> &n, const Scales &scales,
                  const Place &place)
 {
@@ -165,7 +180,15 @@ Record record_of(const std::string &kind, const std::vector<double> &n, const Sc
     r.change_a = std::complex<double>(n[14], n[15]) * amperes;
     r.speed_el_rad_s = n[16] / Q16 * 2 * PI / (ticks * scales.period_s);
     r.torque = n[18] / Q15 * scales.voltage_v * scales.current_a / scales.speed_el_rad_s;
+    if (n.size() > RECORD_NUMBERS) {
+        take_survey(n, r);
+    }
     return r;
+}
+
+std::size_t numbers_of_kind(const std::string &kind)
+{
+    return RECORD_NUMBERS + (kind == "hall" ? SURVEY_NUMBERS : 0);
 }
 
 std::vector<std::string> words_of(const std::string &line)
@@ -337,8 +360,8 @@ private:
                 fmt::format("a record without the line `identify {} …` before it", VERSION));
         }
         check(part, place);
-        records_.all.push_back(
-            record_of(words[1], numbers_of(words, RECORD_NUMBERS, place), records_.scales, place));
+        records_.all.push_back(record_of(
+            words[1], numbers_of(words, numbers_of_kind(words[1]), place), records_.scales, place));
         records_.duration_s += records_.all.back().ticks * records_.scales.period_s;
     }
 

@@ -18,10 +18,16 @@ struct Scales {
     int pole_pairs = 0;
 };
 
+// A Hall signal over a window.
+struct HallLevels {
+    std::complex<double> middle; // mean of e^jθ where it is high, and of 0 where it is low
+    double high = 0;             // share of the ticks
+};
+
 // One window. Vectors are in the frame of the imposed current: real along it, imaginary across.
 // Means over the window, except where another is said.
 struct Record {
-    std::string kind;      // pulse, catch, still, burst, spin, ramp, hold, coast
+    std::string kind;      // pulse, catch, still, burst, spin, ramp, hold, coast, hall
     int axis = 0;          // of phase a, b, c: 0, 1, 2
     double current_a = 0;  // asked for
     double pulse_v = 0;    // of the pulses along or across the current, 0: none
@@ -36,6 +42,10 @@ struct Record {
     std::complex<double>
         change_a; // sum of the current's changes by the pulses, each with the sign of its pulse
     double speed_el_rad_s = 0; // of the vector
+    // Of a record of hall: the survey of the signals over as many ticks.
+    double start_turns = 0; // angle of the vector at its start
+    double turns_el = 0;    // that the vector turns, with a sign
+    HallLevels halls[3];
     double torque = 0; // sum of power of the EMF over speed, U_b·I_b/Ω_b, two thirds of P·torque in
                        // them; V·A·s a tick
 };

@@ -40,6 +40,19 @@ Turns turns_of(const double (&shorted)[PLANT_LEGS])
     return {mean, mean * mean + squares / 6};
 }
 
+std::array<double, 8> halls_of(const Config &config)
+{
+    std::array<double, 8> begins;
+    begins.fill(NAN);
+    const SensorSettings &sensor = config.motor.sensor;
+    for (std::size_t k = 0; k < sensor.hall_patterns.size(); k++) {
+        const double deg = sensor.hall_edges_deg.at(k) + config.plant.hall_error_deg.at(k);
+        begins.at(static_cast<std::size_t>(sensor.hall_patterns[k])) =
+            deg - 360 * std::floor(deg / 360);
+    }
+    return begins;
+}
+
 // What a converter adds to the noise: its error is as likely anywhere within a count.
 double with_count(double noise_lsb)
 {
@@ -94,6 +107,7 @@ Truth truth_of(const Config &config)
         IN_PER_CENT * ((IN_PER_CENT + gain_pct[0]) / (IN_PER_CENT + gain_pct[1]) - 1);
     truth.current_noise_lsb = with_count(config.plant.adc_noise_lsb);
     truth.knee_a = plant.supply.commutation_knee_a;
+    truth.halls_deg = halls_of(config);
     return truth;
 }
 

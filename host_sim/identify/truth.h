@@ -8,6 +8,8 @@ extern "C" {
 #include "iron.h"
 }
 
+#include <array>
+
 namespace nf::identify
 {
 
@@ -25,6 +27,8 @@ struct Truth {
     double gain_mismatch_pct = 0;
     double current_noise_lsb = 0; // rms, of a count too
     plant_iron_cfg_t iron{};
+    // Where each pattern of the Hall signals begins, the pattern as index; NAN: nowhere.
+    std::array<double, 8> halls_deg{};
 };
 
 // Of the machine of a configuration: its motor times the scales of [plant], its board, saturated

@@ -108,16 +108,19 @@ std::complex<double> induced_v(const Record &r, const Legs &legs)
     return without_resistance_v(r, legs) - lost * r.i_a;
 }
 
-// φ of a window that turns: L_q·i belongs to the voltage whatever the load angle, (L_d − L_q)·i_d
-// to the flux.
+// L_q·i belongs to the voltage whatever the load angle.
+std::complex<double> active_flux_wb(const Record &r, const Legs &legs, const Inductances &l)
+{
+    const std::complex<double> jw(0, r.speed_el_rad_s);
+    return induced_v(r, legs) / jw - l.q_h.value * r.i_a;
+}
+
+// φ of a window that turns: (L_d − L_q)·i_d belongs to the flux.
 double flux_of(const Record &r, const Legs &legs, const Inductances &l)
 {
-    const std::complex<double> j(0, 1);
-    const double w = r.speed_el_rad_s;
-    const std::complex<double> e = induced_v(r, legs) - j * w * l.q_h.value * r.i_a;
-    const std::complex<double> rotor = e / (j * w) / std::abs(e / w);
-    const double along = (r.i_a * std::conj(rotor)).real();
-    return std::abs(e / w) - (l.d_h.value - l.q_h.value) * along;
+    const std::complex<double> rotor = active_flux_wb(r, legs, l);
+    const double along = (r.i_a * std::conj(rotor)).real() / std::abs(rotor);
+    return std::abs(rotor) - (l.d_h.value - l.q_h.value) * along;
 }
 
 // φ of the windows about the speed of another, at another current.
@@ -573,6 +576,12 @@ void fit_friction(const std::vector<Drag> &drags, Shaft &shaft)
 }
 
 } // namespace
+
+std::complex<double> rotor_wb(const Record &turning, const Legs &legs,
+                              const Inductances &inductances)
+{
+    return active_flux_wb(turning, legs, inductances);
+}
 
 double Flux::disagreement_wb() const
 {

@@ -32,6 +32,10 @@ struct Flux {
 // used. Throws ConfigError where the rotor was not turned.
 Flux fit_flux(const Records &records, const Legs &legs, const Inductances &inductances);
 
+// The EMF of a window over jω, Wb: it lies where the rotor is in the frame of the current.
+std::complex<double> rotor_wb(const Record &turning, const Legs &legs,
+                              const Inductances &inductances);
+
 // J by the impulse of ramps up and down, friction by the speed of coasting and by the torque at
 // constant speed.
 struct Shaft {

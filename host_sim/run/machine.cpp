@@ -98,9 +98,6 @@ plant_shaft_cfg_t make_plant_shaft(const Config &config)
 {
     const SensorSettings &sensor = config.motor.sensor;
     plant_shaft_cfg_t cfg{};
-    if (config.tuning.angle_source == AngleSource::observer) {
-        return cfg;
-    }
     switch (sensor.kind) {
     case SensorKind::none:
         cfg.kind = PLANT_SHAFT_NONE;

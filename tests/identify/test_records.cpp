@@ -153,7 +153,7 @@ TEST(test_what_is_no_whole_number_is_refused)
 TEST(test_an_unknown_kind_is_refused)
 {
     expect_refused("log:2: a record of the kind \"stil\", expected one of pulse, catch, still, "
-                   "burst, spin, ramp, hold, coast",
+                   "burst, spin, ramp, hold, coast, hall",
                    {OLD, "= stil" + STILL.substr(7)});
 }
 
@@ -278,6 +278,24 @@ TEST(test_text_with_an_equals_sign_is_no_record)
     Lines lines = WHOLE;
     lines.insert(lines.begin() + 2, {"speed = 5", "[12] x = y z", "identify by hand"});
     TEST_ASSERT_EQUAL_size_t(2, read_records(lines, "log").all.size());
+}
+
+// 100 ticks: eleven numbers more, of which the last two of each three are of 32768 and of ticks.
+TEST(test_a_record_of_hall_has_the_survey_of_three_signals)
+{
+    const std::string numbers = STILL.substr(STILL.find(" 1 8192"));
+    const std::string survey = " 16384 -131072 3276800 0 50 0 -1638400 100 0 0 0";
+    const Records records = read_records(sent({FIRST, "= hall" + numbers + survey, DONE}), "log");
+    const nf::identify::Record &hall = records.all.front();
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDED, 0.25, hall.start_turns);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDED, -2, hall.turns_el);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDED, 1, hall.halls[0].middle.real());
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDED, 0.5, hall.halls[0].high);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDED, -0.5, hall.halls[1].middle.imag());
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDED, 1, hall.halls[1].high);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDED, 0, hall.halls[2].high);
+    expect_refused("log:2: 19 numbers, expected 30: the line is not complete",
+                   sent({FIRST, "= hall" + numbers, DONE}));
 }
 
 } // namespace

@@ -89,6 +89,7 @@ struct MeasuredSettings {
     double current_noise_lsb = 0; // rms
     double gain_mismatch_pct = 0; // of current sensor a over b, less one
     double gain_mismatch_bar_pct = 0;
+    double hall_edges_bar_deg = 0; // of the edges of the Hall signals, the widest
 };
 
 // What the gates do at a stop or a fault where the rotor is too fast for open gates.
