@@ -18,10 +18,10 @@ def replaced(path, *pairs):
     return text
 
 
-def build_image(folder, nfconfig, motor, board):
+def build_image(folder, nfconfig, motor, board, tuning="any"):
     """In a folder, from which the paths of both files are. Again, with others, for a part of the time."""
     for command in (["cmake", "-S", ROOT, "--preset", "stm32g4", "-B", "build", f"-DNF_NFCONFIG={nfconfig}",
-                     f"-DNF_MOTOR={motor}", f"-DNF_BOARD={board}"],
+                     f"-DNF_MOTOR={motor}", f"-DNF_BOARD={board}", f"-DNF_TUNING={tuning}"],
                     ["cmake", "--build", "build", "--target", "neurofoc_g4"]):
         run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
         if run.returncode:
