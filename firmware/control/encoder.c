@@ -8,12 +8,18 @@
 #define HALF_COUNTER (0x8000U)
 #define COUNTER_MASK (0xFFFFU)
 #define Q32_TO_Q16_SHIFT (16U)
-#define INDEX_WIDTH (2)     /* counts by which an index may differ between both directions */
-#define CORRECTED_LOG2 (4U) /* 1/16 turn is corrected at once */
+#define INDEX_WIDTH (2)      /* counts by which an index may differ between both directions */
+#define SAME_PLACE_LOG2 (4U) /* two indexes within 1/16 turn have come at the same place */
 #define TURNS_WITHOUT (2)
 #define MEAN_SHIFT (4U)
 #define MEAN_TICKS (16)
-#define STRANGE_LEAST (48) /* 3 counts a tick */
+/* A counter at a steady speed differs by up to 2 counts from tick to tick. */
+#define STRANGE_COUNTS (2 * MEAN_TICKS)
+/*
+ * Within the 16 ticks of the mean a motor changes its speed by less than 1/4096 turn a tick:
+ * 38000 rad/s² at 20 kHz.
+ */
+#define STRANGE_TURN_LOG2 (12U - MEAN_SHIFT)
 #define STRANGE_TICKS (4U)
 #define QUARTER_LOG2 (2U)
 
@@ -50,19 +56,34 @@ static int32_t ahead(int32_t count, int32_t of, int32_t counts)
     return (way > (counts / 2)) ? (way - counts) : way;
 }
 
-/* An index off the known place: corrects the count by `off`, or waits for the next index. */
-static void correct(encoder_t *encoder, int32_t counts, int32_t at, int32_t off)
+/*
+ * Whether this index is one turn from the odd one before it, either way. Pulses of a disturbance
+ * follow each other within less, or come anywhere.
+ */
+static bool is_confirmed(const encoder_t *encoder, int32_t counts, int32_t at)
 {
-    const bool near = fx_abs(off) <= fx_max(fx_asr(counts, CORRECTED_LOG2), INDEX_WIDTH + 1);
-    const bool again =
-        (encoder->odd_at != NOWHERE) && (fx_abs(ahead(at, encoder->odd_at, counts)) <= INDEX_WIDTH);
+    const int32_t near = fx_max(fx_asr(counts, SAME_PLACE_LOG2), INDEX_WIDTH);
+    const bool turned = fx_abs(encoder->since) > (counts / 2);
 
-    encoder->trouble = (uint8_t)SHAFT_TROUBLE_INDEX;
-    encoder->odd_at = at;
-    if (near || again) {
-        encoder->count = within_turn(encoder->count - off, counts);
-        encoder->odd_at = NOWHERE;
+    return (encoder->odd_at != NOWHERE) && turned &&
+           (fx_abs(ahead(at, encoder->odd_at, counts)) <= near);
+}
+
+/* An index off the known place, or the place is not known: waits for the index to come there again.
+ */
+static void take_odd(encoder_t *encoder, int32_t counts, int32_t at)
+{
+    const bool known = encoder->index_at != NOWHERE;
+    const bool again = is_confirmed(encoder, counts, at);
+
+    encoder->odd_at = again ? NOWHERE : at;
+    if (!known) {
+        encoder->index_at = again ? at : NOWHERE;
+    } else if (again) {
+        encoder->count = within_turn(encoder->count - ahead(at, encoder->index_at, counts), counts);
         encoder->trouble = (uint8_t)SHAFT_TROUBLE_COUNTS;
+    } else {
+        encoder->trouble = (uint8_t)SHAFT_TROUBLE_INDEX;
     }
 }
 
@@ -71,26 +92,22 @@ static void take_index(encoder_t *encoder, const encoder_cfg_t *cfg, uint16_t in
     const int32_t way = counter_way(encoder->counter, index);
     const int32_t at =
         within_turn(encoder->count - ((cfg->reversed != 0U) ? -way : way), cfg->counts);
+    const int32_t off = ahead(at, encoder->index_at, cfg->counts);
 
-    if (encoder->index_at == NOWHERE) {
-        encoder->index_at = at;
+    if ((encoder->index_at != NOWHERE) && (fx_abs(off) <= INDEX_WIDTH)) {
+        encoder->odd_at = NOWHERE;
     } else {
-        const int32_t off = ahead(at, encoder->index_at, cfg->counts);
-
-        if (fx_abs(off) > INDEX_WIDTH) {
-            correct(encoder, cfg->counts, at, off);
-        } else {
-            encoder->odd_at = NOWHERE;
-        }
+        take_odd(encoder, cfg->counts, at);
     }
     encoder->since = 0;
 }
 
 /* Whether the counter goes the way of a shaft that has had a speed up to now. */
-static bool goes_on(encoder_t *encoder, int32_t way)
+static bool goes_on(encoder_t *encoder, int32_t counts, int32_t way)
 {
     const int32_t off = (way * MEAN_TICKS) - encoder->speed;
-    const int32_t most = fx_max(fx_asr(fx_abs(encoder->speed), 1U), STRANGE_LEAST);
+    const int32_t least = STRANGE_COUNTS + fx_asr(counts, STRANGE_TURN_LOG2);
+    const int32_t most = fx_max(fx_asr(fx_abs(encoder->speed), 1U), least);
 
     encoder->strange = (fx_abs(off) > most) ? (uint8_t)(encoder->strange + 1U) : 0U;
     encoder->speed += fx_asr(off, MEAN_SHIFT);
@@ -127,7 +144,7 @@ uint16_t encoder_step(encoder_t *encoder, const encoder_cfg_t *cfg, encoder_read
     if (fx_abs(way) > fx_asr(cfg->counts, QUARTER_LOG2)) {
         encoder->trouble = (uint8_t)SHAFT_TROUBLE_COUNTS;
     }
-    encoder->known = goes_on(encoder, way);
+    encoder->known = goes_on(encoder, cfg->counts, way);
     encoder->count = within_turn(encoder->count + way, cfg->counts);
     encoder->since += fx_clamp(way, -cfg->counts, cfg->counts);
     if ((cfg->has_index != 0U) && reading.indexed) {

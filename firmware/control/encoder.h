@@ -5,13 +5,14 @@
  * The counter has four counts a line and wraps at 16 bits. The angle counts from where the shaft
  * was at the first call. So it is known but for a constant, which an alignment finds.
  *
- * The index comes once a turn at the same angle. The first index says where that is. A later one
- * that is off shows counts that were lost or gained. Up to 1/16 turn is corrected at once. An index
- * that is further off is first taken for a disturbance; the count follows only if the next index
- * comes at that place again. Two turns without an index are named too.
+ * The index comes once a turn at the same angle. Where that is, and whether counts were lost or
+ * gained, two indexes tell that come a turn apart at the same place, within 1/16 turn. Until then
+ * an index off its place changes nothing and is named, as it may be a disturbance. Two turns
+ * without an index are named too.
  *
- * A shaft does not change its speed by half, and by 3 counts a tick, within 4 ticks. If the counter
- * does, a wire is open or shorted. The angle is lost then: it counts on from anywhere.
+ * Within 4 ticks a shaft does not change its speed by half, and by 2 counts and 1/4096 turn a tick.
+ * If the counter does, a wire is open or shorted. The angle is lost then: it counts on from
+ * anywhere.
  *
  * Pure, total; call from the control interrupt.
  */
@@ -40,7 +41,7 @@ typedef struct {
 typedef struct {
     int32_t count; /* of the turn, 0…counts − 1 */
     int32_t since; /* counts from the last index, or from the start; ±3·counts */
-    /* count of the index; odd_at: of an index that came far from it, not yet confirmed; −1: none */
+    /* count of the index; odd_at: of one that came elsewhere and is not yet confirmed; −1: none */
     int32_t index_at;
     int32_t odd_at;
     int32_t speed;    /* 1/16 counts a tick, mean over some 16 ticks */

@@ -3,6 +3,7 @@
 #include "encoder.h"
 #include "testing.h"
 
+#include <math.h>
 #include <stdint.h>
 
 #define COUNTS \
@@ -89,36 +90,98 @@ TEST(test_a_counter_that_leaps_by_more_than_a_quarter_turn_is_named)
     TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_COUNTS, encoder.trouble);
 }
 
-/* The first index is count 60 of the turn. Before the next one 30 counts get lost. */
-static void lose_counts(void)
+/* Two indexes at count 60 of the turn; the shaft is at count 100 then. */
+static void learn_index(void)
 {
     (void)move(0);
     index_at(100, 40);
     turn_without_index(COUNTS - 100);
-    index_at(100 - 30, 40);
+    index_at(100, 40);
+    TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_NONE, encoder.trouble);
 }
 
-TEST(test_an_index_brings_lost_counts_back_and_names_them)
+/* A turn in which `lost` counts get lost. */
+static void turn_and_lose(int32_t lost)
 {
-    lose_counts();
+    turn_without_index(COUNTS - 100);
+    index_at(100 - lost, 40);
+}
+
+TEST(test_two_indexes_bring_lost_counts_back_and_the_first_one_names_them)
+{
+    learn_index();
+    turn_and_lose(30);
+    TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_INDEX, encoder.trouble);
+    expect_count(70);
+    turn_and_lose(0);
     TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_COUNTS, encoder.trouble);
+    expect_count(100);
+}
+
+TEST(test_counts_that_get_lost_in_each_turn_are_brought_back)
+{
+    learn_index();
+    for (int32_t k = 0; k < 10; k++) {
+        turn_and_lose(30);
+        TEST_ASSERT_NOT_EQUAL_UINT8(SHAFT_TROUBLE_NONE, encoder.trouble);
+    }
     expect_count(100);
 }
 
 TEST(test_an_index_off_by_two_counts_is_good_and_changes_nothing)
 {
-    (void)move(0);
-    index_at(100, 40);
+    learn_index();
     turn_without_index(COUNTS - 100);
     index_at(100, 38);
     TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_NONE, encoder.trouble);
     expect_count(100);
 }
 
-TEST(test_an_index_far_off_counts_only_when_it_comes_there_twice)
+/* Anywhere in the turn, also close to the index. */
+TEST(test_a_pulse_that_disturbs_the_index_changes_nothing)
+{
+    for (int32_t at = 0; at < COUNTS; at += 100) {
+        encoder_start(&encoder);
+        learn_index();
+        turn_without_index(at);
+        index_at(0, 0);
+        TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_INDEX, encoder.trouble);
+        expect_count((100 + at) % COUNTS);
+        turn_without_index(COUNTS - at);
+        index_at(0, 40);
+        TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_NONE, encoder.trouble);
+        expect_count(100);
+    }
+}
+
+TEST(test_pulses_that_disturb_the_index_and_follow_each_other_change_nothing)
+{
+    learn_index();
+    turn_without_index(1000);
+    encoder.speed = 16;
+    for (int32_t k = 0; k < 20; k++) {
+        index_at(1, 0);
+        TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_INDEX, encoder.trouble);
+    }
+    expect_count(1120);
+}
+
+TEST(test_a_pulse_before_the_first_index_is_not_taken_for_it)
 {
     (void)move(0);
+    turn_without_index(1000);
+    index_at(0, 0);
+    turn_without_index(COUNTS - 1000);
     index_at(100, 40);
+    turn_and_lose(0);
+    turn_and_lose(0);
+    TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_NONE, encoder.trouble);
+    expect_count(100);
+}
+
+TEST(test_an_index_far_off_counts_only_when_it_comes_there_twice)
+{
+    learn_index();
     turn_without_index(1000);
     index_at(0, 0);
     TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_INDEX, encoder.trouble);
@@ -131,8 +194,7 @@ TEST(test_an_index_far_off_counts_only_when_it_comes_there_twice)
 
 TEST(test_a_single_index_far_off_is_forgotten_by_a_good_one)
 {
-    (void)move(0);
-    index_at(100, 40);
+    learn_index();
     turn_without_index(1000);
     index_at(0, 0);
     turn_without_index(COUNTS - 1000);
@@ -193,6 +255,30 @@ TEST(test_the_acceleration_of_a_small_motor_and_its_reversal_lose_nothing)
         (void)move(to - at);
         at = to;
         TEST_ASSERT_TRUE(encoder.known);
+    }
+}
+
+/* 0 to 3000 rad/s with 30000 rad/s² at 20 kHz, and back, for few and many counts. */
+TEST(test_the_acceleration_of_a_small_motor_loses_nothing_with_any_number_of_counts)
+{
+    static const int32_t turns[] = {64, 1024, 4096, 16384, 65532};
+
+    for (uint32_t k = 0U; k < (sizeof(turns) / sizeof(turns[0])); k++) {
+        const double gain = 30000.0 / (20000.0 * 20000.0) / 6.283185307 * turns[k];
+        double speed = 0.0;
+        double at = 0.0;
+
+        cfg.counts = turns[k];
+        cfg.scale_q32 = (uint32_t)(0x100000000ULL / (uint64_t)turns[k]);
+        encoder_start(&encoder);
+        for (int32_t tick = 0; tick < 8000; tick++) {
+            const int32_t before = (int32_t)floor(at);
+
+            speed += ((tick % 4000) < 2000) ? gain : -gain;
+            at += speed;
+            (void)move((int32_t)floor(at) - before);
+            TEST_ASSERT_TRUE(encoder.known);
+        }
     }
 }
 
