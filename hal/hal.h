@@ -51,6 +51,11 @@ typedef struct {
     uint16_t reading;
     uint16_t index; /* incremental encoder: the counter at the last index pulse */
     bool indexed;   /* incremental encoder: an index pulse has come since the last call */
+    /*
+     * Hall sensors: time since the last edge, Q8 of a control tick, at least 1; 0: the binding
+     * cannot tell. Only the age of an edge of the last tick is used.
+     */
+    uint16_t age_q8;
 } hal_shaft_t;
 
 /*

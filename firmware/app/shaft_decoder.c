@@ -55,7 +55,9 @@ NEVER_INLINED void shaft_decoder_step(shaft_decoder_t *shaft, const sensor_cfg_t
     }
     shaft_decoder_ask(shaft, in->command.request);
     if (kind == (uint32_t)SENSOR_KIND_HALL) {
-        known = hall_step(&shaft->hall, &cfg->hall, hal_shaft(hal).reading);
+        const hal_shaft_t read = hal_shaft(hal);
+
+        known = hall_step(&shaft->hall, &cfg->hall, (hall_reading_t){read.reading, read.age_q8});
         in->angle = (uint16_t)(shaft->hall.angle >> Q32_TO_Q16_SHIFT);
         trouble = shaft->hall.trouble;
     } else if (kind == (uint32_t)SENSOR_KIND_ABSOLUTE) {
@@ -91,6 +93,7 @@ const char *shaft_trouble_text(shaft_trouble_t trouble)
         [SHAFT_TROUBLE_INDEX] = "encoder_index",
         [SHAFT_TROUBLE_FRAME] = "bad_frame",
         [SHAFT_TROUBLE_FLAGGED] = "sensor_error",
+        [SHAFT_TROUBLE_TURNED] = "sensor_turned",
     };
     const uint32_t index = (uint32_t)trouble;
 

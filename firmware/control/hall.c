@@ -17,15 +17,22 @@
 #define SLOW_FACTOR (2U)   /* a rotor that takes twice the time of its sector is slow */
 #define CLOSE (0x0AAAAAAA) /* 15° */
 #define NEAR (0x20000000U) /* 45° */
+/* Shares of the errors at an edge that are corrected, where its time is known and where it is not.
+ */
+#define TIMED_SHIFT (2U) /* all but a quarter of the angle's */
 #define ANGLE_SHIFT (1U)
+#define TIMED_SPEED_SHIFT (1U)
 #define SPEED_SHIFT (2U)
 #define STEADY_SHIFT (2U) /* the speed is steady if it has changed by less than a quarter */
 #define REST_SHIFT (6U)
+#define TURNED_SHIFT (4U)
+#define HALF_SECTOR (0x15555555)
 #define MEASURED_MAX (0x0FFFFFFF)
 #define JITTER_TICKS (64U)
-/* An edge lies half a tick before the tick that sees it first, on average; the next one takes it.
- */
-#define SEEN_AFTER_Q1 (3)
+#define AGE_SHIFT (8U) /* ages are Q8 of a tick */
+#define TICK_Q8 (256)
+#define AGE_MEAN (128)      /* an edge lies half a tick before the tick that sees it, on average */
+#define SHORT_TICKS (2048U) /* in less, the part of a tick matters */
 #define SEEN_UNTIL (2U)
 
 void hall_start(hall_t *hall)
@@ -109,6 +116,7 @@ static void begin_way(hall_t *hall)
 {
     hall->ticks = 0U;
     hall->way = 0U;
+    hall->edge_age_q8 = hall->seen_age_q8;
 }
 
 static void go_on_way(hall_t *hall)
@@ -153,15 +161,27 @@ static void place(hall_t *hall, const hall_cfg_t *cfg)
 {
     hall->angle = middle_of(cfg, hall->span);
     hall->direction = 0;
+    hall->turned = false;
     begin_way(hall);
     hall->pace = 0;
     forget_pace(hall);
 }
 
-/* Returns how far the rotor has gone on since the edge, from the tick that saw it first on. */
-static step_t way_since(step_t speed)
+/* Returns how far the rotor has gone on since the edge: the tick after the first one takes it. */
+static step_t way_since(const hall_t *hall, step_t speed)
 {
-    return fx_asr(speed * SEEN_AFTER_Q1, 1U);
+    return speed + (fx_asr(speed, AGE_SHIFT) * (step_t)hall->seen_age_q8);
+}
+
+/* Returns the mean speed from the edge before to this one. way: between them. */
+static step_t speed_between(const hall_t *hall, int32_t way)
+{
+    const uint32_t shift = (hall->ticks < SHORT_TICKS) ? AGE_SHIFT : 0U;
+    const int32_t part = (int32_t)hall->edge_age_q8 - (int32_t)hall->seen_age_q8;
+    const int32_t time = (int32_t)(hall->ticks << shift) + fx_asr(part, AGE_SHIFT - shift);
+    const int32_t most = fx_asr(MEASURED_MAX, shift);
+
+    return fx_clamp(way / fx_max(time, 1), -most, most) * (int32_t)(1UL << shift);
 }
 
 static bool hall_is_fast(const hall_t *hall, const hall_cfg_t *cfg)
@@ -172,7 +192,7 @@ static bool hall_is_fast(const hall_t *hall, const hall_cfg_t *cfg)
 /*
  * Returns the speed for the next sector. That of a slow rotor is extrapolated, as by an even
  * acceleration. That of a fast one, whose speed hardly changes from edge to edge, is a mean: it has
- * less of the jitter of a tick.
+ * less of the jitter of a tick, or of what is not known of the edges' angles.
  */
 static step_t speed_ahead(const hall_t *hall, const hall_cfg_t *cfg, step_t measured)
 {
@@ -181,12 +201,14 @@ static step_t speed_ahead(const hall_t *hall, const hall_cfg_t *cfg, step_t meas
 
     if (!hall->paced) {
         ahead = measured;
-    } else if (!hall_is_fast(hall, cfg) && (hall->ticks > JITTER_TICKS)) {
+    } else if (!hall_is_fast(hall, cfg) && (hall->timed || (hall->ticks > JITTER_TICKS))) {
         const step_t most = fx_asr(fx_abs(measured), 1U);
 
         ahead = measured + fx_clamp(measured - before, -most, most);
     } else {
-        ahead = hall->speed + fx_asr(measured - hall->speed, SPEED_SHIFT);
+        const uint32_t shift = hall->timed ? TIMED_SPEED_SHIFT : SPEED_SHIFT;
+
+        ahead = hall->speed + fx_asr(measured - hall->speed, shift);
     }
     return ahead;
 }
@@ -204,19 +226,24 @@ static bool is_steady(const hall_t *hall, const hall_cfg_t *cfg, step_t measured
            (hall->paced && (fx_abs(measured - before) <= fx_asr(fx_abs(before), STEADY_SHIFT)));
 }
 
+/* Returns the share of the angle's error that an edge corrects. */
+static int32_t corrected(const hall_t *hall, int32_t error)
+{
+    return hall->timed ? (error - fx_asr(error, TIMED_SHIFT)) : fx_asr(error, ANGLE_SHIFT);
+}
+
 /* Corrects angle and speed at an edge, from the way and the time since the edge before. */
 static void hall_pace(hall_t *hall, const hall_cfg_t *cfg, angle_t edge)
 {
-    const int32_t way = fx_signed(edge - hall->edge);
-    const int32_t ticks = (int32_t)hall->ticks;
-    const step_t measured = fx_clamp(way / fx_max(ticks, 1), -MEASURED_MAX, MEASURED_MAX);
+    const step_t measured = speed_between(hall, fx_signed(edge - hall->edge));
     const step_t speed = speed_ahead(hall, cfg, measured);
-    const int32_t error = fx_signed((edge + fx_unsigned(way_since(speed))) - hall->angle);
+    const angle_t now = edge + fx_unsigned(way_since(hall, speed));
+    const int32_t error = fx_signed(now - hall->angle);
 
     if (hall->paced && (fx_abs(error) < CLOSE)) {
-        hall->angle += fx_unsigned(fx_asr(error, ANGLE_SHIFT));
+        hall->angle += fx_unsigned(corrected(hall, error));
     } else {
-        hall->angle = edge + fx_unsigned(way_since(speed));
+        hall->angle = now;
     }
     hall->steady = is_steady(hall, cfg, measured);
     hall->speed = speed;
@@ -233,6 +260,7 @@ static void hall_take_edge(hall_t *hall, const hall_cfg_t *cfg, angle_t edge, in
         hall->pace = 0;
         hall->angle = edge;
     }
+    hall->turned = hall->direction == -direction;
     hall->edge = edge;
     hall->direction = direction;
     begin_way(hall);
@@ -408,18 +436,32 @@ static void hall_go_on(hall_t *hall, const hall_cfg_t *cfg)
         keep_pace(hall, cfg);
     } else {
         const int32_t way = fx_signed(middle_of(cfg, hall->span) - hall->angle);
+        const step_t most = hall->turned ? fx_asr(cfg->fast_speed, TURNED_SHIFT) : HALF_SECTOR;
 
-        hall->angle += fx_unsigned(fx_asr(way, REST_SHIFT));
+        hall->angle += fx_unsigned(fx_clamp(fx_asr(way, REST_SHIFT), -most, most));
     }
 }
 
-bool hall_step(hall_t *hall, const hall_cfg_t *cfg, uint32_t pattern)
+/* Another pattern than in the tick before: notes how long ago its edge was. */
+RARE static void see_pattern(hall_t *hall, hall_reading_t reading)
+{
+    hall->seen = (uint8_t)reading.pattern;
+    hall->timed = reading.age_q8 != 0U;
+    hall->seen_age_q8 =
+        (uint16_t)(hall->timed ? fx_min((int32_t)reading.age_q8, TICK_Q8) : AGE_MEAN);
+}
+
+bool hall_step(hall_t *hall, const hall_cfg_t *cfg, hall_reading_t reading)
 {
     hall->trouble = (uint8_t)SHAFT_TROUBLE_NONE;
     hall_go_on(hall, cfg);
-    if ((pattern != hall->taken) && (pattern == hall->seen)) {
-        take_pattern(hall, cfg, pattern);
+    if (reading.pattern != hall->seen) {
+        see_pattern(hall, reading);
+    } else if (reading.pattern != hall->taken) {
+        take_pattern(hall, cfg, reading.pattern);
+        hall->seen = (uint8_t)reading.pattern;
+    } else {
+        /* the same sector */
     }
-    hall->seen = (uint8_t)pattern;
     return hall->known;
 }

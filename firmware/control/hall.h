@@ -4,9 +4,10 @@
  *
  * A pattern of the signals is a sector of some 60°. An edge from one sector to its neighbour tells
  * the angle exactly, and two edges in the same direction tell the speed. Between edges the angle
- * goes on with that speed, but not out of the sector. At an edge the angle takes on half of its
- * error, and the speed a quarter of the difference. So the jitter of an edge, up to a tick, does
- * not pass on as it is. After an error of 15° or more, or where no speed was known, both are set.
+ * goes on with that speed, but not out of the sector. At an edge the angle takes on 3/4 of its
+ * error, and the speed half of the difference. Where the time of the edge within its tick is not
+ * known, it is half and a quarter, so that this jitter does not pass on as it is. After an error of
+ * 15° or more, or where no speed was known, both are set.
  *
  * A rotor that is too fast to stop within a sector does not wait for a late edge: the angle goes on
  * with its speed. It is lost where four sectors should have passed.
@@ -15,7 +16,7 @@
  * sector then, so a torque at standstill has cos 30° of its value or more.
  *
  * A pattern counts once it is there in two ticks in a row, so a disturbance of one tick is not
- * seen. The time of an edge allows for this. An edge that comes far too soon for a steady speed
+ * seen. The angle allows for this. An edge that comes far too soon for a steady speed
  * waits: it may be a signal that begins to stand still. While the speed changes, as after a start,
  * no edge waits. A pattern that passes over a sector is named JUMP.
  *
@@ -36,6 +37,13 @@
 #include <stdint.h>
 
 #define HALL_SECTORS (6U)
+
+/* Reading of a tick. */
+typedef struct {
+    uint32_t pattern; /* 0…7 */
+    /* of the last edge, Q8 of a tick, more than a tick counts as one; 0: it is not known */
+    uint32_t age_q8;
+} hall_reading_t;
 
 typedef struct {
     /*
@@ -62,12 +70,17 @@ typedef struct {
     uint32_t ticks;   /* since the last edge, saturates at 2^20 */
     uint32_t way;     /* that a rotor with this pace has gone since then, Q32, saturates */
     hall_span_t span; /* in which the rotor is */
+    /* how long before the tick that saw it first the last edge was, and the edge to `seen`: Q8 */
+    uint16_t edge_age_q8;
+    uint16_t seen_age_q8;
     int8_t direction; /* of the last edge: 1, −1; 0: none yet */
     uint8_t seen;     /* pattern of the last tick */
     uint8_t taken;    /* pattern that counts */
     uint8_t unlike;   /* ticks in a row with a pattern that no angle has, at most 4 */
     uint8_t dead;     /* bit of the signal that is left out; 0: none */
     uint8_t trouble;  /* shaft_trouble_t that was found in this tick */
+    bool turned;      /* the last edge was passed the other way than the one before */
+    bool timed;       /* the edge to `seen` has a time of its own */
     bool paced;       /* the speed is known */
     bool steady;      /* and that of the sector before was about the same, or it is fast */
     bool known;       /* the angle is known */
@@ -76,8 +89,8 @@ typedef struct {
 /* The angle is not known. */
 void hall_start(hall_t *hall);
 
-/* One tick; pattern: 0…7. Returns whether `angle` is known. |speed| stays below 2^29. */
-bool hall_step(hall_t *hall, const hall_cfg_t *cfg, uint32_t pattern);
+/* One tick. Returns whether `angle` is known. |speed| stays below 2^29. */
+bool hall_step(hall_t *hall, const hall_cfg_t *cfg, hall_reading_t reading);
 
 /* Whether neighbours in `patterns` differ in one bit and all six legal patterns occur. Pure. */
 bool hall_order_holds(uint32_t patterns);

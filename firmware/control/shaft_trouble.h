@@ -13,6 +13,7 @@ typedef enum {
     SHAFT_TROUBLE_INDEX,        /* an index of an encoder came at a wrong place, or did not come */
     SHAFT_TROUBLE_FRAME,        /* a frame of an absolute sensor has a wrong parity or jumps */
     SHAFT_TROUBLE_FLAGGED,      /* an absolute sensor reports an error of its own */
+    SHAFT_TROUBLE_TURNED,       /* the EMF shows the rotor more than a quarter turn off the angle */
     SHAFT_TROUBLES              /* number of entries, not a trouble */
 } shaft_trouble_t;
 

@@ -85,6 +85,7 @@ static hal_shaft_t read_plant(hal_t *hal)
         .reading = read_channel(&faults->shaft, (uint16_t)(low ^ faults->shaft_flip)),
         .index = (uint16_t)(read.index + faults->shaft_slip),
         .indexed = read.indexed && !faults->shaft.forced,
+        .age_q8 = read.age_q8,
     };
 }
 
@@ -94,7 +95,7 @@ hal_shaft_t hal_shaft(hal_t *hal)
 
     if ((hal->plant != NULL) && (hal->plant->shaft.cfg.kind != PLANT_SHAFT_NONE)) {
         shaft = read_plant(hal);
-        hal->seen_shaft = shaft.reading;
+        hal->seen_shaft = shaft;
     } else if (hal->inputs != NULL) {
         shaft = hal->inputs->shaft;
         hal->inputs->shaft.indexed = false;

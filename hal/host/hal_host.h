@@ -62,7 +62,7 @@ struct hal {
     uint16_t seen_ia; /* counts that the last hal_sample() gave */
     uint16_t seen_ib;
     uint16_t seen_ic;
-    uint16_t seen_shaft;       /* reading that the last hal_shaft() gave */
+    hal_shaft_t seen_shaft;    /* what the last hal_shaft() gave */
     hal_host_line_t *line;     /* NULL: none */
     hal_host_flash_t *flash;   /* NULL: no store */
     hal_host_inputs_t *inputs; /* NULL: no inputs, and no sensor that hal_shaft() reads */

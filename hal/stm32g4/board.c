@@ -36,4 +36,5 @@ const board_t BOARD = {
     .has_pulses = HAL_HAS_PULSES,
     .shaft = HAL_SHAFT,
     .has_index = HAL_HAS_INDEX,
+    .hall_age_q24 = HAL_HALL_AGE_Q24,
 };

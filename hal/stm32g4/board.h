@@ -45,7 +45,8 @@ typedef struct {
     bool button_low; /* the level while it is pressed */
     bool has_pulses; /* there is a command pin */
     board_shaft_t shaft;
-    bool has_index; /* the incremental encoder has an index */
+    bool has_index;        /* the incremental encoder has an index */
+    uint32_t hall_age_q24; /* ticks in a count of the timer of the Hall edges; 0: they have none */
 } board_t;
 
 extern const board_t BOARD;

@@ -6,6 +6,7 @@
 
 #include <stdbool.h>
 
+#define AGE_SHIFT (16U)  /* Q24 to Q8 */
 #define FRAMES_KEPT (2U) /* by the SPI, received and not read */
 
 static bool selected; /* the absolute encoder waits for the clock */
@@ -48,23 +49,35 @@ static uint32_t level(uint32_t port, uint32_t bit)
     return (reg_read(port + GPIO_IDR) >> bit) & 1U;
 }
 
+/* Read after the levels: an edge between both counts in the next tick, with its age then. */
+static uint16_t read_age(void)
+{
+    uint32_t age_q8 = 0U;
+
+    if (BOARD.hall_age_q24 != 0U) {
+        age_q8 = ((reg_read(HAL_SHAFT_TIMER + TIM_CNT) * BOARD.hall_age_q24) >> AGE_SHIFT) + 1U;
+    }
+    return (uint16_t)age_q8;
+}
+
 static hal_shaft_t read_hall(void)
 {
     const uint32_t first = level(HAL_HALL_1_PORT, HAL_HALL_1_BIT);
     const uint32_t second = level(HAL_HALL_2_PORT, HAL_HALL_2_BIT);
     const uint32_t third = level(HAL_HALL_3_PORT, HAL_HALL_3_BIT);
 
-    return (hal_shaft_t){.reading = (uint16_t)(first | (second << 1U) | (third << 2U))};
+    return (hal_shaft_t){.reading = (uint16_t)(first | (second << 1U) | (third << 2U)),
+                         .age_q8 = read_age()};
 }
 
 /* Reading the capture clears its flag. */
 static hal_shaft_t read_encoder(void)
 {
-    hal_shaft_t shaft = {.reading = (uint16_t)reg_read(HAL_ENCODER + TIM_CNT)};
+    hal_shaft_t shaft = {.reading = (uint16_t)reg_read(HAL_SHAFT_TIMER + TIM_CNT)};
 
     if (BOARD.has_index) {
-        shaft.indexed = reg_any(HAL_ENCODER + TIM_SR, HAL_INDEX_SEEN);
-        shaft.index = (uint16_t)reg_read(HAL_ENCODER + HAL_INDEX_AT);
+        shaft.indexed = reg_any(HAL_SHAFT_TIMER + TIM_SR, HAL_INDEX_SEEN);
+        shaft.index = (uint16_t)reg_read(HAL_SHAFT_TIMER + HAL_INDEX_AT);
     }
     return shaft;
 }

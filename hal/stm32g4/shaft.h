@@ -3,9 +3,10 @@
  * The sensor of the shaft: Hall sensors, an incremental encoder or an absolute one. RM0440 29.4.20
  * (encoder mode), 39.5 (SPI).
  *
- * Hall sensors are three pins. The edges of an incremental encoder are counted by timer 3 or 4,
- * which also captures its count at the index. The filter of their inputs takes what is shorter than
- * 94 ns away.
+ * Hall sensors are three pins. If they are channels 1 to 3 of timer 3 or 4, each of their edges
+ * sets the counter of that timer to 0, so it tells the time since the last edge. The edges of an
+ * incremental encoder are counted by timer 3 or 4, which also captures its count at the index. The
+ * filter of their inputs takes what is shorter than 94 ns away.
  *
  * An absolute encoder of the AS5047's kind samples its angle when its chip select rises, and sends
  * it in the next frame. The select rises when a tick begins, and falls when the last frame is read.

@@ -318,8 +318,11 @@
 #define TIM3 (0x40000400U)
 #define TIM4 (0x40000800U)
 #define TIM_CR1 (0x00U)
+#define TIM_CR2 (0x04U)
+#define TIM_CR2_TI1S (1UL << 7) /* input 1 is the exclusive or of channels 1 to 3 */
 #define TIM_SMCR (0x08U)
-#define TIM_SMCR_ENCODER_3 (3U) /* each edge of both inputs counts */
+#define TIM_SMCR_ENCODER_3 (3U)          /* each edge of both inputs counts */
+#define TIM_SMCR_RESET_BY_EDGES (0x44UL) /* each edge of input 1 sets the counter to 0 */
 #define TIM_DIER (0x0CU)
 #define TIM_DIER_TWO (0x600UL) /* requests to the DMA by captures of channels 1 and 2 */
 #define TIM_SR (0x10U)

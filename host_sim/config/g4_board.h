@@ -65,6 +65,7 @@ struct G4Board {
     int pulse_channel = 0; // of timer 2; 0: none
     int encoder_timer = 0; // 3 or 4; 0: no incremental encoder
     int index_channel = 0; // of that timer, 3 or 4; 0: no index
+    int hall_timer = 0;    // 3 or 4, which takes the time of Hall edges; 0: none
     int spi = 0;           // of the absolute encoder; 0: none
     int pll_divider = 4;   // M and N of 16 MHz or the crystal, for 170 MHz
     int pll_factor = 85;

@@ -5,6 +5,7 @@
 #include "g4_text.h"
 #include "refusal.h"
 
+#include <cmath>
 #include <vector>
 
 #include <fmt/format.h>
@@ -164,17 +165,51 @@ void add_encoder_rows(std::vector<std::string> &rows, const G4Board &board)
     add("TIM_CR1", "TIM_CR1_CEN");
 }
 
+// Counts of the timer in a control tick. It counts 16 bits.
+struct HallClock {
+    long divider;
+    long counts;
+};
+
+HallClock hall_clock(const BoardSettings &board)
+{
+    const long all = std::lround(board.timer_clock_hz / board.pwm_frequency_hz);
+    const long divider = all / 65536 + 1;
+    return {divider, all / divider};
+}
+
+// Each edge of the three signals, which differ from their exclusive or's last level, sets the
+// counter to 0.
+void add_hall_rows(std::vector<std::string> &rows, const Config &config, int number)
+{
+    const std::string timer = fmt::format("TIM{}", number);
+    const auto add = [&](const std::string &offset, const std::string &value) {
+        rows.push_back(g4_setting_of(timer, offset, value, SHAFT_GROUP));
+    };
+    add("TIM_CR2", "TIM_CR2_TI1S");
+    add("TIM_CCMR1", "TIM_CCMR_INDEX");
+    add("TIM_SMCR", "TIM_SMCR_RESET_BY_EDGES");
+    add("TIM_PSC", fmt::format("{}U", hall_clock(config.board).divider - 1));
+    add("TIM_ARR", "0xFFFFU");
+    add("TIM_CR1", "TIM_CR1_CEN");
+}
+
 std::string shaft_lines(const Config &config, const G4Board &board)
 {
     const HalSettings &hal = config.hal;
     const int index = board.index_channel;
     std::vector<std::string> rows;
-    std::string text = g4_line("SHAFT", sensor_of(config), "the sensor of the shaft");
+    const std::string sensor_name = sensor_of(config);
+    const bool timed = board.hall_timer > 0 && sensor_name == "BOARD_SHAFT_HALL";
+    const int timer = timed ? board.hall_timer : board.encoder_timer;
+    std::string text = g4_line("SHAFT", sensor_name, "the sensor of the shaft");
     for (std::size_t sensor = 0; sensor < 3; sensor++) {
         text += pin_lines(fmt::format("HALL_{}", sensor + 1),
                           hal.hall_pins.empty() ? "" : hal.hall_pins[sensor], "hal.hall_pins");
     }
-    if (board.encoder_timer > 0) {
+    if (timed) {
+        add_hall_rows(rows, config, timer);
+    } else if (timer > 0) {
         add_encoder_rows(rows, board);
     }
     if (board.spi > 0) {
@@ -183,9 +218,11 @@ std::string shaft_lines(const Config &config, const G4Board &board)
         rows.push_back(g4_setting_of(spi, "SPI_CR1", "SPI_CR1_ENCODER", SHAFT_GROUP));
     }
     return text +
-           g4_line("ENCODER",
-                   board.encoder_timer > 0 ? fmt::format("TIM{}", board.encoder_timer) : "TIM4",
-                   "hal.encoder_pins") +
+           g4_line("SHAFT_TIMER", timer > 0 ? fmt::format("TIM{}", timer) : "TIM4",
+                   "of the encoder or the Hall sensors") +
+           g4_line("HALL_AGE_Q24",
+                   timed ? fmt::format("{}U", 0x1000000 / hall_clock(config.board).counts) : "0U",
+                   "ticks in a count of it; 0: no time of Hall edges") +
            g4_line("HAS_INDEX", g4_truth(index > 0), "its index") +
            g4_line("INDEX_SEEN", fmt::format("TIM_SR_CC1IF << {}", index > 0 ? index - 1 : 0),
                    "the index was captured") +
@@ -211,6 +248,9 @@ G4InputClocks g4_input_clocks(const G4Board &board)
     if (board.pulse_channel > 0) {
         clocks.ahb1 = " | RCC_AHB1ENR_DMA1 | RCC_AHB1ENR_DMAMUX1";
         clocks.apb1 = " | RCC_APB1ENR1_TIM2";
+    }
+    if (board.hall_timer > 0 && board.hall_timer != board.encoder_timer) {
+        clocks.apb1 += fmt::format(" | RCC_APB1ENR1_TIM{}", board.hall_timer);
     }
     if (board.encoder_timer > 0) {
         clocks.apb1 += fmt::format(" | RCC_APB1ENR1_TIM{}", board.encoder_timer);

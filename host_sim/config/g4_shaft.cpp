@@ -14,6 +14,7 @@ constexpr char HALL_SENSORS[] = "hal.hall_pins";
 constexpr char LINE_ENCODER[] = "hal.encoder_pins";
 constexpr char SPI_ENCODER[] = "hal.spi_encoder_pins";
 constexpr int ENCODER_TIMERS[] = {3, 4}; // timer 2 measures pulses
+constexpr int HALL_CHANNELS = 3;
 constexpr int SPIS = 3;
 enum SpiPin {
     SCK,
@@ -87,17 +88,48 @@ void add_encoder(G4PinBook &book)
 
 // ---- Hall sensors ----
 
-// A pin of the encoder can be read as it is, whatever its timer makes of it.
+// The channel of a timer, 1 to 3, at a pin. 0: it has none.
+int hall_channel_of(int timer, const std::string &pin)
+{
+    for (int channel = 1; channel <= HALL_CHANNELS; channel++) {
+        if (g4_code(pin, channel_of(timer, channel)) >= 0) {
+            return channel;
+        }
+    }
+    return 0;
+}
+
+bool has_channels(int timer, const Pins &pins)
+{
+    unsigned found = 0;
+    for (const std::string &pin : pins) {
+        found |= 1U << hall_channel_of(timer, pin);
+    }
+    return pins.size() == HALL_CHANNELS && found == 0xEU;
+}
+
+// A pin can be read as it is, whatever its timer makes of it.
+void add_hall_pin(G4PinBook &book, std::size_t sensor)
+{
+    const std::string &pin = book.hal().hall_pins[sensor];
+    const int timer = book.board().hall_timer;
+    const int channel = timer > 0 ? hall_channel_of(timer, pin) : 0;
+    book.add(HALL_SENSORS, fmt::format("{}, sensor {}", HALL_SENSORS, sensor + 1),
+             {pin, "", timer > 0 ? PinMode::alternate : PinMode::input,
+              timer > 0 ? g4_code(pin, channel_of(timer, channel)) : 0, Pull::up, false},
+             G4_ANY_PIN);
+}
+
 void add_hall(G4PinBook &book)
 {
     const Pins &pins = book.hal().hall_pins;
     const Pins &shared = book.hal().encoder_pins;
-    book.need_count(HALL_SENSORS, pins, 3, "3 pins, of the sensors 1, 2, 3");
+    book.need_count(HALL_SENSORS, pins, HALL_CHANNELS, "3 pins, of the sensors 1, 2, 3");
+    book.board().hall_timer = g4_hall_timer(book.hal());
     for (std::size_t sensor = 0; sensor < pins.size(); sensor++) {
         const bool twice = std::count(pins.begin(), pins.end(), pins[sensor]) > 1;
         if (twice || std::count(shared.begin(), shared.end(), pins[sensor]) == 0) {
-            book.add(HALL_SENSORS, fmt::format("{}, sensor {}", HALL_SENSORS, sensor + 1),
-                     {pins[sensor], "", PinMode::input, 0, Pull::up, false}, G4_ANY_PIN);
+            add_hall_pin(book, sensor);
         }
     }
 }
@@ -165,6 +197,22 @@ void add_absolute(G4PinBook &book)
 }
 
 } // namespace
+
+int g4_hall_timer(const HalSettings &hal)
+{
+    const Pins &encoder = hal.encoder_pins;
+    const int taken = encoder.empty() ? 0 : encoder_timer_of(encoder[0]);
+    for (const int timer : ENCODER_TIMERS) {
+        const bool shared =
+            std::all_of(encoder.begin(), encoder.end(), [&](const std::string &pin) {
+                return std::count(hal.hall_pins.begin(), hal.hall_pins.end(), pin) > 0;
+            });
+        if (has_channels(timer, hal.hall_pins) && (timer != taken || shared)) {
+            return timer;
+        }
+    }
+    return 0;
+}
 
 void add_g4_shaft(G4PinBook &book)
 {

@@ -13,6 +13,7 @@
 #define FRAME_MASK 0x3FFFU
 #define PARITY_BIT 0x8000U
 #define ALL_LEVELS 7U
+#define TICK_Q8 256
 #define BEGIN 51234 /* the counter's first number, as a timer has any when the firmware begins */
 
 static bool has_rising_edges(const plant_shaft_cfg_t *cfg)
@@ -54,14 +55,37 @@ static double fraction(double turns)
     return turns - floor(turns);
 }
 
-static uint16_t levels(const plant_shaft_cfg_t *cfg, double turns)
+static unsigned sector_at(const plant_shaft_cfg_t *cfg, double turns)
 {
-    const double angle = fraction(turns * cfg->pole_pairs - cfg->edges_turns[0]);
+    const double angle = fraction(turns - cfg->edges_turns[0]);
     unsigned sector = 0;
     for (unsigned k = 1; k < PLANT_HALL_SECTORS; k++) {
         sector = angle >= cfg->edges_turns[k] - cfg->edges_turns[0] ? k : sector;
     }
-    return cfg->patterns[sector];
+    return sector;
+}
+
+/* Which part of the way since the last reading lies behind the edge that was passed last. */
+static double share_since_edge(const plant_shaft_cfg_t *cfg, double from, double to)
+{
+    const unsigned sector = sector_at(cfg, to);
+    const unsigned edge = to > from ? sector : (sector + 1U) % PLANT_HALL_SECTORS;
+    const double way = to > from ? to - cfg->edges_turns[edge] : cfg->edges_turns[edge] - to;
+    return fraction(way) / fabs(to - from);
+}
+
+static plant_shaft_reading_t sense_hall(plant_shaft_t *shaft, double turns)
+{
+    const plant_shaft_cfg_t *const cfg = &shaft->cfg;
+    const uint16_t now = cfg->patterns[sector_at(cfg, turns)];
+    unsigned age = shaft->age_q8 + (unsigned)TICK_Q8;
+    if (shaft->begun && now != shaft->levels) {
+        age = (unsigned)(share_since_edge(cfg, shaft->turns, turns) * TICK_Q8) + 1U;
+    }
+    shaft->age_q8 = (uint16_t)(age > UINT16_MAX ? UINT16_MAX : age);
+    shaft->levels = now;
+    shaft->turns = turns;
+    return (plant_shaft_reading_t){.reading = now, .age_q8 = cfg->timed ? shaft->age_q8 : 0U};
 }
 
 /* Counts that are a whole number of turns from the index, between two others. */
@@ -117,7 +141,7 @@ plant_shaft_reading_t plant_shaft_read(plant_shaft_t *shaft, double angle_mech_r
     const double turns = angle_mech_rad / PLANT_TWO_PI;
     plant_shaft_reading_t reading = {.reading = 0};
     if (shaft->cfg.kind == PLANT_SHAFT_HALL) {
-        reading.reading = levels(&shaft->cfg, turns);
+        reading = sense_hall(shaft, turns * shaft->cfg.pole_pairs);
     } else if (shaft->cfg.kind == PLANT_SHAFT_ENCODER) {
         reading = count(shaft, turns);
     } else if (shaft->cfg.kind == PLANT_SHAFT_ABSOLUTE) {

@@ -3,7 +3,7 @@
  * What a sensor of the shaft reads, as the wires of a board have it.
  *
  *   Hall        three levels, bit 0 is sensor 1. Each of the six edges of an electrical turn has an
- *               angle of its own.
+ *               angle of its own. If a timer measures it, the time since the last edge.
  *   encoder     a counter of 16 bits that begins at any number, and the counter at the last index.
  *               The index lies at one angle of the shaft, whichever way the shaft passes it.
  *   absolute    frames of 16 bits: angle in bits 13...0, error flag in bit 14, even parity in bit
@@ -37,12 +37,14 @@ typedef struct {
     /* Hall: electrical turns at which sector k begins, rising, the last less than the first + 1 */
     double edges_turns[PLANT_HALL_SECTORS];
     uint8_t patterns[PLANT_HALL_SECTORS]; /* Hall: levels in sector k, 0 ... 7 */
+    bool timed;                           /* Hall: a timer measures the age of an edge */
 } plant_shaft_cfg_t;
 
 typedef struct {
     uint16_t reading;
-    uint16_t index; /* encoder: the counter at the last index */
-    bool indexed;   /* encoder: an index has come since the last reading */
+    uint16_t index;  /* encoder: the counter at the last index */
+    bool indexed;    /* encoder: an index has come since the last reading */
+    uint16_t age_q8; /* Hall: time since the last edge, Q8 of a tick, 1 or more; 0: not timed */
 } plant_shaft_reading_t;
 
 typedef struct {
@@ -51,6 +53,9 @@ typedef struct {
     int64_t begin;  /* encoder: at the first reading */
     uint16_t frame; /* absolute: of the last reading */
     uint16_t index; /* encoder: the counter at the last index */
+    double turns;   /* Hall: electrical, at the last reading */
+    uint16_t levels;
+    uint16_t age_q8; /* Hall: as of the reading, saturates */
     bool begun;
 } plant_shaft_t;
 

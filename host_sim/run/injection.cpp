@@ -263,7 +263,7 @@ void Injection::change(int64_t tick, Simulation &sim)
             fault.begun = true;
             fault.last = sim.in();
             fault.last_out = sim.out();
-            fault.last_shaft = sim.hal().seen_shaft;
+            fault.last_shaft = sim.hal().seen_shaft.reading;
             fault.timer_counts = seam.plant.inverter.timer_counts;
             strike(fault, seam);
         }

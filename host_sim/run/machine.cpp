@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "machine.h"
 
+#include "g4_shaft.h"
 #include "si.h"
 
 #include <cmath>
@@ -116,6 +117,7 @@ plant_shaft_cfg_t make_plant_shaft(const Config &config)
     cfg.counts = static_cast<uint32_t>(4 * sensor.lines);
     cfg.zero_turns = sensor.offset_deg / DEG_PER_TURN;
     cfg.pole_pairs = static_cast<unsigned>(pole_pairs(config));
+    cfg.timed = config.hal.hall_pins.empty() || g4_hall_timer(config.hal) > 0;
     for (std::size_t k = 0; k < PLANT_HALL_SECTORS; k++) {
         cfg.patterns[k] = static_cast<uint8_t>(sensor.hall_patterns.at(k));
         cfg.edges_turns[k] =

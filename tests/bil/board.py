@@ -60,7 +60,8 @@ class Chip:
     def _input_names(self):
         """Of the peripherals behind inputs and sensors of the shaft."""
         pulses = ["TIM2", "DMA1", "DMAMUX1"] if self.wiring.pulse else []
-        return pulses + [name for name in (self.wiring.encoder_timer, self.wiring.spi) if name]
+        timers = dict.fromkeys((self.wiring.encoder_timer, self.wiring.hall_timer))
+        return pulses + [name for name in (*timers, self.wiring.spi) if name]
 
     def _make_digital(self, baud, converters):
         facts, enabled = self.facts, self.power.enabled
@@ -94,14 +95,18 @@ class Chip:
         self.signals = signals.Signals(self)
         self.dma = signals.Dma(self, enabled("DMA1"), enabled("DMAMUX1")) if wiring.pulse else None
         self.capture = signals.GeneralTimer(self, "TIM2", enabled("TIM2"), self.dma.request) if wiring.pulse else None
-        self.encoder = self.absolute = self.spi = None
+        self.encoder = self.hall = self.absolute = self.spi = None
         if wiring.encoder:
             self.encoder = signals.GeneralTimer(self, wiring.encoder_timer, enabled(wiring.encoder_timer), None)
+        if wiring.hall_timer == wiring.encoder_timer:
+            self.hall = self.encoder
+        elif wiring.hall_timer:
+            self.hall = signals.GeneralTimer(self, wiring.hall_timer, enabled(wiring.hall_timer), None)
         if wiring.spi:
             self.absolute = signals.AbsoluteEncoder(self, wiring.select, wiring.spi_pins[1].name)
             self.spi = signals.Spi(self, wiring.spi, self.absolute, enabled(wiring.spi))
-        self.signals.listeners = [timer for timer in (self.capture, self.encoder) if timer]
-        self.inputs = [model for model in (self.signals, self.capture, self.encoder, self.spi) if model]
+        self.signals.listeners = [*dict.fromkeys(timer for timer in (self.capture, self.encoder, self.hall) if timer)]
+        self.inputs = [self.signals, *self.signals.listeners, *([self.spi] if self.spi else [])]
 
     def _pins_changed(self):
         self.driver_is_awake()
@@ -274,6 +279,7 @@ class Board:
         self.zero = round(hal["amplifier_zero_v"] / hal["adc_reference_v"] * 4096)
         self.sign = -1 if hal["amplifier_gain"] < 0 else 1
         self.gain = hal["pga_gain"]
+        self.pwm_hz = round(board["board"]["pwm_frequency_hz"])
         self.trip_a = board["board"].get("trip_a")  # None: a gate driver has a limit of its own
         self.parts = analogue.Parts(choose)
         self.wiring = Wiring(hal)

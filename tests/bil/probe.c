@@ -48,7 +48,8 @@ void ADC1_2_IRQHandler(void)
 
     hal_sample(&hardware, &in);
     shaft = hal_shaft(&hardware);
-    probe.readings = shaft.reading | ((uint32_t)shaft.index << 16U);
+    /* a board tells one of both, or none */
+    probe.readings = shaft.reading | ((uint32_t)(shaft.index | shaft.age_q8) << 16U);
     probe.indexes += shaft.indexed ? 1U : 0U;
     hal_apply(&hardware, &open);
     probe.temperature = in.adc_temperature;

@@ -15,6 +15,7 @@ from registers import Block, Register, bit, need
 INPUT_FILTER = (0, 2, 4, 8, 12, 16, 24, 32, 48, 64, 80, 96, 128, 160, 192, 256)
 CAPTURE, PARTNER = 1, 2  # CCS: the channel's own input, or that of its pair
 ENCODER_3 = 3            # SMS: each edge of both inputs counts
+RESET_BY_EDGES = 0x44    # TS and SMS: each edge of input 1 sets the counter to 0
 ORDER = {(0, 0): 0, (1, 0): 1, (1, 1): 2, (0, 1): 3}  # of the levels of inputs 1 and 2, as the counter goes up
 
 
@@ -58,7 +59,8 @@ class Input:
 
 
 class GeneralTimer(Block):
-    """Timer 2, 3 or 4: captures, and the counter of an incremental encoder. `request` is called with the number of a DMA request."""
+    """Timer 2, 3 or 4: captures, the counter of an incremental encoder, the time since an edge of Hall signals. `request` is called
+    with the number of a DMA request."""
 
     def __init__(self, chip, name, clocked, request):
         self.chip = chip
@@ -69,9 +71,11 @@ class GeneralTimer(Block):
         self.due = NEVER
         self.divider = 1                # behind the preload of the prescaler
         self.since, self.counted = 0, 0  # the count at a time, from which it goes on
+        self.held = None                 # the count that a test has set instead
         super().__init__(name, chip.facts.base(name), {
             "CR1": (0x00, Register(0, 1, on_write=self._start)),
-            "SMCR": (0x08, Register(0, 7, on_write=self._stopped("SMCR"))),
+            "CR2": (0x04, Register(0, 1 << 7, on_write=self._stopped("CR2"))),
+            "SMCR": (0x08, Register(0, 0x77, on_write=self._stopped("SMCR"))),
             "DIER": (0x0C, Register(0, 0x1E00)),
             "SR": (0x10, Register(on_write=self._acknowledge)),
             "EGR": (0x14, Register(0, 1, on_write=self._generate)),
@@ -105,9 +109,14 @@ class GeneralTimer(Block):
         self["SR"] &= value
 
     def is_encoder(self):
-        return self["SMCR"] & 7 == ENCODER_3
+        return self["SMCR"] == ENCODER_3
+
+    def is_reset_by_edges(self):
+        return self["SMCR"] == RESET_BY_EDGES
 
     def count(self):
+        if self.held is not None:
+            return self.held
         passed = 0 if self.is_encoder() or not bit(self["CR1"], 0) else \
             (self.chip.now - self.since) // (self.divider * self.chip.power.cycle)
         return (self.counted + passed) % (self["ARR"] + 1)
@@ -132,8 +141,10 @@ class GeneralTimer(Block):
 
     def look(self):
         """A pin may have another level or another function."""
-        for number, source in enumerate(self.inputs, start=1):
-            raw = int(self._level(source.pins))
+        levels = [int(self._level(source.pins)) for source in self.inputs]
+        if bit(self["CR2"], 7):
+            levels[0] ^= levels[1] ^ levels[2]
+        for number, (source, raw) in enumerate(zip(self.inputs, levels), start=1):
             if raw != source.raw:
                 source.raw = raw
                 wait = INPUT_FILTER[self._mode(number)[1]] * self.chip.power.cycle
@@ -157,6 +168,9 @@ class GeneralTimer(Block):
             return
         if number < 3 and self.is_encoder():
             self._turn(before, (self.inputs[0].level, self.inputs[1].level))
+        if number == 1 and self.is_reset_by_edges():
+            need(self._mode(1)[0] == CAPTURE, f"{self.name} has no filter at its input")
+            self.since, self.counted = self.chip.now, 0
         partner = number + 1 if number % 2 else number - 1
         for channel, chosen in ((number, CAPTURE), (partner, PARTNER)):
             self._capture(channel, chosen, source.level)

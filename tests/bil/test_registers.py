@@ -79,7 +79,7 @@ def pins():
 
 
 def inputs():
-    """Pulses of PA15 by both of the first channels of timer 2; an encoder with index at timer 4."""
+    """Pulses of PA15 by both of the first channels of timer 2; the time since the last Hall edge by timer 4."""
     ring = 1 | 1 << 5 | 1 << 7 | 2 << 8 | 2 << 10    # enabled, circular, the next word of memory; words
     filtered = 1 | 5 << 4                            # its own input, 8 samples at half the clock
     return {
@@ -97,10 +97,10 @@ def inputs():
         "TIM2_CCER": 1 | 1 << 4 | 1 << 5,            # rising, falling
         "TIM2_DIER": 1 << 9 | 1 << 10,
         "TIM2_CR1": 1,
-        "TIM4_CCMR1": filtered | filtered << 8,
-        "TIM4_CCMR2": filtered,
-        "TIM4_CCER": 1 << 8,                         # the index is captured
-        "TIM4_SMCR": 3,
+        "TIM4_CR2": 1 << 7,                          # input 1 is the exclusive or of three channels
+        "TIM4_CCMR1": filtered,
+        "TIM4_SMCR": 4 << 4 | 4,                     # each edge of it sets the counter to 0
+        "TIM4_PSC": 0,
         "TIM4_ARR": 0xFFFF,
         "TIM4_CR1": 1,
     }

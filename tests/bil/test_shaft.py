@@ -20,8 +20,14 @@ FILTER_S = 16 / digital.CLOCK_HZ               # 8 samples at half the clock
 EDGE_S = 2e-6                                  # from one edge to the next
 WRAP = 1 << 16
 ANGLES = 1 << 14
+TICK = digital.CLOCK_HZ / rig.STAGE["pwm_frequency_hz"]
 ERROR, PARITY = 1 << 14, 1 << 15
 NOBODY, STUCK = 0xFFFF, 0x0000
+
+
+def age(probe):
+    """Of the last Hall edge, in ticks."""
+    return (probe.word("readings") >> 16) / 256
 
 
 def reading(probe):
@@ -46,6 +52,42 @@ class Hall(unittest.TestCase):
             probe.chip.signals.set(pin, None)
             probe.tick()
             self.assertEqual(reading(probe), 1 << sensor)
+
+    def edge_at(self, share):
+        """The age, in ticks, that a tick reads of an edge at this part of the time from the end of the tick before to its own."""
+        probe = Probe()
+        signals = probe.chip.signals
+        for pin in WIRING.hall:
+            signals.set(pin, 0)
+        probe.tick(4)
+        signals.play(WIRING.hall[1], [(probe.chip.now + round(share * TICK), 1)])
+        probe.tick()
+        self.assertEqual(reading(probe), 2)
+        return probe, age(probe)
+
+    def test_the_age_of_an_edge_is_the_time_since_then(self):
+        """To 1/256 of a tick, downwards, and an instruction."""
+        _, first = self.edge_at(0)
+        for share in (0.1, 0.25, 0.5, 0.8):
+            _, later = self.edge_at(share)
+            self.assertAlmostEqual(first - later, share, delta=1.5 / 256)
+
+    def test_an_edge_grows_old_by_a_tick_in_each_tick(self):
+        probe, first = self.edge_at(0.5)
+        probe.tick()
+        self.assertAlmostEqual(age(probe) - first, 1, delta=1.5 / 256)
+
+    def test_each_edge_of_each_signal_counts_and_what_the_filter_takes_does_not(self):
+        probe, first = self.edge_at(0.5)
+        signals = probe.chip.signals
+        for pin, level in zip(2 * WIRING.hall, (1, 0, 1, 0, 1, 0)):
+            signals.play(pin, [(probe.chip.now + round(0.5 * TICK), level)])
+            probe.tick()
+            self.assertAlmostEqual(age(probe), first, delta=1.5 / 256)
+        now = probe.chip.now + round(0.5 * TICK)
+        signals.play(WIRING.hall[0], [(now, 1), (now + round(0.9 * FILTER_S * digital.CLOCK_HZ), 0)])
+        probe.tick()
+        self.assertAlmostEqual(age(probe), first + 1, delta=1.5 / 256)
 
 
 @unittest.skipUnless(WIRING.encoder and not IS_HALL and not IS_ABSOLUTE, "the board has no incremental encoder")

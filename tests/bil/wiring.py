@@ -46,6 +46,8 @@ class Wiring:
         self.pulse = self._pulse(hal.get("pulse_pin", ""))
         self.hall = hal.get("hall_pins", [])
         self.encoder_timer, self.encoder = self._encoder(hal.get("encoder_pins", []))
+        self.index_channel = self.facts.channel_at(self.encoder_timer, self.encoder[2].name) if len(self.encoder) > 2 else None
+        self.hall_timer, self.timed_hall = self._hall_timer(self.hall, hal.get("encoder_pins", []))
         self.spi, self.spi_pins, self.select = self._absolute(hal.get("spi_encoder_pins", []))
         self.break_line = self._break_line(hal.get("break_pin", ""))
         self.break_level = int(hal["break_polarity"] == "active_high")
@@ -67,6 +69,14 @@ class Wiring:
         timer = next(timer for timer in ("TIM3", "TIM4") if self.facts.channel_at(timer, names[0]) == 1)
         return timer, [self._pin(name, f"{timer}_CH{self.facts.channel_at(timer, name)}") for name in names]
 
+    def _hall_timer(self, names, encoder):
+        """(timer, pins) that takes the time of Hall edges: they have its channels 1 to 3, and no encoder elsewhere has it."""
+        for timer in ("TIM3", "TIM4"):
+            free = timer != self.encoder_timer or set(encoder) <= set(names)
+            if free and sorted(self.facts.channel_at(timer, name) or 0 for name in names) == [1, 2, 3]:
+                return timer, [self._pin(name, f"{timer}_CH{self.facts.channel_at(timer, name)}") for name in names]
+        return None, []
+
     def _absolute(self, names):
         """(interface, pins SCK, MISO and MOSI, chip select) of an absolute encoder."""
         if not names:
@@ -86,7 +96,8 @@ class Wiring:
     def alternates(self):
         """All pins with an alternate function."""
         single = [pin for pin in (self.break_line, self.pulse) if pin]
-        return self.gates + self.serial_pins + single + self.encoder + self.spi_pins
+        shaft = {pin.name: pin for pin in self.encoder + self.timed_hall}.values()
+        return self.gates + self.serial_pins + single + [*shaft] + self.spi_pins
 
     @property
     def converted(self):

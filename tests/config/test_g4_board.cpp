@@ -351,9 +351,30 @@ const char *const ENCODER = R"(hal.encoder_pins=["PB6","PB7","PB8"])";
 
 TEST(hall_sensors_are_read_at_their_pins)
 {
-    TEST_ASSERT_TRUE(pin_of(resolved({HALL}), "PB7")->mode == nf::PinMode::input);
-    assert_header({HALL}, {"HAL_SHAFT (BOARD_SHAFT_HALL)", "HAL_HALL_3_BIT (8U)",
-                           "#define HAL_SHAFT_SETTINGS\n"});
+    const Lines set = {R"(hal.hall_pins=["PB6","PB7","PC10"])"};
+    TEST_ASSERT_TRUE(pin_of(resolved(set), "PB7")->mode == nf::PinMode::input);
+    assert_header(set, {"HAL_SHAFT (BOARD_SHAFT_HALL)", "HAL_HALL_3_PORT (GPIOC)",
+                        "HAL_HALL_AGE_Q24 (0U)", "#define HAL_SHAFT_SETTINGS\n"});
+}
+
+// 8500 counts of the timer are a tick.
+TEST(channels_1_to_3_of_a_timer_take_the_time_of_hall_edges)
+{
+    for (const char *pins : {R"(["PB6","PB7","PB8"])", R"(["PB8","PB6","PB7"])"}) {
+        const Lines set = {fmt::format("hal.hall_pins={}", pins)};
+        TEST_ASSERT_EQUAL_INT(4, resolved(set).hall_timer);
+        TEST_ASSERT_TRUE(pin_of(resolved(set), "PB7")->mode == nf::PinMode::alternate);
+        assert_header(set, {"HAL_SHAFT_TIMER (TIM4)", "HAL_HALL_AGE_Q24 (1973U)",
+                            "TIM4 + TIM_CR2, ALL, TIM_CR2_TI1S", "| RCC_APB1ENR1_TIM4"});
+    }
+}
+
+// A pin that has no such channel, or an encoder elsewhere at the same timer.
+TEST(hall_sensors_have_no_time_where_their_timer_cannot_take_it)
+{
+    TEST_ASSERT_EQUAL_INT(0, resolved({R"(hal.hall_pins=["PB6","PB7","PC10"])"}).hall_timer);
+    TEST_ASSERT_EQUAL_INT(0, resolved({HALL, R"(hal.encoder_pins=["PA11","PB7"])"}).hall_timer);
+    TEST_ASSERT_EQUAL_INT(4, resolved({HALL, ENCODER}).hall_timer);
 }
 
 TEST(an_encoder_has_the_timer_of_its_pins_and_may_lack_an_index)

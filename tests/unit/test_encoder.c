@@ -269,7 +269,7 @@ TEST(test_the_acceleration_of_a_small_motor_loses_nothing_with_any_number_of_cou
         double at = 0.0;
 
         cfg.counts = turns[k];
-        cfg.scale_q32 = (uint32_t)(0x100000000ULL / (uint64_t)turns[k]);
+        cfg.scale_q32 = (uint32_t)(0x100000000ULL / (uint32_t)turns[k]);
         encoder_start(&encoder);
         for (int32_t tick = 0; tick < 8000; tick++) {
             const int32_t before = (int32_t)floor(at);

@@ -79,7 +79,7 @@ static double begin_of(const hall_capture_t *capture, uint32_t sector)
 static void take_sample(result_t *result, const hall_capture_t *capture, uint32_t k)
 {
     speed_before_q16 = fabs((double)hall.speed) / TURN;
-    if (!hall_step(&hall, &cfg, capture->edge[k].pattern)) {
+    if (!hall_step(&hall, &cfg, (hall_reading_t){.pattern = capture->edge[k].pattern})) {
         result->unknown++;
     }
     if (hall.trouble != (uint8_t)SHAFT_TROUBLE_NONE) {
