@@ -53,8 +53,10 @@ bool angle_sensor_holds(const angle_sensor_t *sensor)
     return word_of_sensor(sensor) == sensor->check;
 }
 
-int32_t angle_sensor_step(angle_sensor_t *sensor, angle_t measured, step_t speed_limit)
+int32_t angle_sensor_step(angle_sensor_t *sensor, angle_t measured, step_t speed_limit,
+                          step_t change_limit)
 {
+    step_t change;
     angle_t ahead;
     int32_t error;
 
@@ -62,7 +64,8 @@ int32_t angle_sensor_step(angle_sensor_t *sensor, angle_t measured, step_t speed
     ahead = (measured + sensor->zero) - rotor_position_angle(&sensor->position);
     error = fx_signed(ahead);
     rotor_position_step(&sensor->position, fx_asr(error, ANGLE_SHIFT));
-    sensor->speed = fx_clamp(sensor->speed + fx_asr(error, SPEED_SHIFT), -speed_limit, speed_limit);
+    change = fx_clamp(fx_asr(error, SPEED_SHIFT), -change_limit, change_limit);
+    sensor->speed = fx_clamp(sensor->speed + change, -speed_limit, speed_limit);
     sensor->lead -= fx_asr(sensor->lead, LEAD_SHIFT);
     sensor->check = word_of_sensor(sensor);
     return error;

@@ -53,8 +53,11 @@ bool angle_sensor_holds(const angle_sensor_t *sensor);
 
 /*
  * One tick of the loop. measured: electrical angle from the sensor's zero, any value. |ω̂| saturates
- * at speed_limit, 1…2^29. Returns e, how far the measured angle lies ahead of the expected one.
+ * at speed_limit, 1…2^29, and its change in the tick at change_limit, 1…2^29: what a sensor
+ * corrects at once, as Hall sensors do, is no motion. Returns e, how far the measured angle lies
+ * ahead of the expected one.
  */
-int32_t angle_sensor_step(angle_sensor_t *sensor, angle_t measured, step_t speed_limit);
+int32_t angle_sensor_step(angle_sensor_t *sensor, angle_t measured, step_t speed_limit,
+                          step_t change_limit);
 
 #endif

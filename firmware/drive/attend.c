@@ -27,12 +27,24 @@ static fault_id_t check_samples(const drive_t *drive, const drive_in_t *in, samp
     return id;
 }
 
-/* Returns the fault of a sensor that tells no angle; value: why, a shaft_trouble_t. */
-static fault_t sensor_fault(const drive_in_t *in)
+/* Whether the sensor has failed though it tells an angle that can be followed. */
+static bool is_sensor_turned(const rotor_t *rotor)
 {
-    const uint32_t told = ((uint32_t)in->flags >> DRIVE_TROUBLE_SHIFT) & DRIVE_TROUBLE_MASK;
-    const uint32_t trouble = (told == 0U) ? (uint32_t)SHAFT_TROUBLE_COUNTS : told;
+    return rotor->failed && rotor->followed;
+}
 
+/* Returns the fault of a sensor that has failed; value: why, a shaft_trouble_t. */
+static fault_t sensor_fault(const drive_t *drive, const drive_in_t *in)
+{
+    uint32_t trouble = ((uint32_t)in->flags >> DRIVE_TROUBLE_SHIFT) & DRIVE_TROUBLE_MASK;
+
+    if (is_sensor_turned(&drive->rotor)) {
+        trouble = (uint32_t)SHAFT_TROUBLE_TURNED;
+    } else if (trouble == 0U) {
+        trouble = (uint32_t)SHAFT_TROUBLE_COUNTS;
+    } else {
+        /* the decoder has told it */
+    }
     return (fault_t){.id = FAULT_ANGLE_SENSOR, .value = fx_signed(trouble), .limit = 0};
 }
 
@@ -47,7 +59,7 @@ static drive_event_t start_run(const drive_t *drive, const drive_in_t *in, fault
         event = DRIVE_EVENT_SEARCH;
     } else if (drive_has_sensor(drive) && !drive_is_sensed(drive)) {
         event = DRIVE_EVENT_FAULT;
-        *fault = sensor_fault(in);
+        *fault = sensor_fault(drive, in);
     } else {
         /* the rotor is known, or taken to be at angle 0 */
     }
@@ -161,7 +173,8 @@ static fault_id_t count_late(control_t *control, watch_t *watch, const drive_t *
 /*
  * The sensor has failed in RUN. The observer holds the motor above the hand-over speed. Below it a
  * current is imposed where the present one points; an observer beside a sensor has a start-up. A
- * drive that has no observer stops.
+ * drive that has no observer stops, and so does a fast one whose sensor was turned: the observer
+ * begins with the sensor's angle.
  */
 RARE static void lose_sensor(drive_t *drive, const drive_in_t *in, const instant_t *now)
 {
@@ -176,8 +189,8 @@ RARE static void lose_sensor(drive_t *drive, const drive_in_t *in, const instant
         turned.along_rotor =
             transforms_park(current, trig_sincos(rotor_position_angle(&drive->rotor.position)));
         life_follow(drive, DRIVE_EVENT_SLOW, &turned);
-    } else if (!observed) {
-        const fault_t fault = sensor_fault(in);
+    } else if (!observed || is_sensor_turned(&drive->rotor)) {
+        const fault_t fault = sensor_fault(drive, in);
 
         life_fail(drive, &fault, now);
     } else {

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "estimate.h"
 
+#include "inlining.h"
+#include "motor.h"
+
 #include "trig.h"
 
 #define COUNT_TO_ANGLE (65536U)
@@ -12,6 +15,7 @@
 #define RESIDUAL_SHIFT (3U)
 /* 1/8 turn is more than any acceleration of a motor makes the tracking loop lag */
 #define LEFT_BEHIND (0x20000000U)
+#define CHANGE_MAX (0x20000000)
 /* Before its first edges a Hall sensor tells the middle of a sector of 60°, so it is off by 30°. */
 #define HALF_SECTOR (0x15555555U)
 
@@ -78,6 +82,22 @@ static angle_t measured_angle(const drive_t *drive, uint16_t count)
 }
 
 /*
+ * Returns by how much the speed may change in a tick. A Hall sensor that stands still and then
+ * tells an edge corrects the angle by up to a sector at once. What made a rotor of fast_speed stop
+ * within a sector would change its speed by fast_speed²/(2·sector) a tick, sector = 2^32/6. Other
+ * sensors tell motion only.
+ */
+static step_t largest_change(const sensor_cfg_t *cfg)
+{
+    const uint64_t square =
+        (uint64_t)fx_unsigned(cfg->hall.fast_speed) * (uint64_t)fx_unsigned(cfg->hall.fast_speed);
+    const uint32_t stopping = 3U * (uint32_t)(square >> 32U);
+    const bool hall = cfg->kind == (uint32_t)SENSOR_KIND_HALL;
+
+    return hall ? fx_max(fx_signed(stopping), 1) : CHANGE_MAX;
+}
+
+/*
  * One tick of the tracking loop. In INIT, and where the angle was not known before, the loop is set
  * to the angle that it has to follow. So the turns are counted from the sensor's zero, whichever
  * electrical turn the rotor is in. An encoder that stops while the rotor turns leaves the loop
@@ -93,7 +113,8 @@ static void follow_sensor(rotor_t *rotor, const drive_t *drive, uint16_t count)
         rotor->aligned = !has_free_zero(drive);
     }
     error = angle_sensor_step(&rotor->angle_sensor, measured_angle(drive, count),
-                              drive->motor.model.observer.speed_limit);
+                              drive->motor.model.observer.speed_limit,
+                              largest_change(&drive->cfg->sensor));
     rotor->followed = lies_within(fx_unsigned(error), LEFT_BEHIND) || !has_free_zero(drive);
 }
 
@@ -287,8 +308,36 @@ static int32_t unexplained_current(const drive_t *drive)
     return fx_abs(drive_is_held(drive) ? error.d : error.q);
 }
 
+/*
+ * Fails a sensor whose rotor is more than a quarter turn off its angle, so that the torque acts the
+ * other way. The current control knows of the EMF by the speed of the sensor. An EMF of the other
+ * sign makes the integral along q go against it by more than all of it; along d it does not show on
+ * which side the rotor is. voltage_max covers what the model does not know of resistance and dead
+ * time. Hall sensors tell of a rotor that turns back at the next edge only, so a slow one is not
+ * judged.
+ */
+RARE static void doubt_sensor(rotor_t *rotor, const drive_t *drive)
+{
+    const sensor_cfg_t *const cfg = &drive->cfg->sensor;
+    const step_t speed = rotor->observer.speed;
+    const bool hall = cfg->kind == (uint32_t)SENSOR_KIND_HALL;
+    const bool told = !hall || (fx_abs(speed) >= fx_asr(cfg->hall.fast_speed, 1U));
+    const int32_t unknown = drive->cfg->supervision.voltage_max;
+    const int32_t emf = motor_emf(&drive->motor, drive_speed_q15(drive, fx_abs(speed)));
+    const int32_t more = pi_output(&drive->control.current_loop.pi_q);
+    const int32_t against = (speed < 0) ? more : -more;
+
+    if (told && (emf >= unknown) && (against > (emf + unknown))) {
+        rotor->failed = true;
+    }
+}
+
 void estimate_refine(rotor_t *rotor, const drive_t *drive, step_t calm)
 {
     rotor->residual = fx_approach(rotor->residual, unexplained_current(drive), RESIDUAL_SHIFT);
     nn_observer_refresh(&rotor->observer, &drive->motor.model.observer, calm);
+    if ((drive->state == DRIVE_STATE_RUN) && drive_is_sensed(drive) &&
+        !drive->voltage_drive.active) {
+        doubt_sensor(rotor, drive);
+    }
 }

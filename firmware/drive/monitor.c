@@ -2,6 +2,7 @@
 #include "monitor.h"
 
 #include "inlining.h"
+#include "motor.h"
 #include "state_guard.h"
 
 #include "trig.h"
@@ -26,9 +27,7 @@ static fault_id_t check_phases(watch_t *watch, const drive_t *drive, const sampl
 /* Returns the magnitude of the EMF at this speed, Q15 of U_b. */
 static int32_t emf_at(const drive_t *drive, step_t speed)
 {
-    const int32_t speed_q15 = drive_speed_q15(drive, fx_abs(speed));
-
-    return fx_asr(speed_q15 * drive->motor.model.hold_loop.emf_q13, 13U);
+    return motor_emf(&drive->motor, drive_speed_q15(drive, fx_abs(speed)));
 }
 
 /* The integrals of the current control are the voltage that the model does not explain. */

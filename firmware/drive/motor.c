@@ -53,6 +53,11 @@ void motor_refine(motor_t *motor, const drive_cfg_t *cfg, const nn_observer_t *o
     }
 }
 
+int32_t motor_emf(const motor_t *motor, int32_t speed_q15)
+{
+    return fx_asr(speed_q15 * motor->model.hold_loop.emf_q13, 13U);
+}
+
 bool motor_check(motor_t *motor, const drive_cfg_t *cfg, model_part_t part)
 {
     const model_nominal_t nominal = nominal_of(cfg);

@@ -35,4 +35,8 @@ void motor_refine(motor_t *motor, const drive_cfg_t *cfg, const nn_observer_t *o
 /* Whether the words of a part are as they were written; computes those of the flux again. */
 bool motor_check(motor_t *motor, const drive_cfg_t *cfg, model_part_t part);
 
+/* Returns the magnitude of the EMF at this speed, both Q15 of their bases. speed_q15: 0…32767.
+ * Pure. */
+int32_t motor_emf(const motor_t *motor, int32_t speed_q15);
+
 #endif

@@ -345,7 +345,7 @@ static inline sensor_cfg_t example_sensor_cfg(void)
         .hall = {.patterns =
                      05U | (01U << 3U) | (03U << 6U) | (02U << 9U) | (06U << 12U) | (04U << 15U),
                  .edges_q16 = {0U, 10923U, 21845U, 32768U, 43691U, 54613U},
-                 .fast_speed = 1},
+                 .fast_speed = 0x02000000},
         .encoder = {.counts = 4096, .scale_q32 = 0x100000U},
     };
 }

@@ -5,6 +5,7 @@
 #include <stdint.h>
 
 #define LIMIT (1 << 28)
+#define CHANGE (0x20000000) /* no limit of its own */
 #define QUARTER (0x40000000U)
 #define RAMP (1000) /* change of the speed in a tick */
 
@@ -24,10 +25,10 @@ static void assert_is(int64_t turns_q32, step_t speed)
 /* e = 2^20: θ̂ += 0 + e/2^3, ω̂ += e/2^8. */
 TEST(test_an_error_moves_angle_and_speed_by_their_shares)
 {
-    angle_sensor_step(&sensor, 1U << 20U, LIMIT);
+    angle_sensor_step(&sensor, 1U << 20U, LIMIT, CHANGE);
     assert_is(1 << 17, 1 << 12);
     setUp();
-    angle_sensor_step(&sensor, 0U - (1U << 20U), LIMIT);
+    angle_sensor_step(&sensor, 0U - (1U << 20U), LIMIT, CHANGE);
     assert_is(-(1 << 17), -(1 << 12));
 }
 
@@ -36,7 +37,7 @@ TEST(test_a_rotor_at_the_speed_of_the_loop_changes_nothing_but_the_angle)
 {
     sensor.speed = 12345;
     for (uint32_t k = 1U; k <= 100U; k++) {
-        angle_sensor_step(&sensor, 12345U * k, LIMIT);
+        angle_sensor_step(&sensor, 12345U * k, LIMIT, CHANGE);
         assert_is(12345LL * k, 12345);
     }
 }
@@ -45,21 +46,21 @@ TEST(test_a_rotor_at_the_speed_of_the_loop_changes_nothing_but_the_angle)
 TEST(test_turns_are_counted_over_the_end_of_a_turn)
 {
     sensor.position.turns_q32 = 0xFFFFFFFFLL;
-    angle_sensor_step(&sensor, 7U, LIMIT);
+    angle_sensor_step(&sensor, 7U, LIMIT, CHANGE);
     assert_is(0x100000000LL, 0); /* e = 8 */
     sensor.position.turns_q32 = 7;
-    angle_sensor_step(&sensor, 0xFFFFFFFFU, LIMIT);
+    angle_sensor_step(&sensor, 0xFFFFFFFFU, LIMIT, CHANGE);
     assert_is(6, -1); /* e = −8, rounded down */
 }
 
 TEST(test_the_speed_stays_within_its_limit_in_either_direction)
 {
     sensor.speed = LIMIT - 1;
-    angle_sensor_step(&sensor, (angle_t)LIMIT + QUARTER, LIMIT);
+    angle_sensor_step(&sensor, (angle_t)LIMIT + QUARTER, LIMIT, CHANGE);
     TEST_ASSERT_EQUAL_INT32(LIMIT, sensor.speed);
     setUp();
     sensor.speed = 1 - LIMIT;
-    angle_sensor_step(&sensor, 0U - ((angle_t)LIMIT + QUARTER), LIMIT);
+    angle_sensor_step(&sensor, 0U - ((angle_t)LIMIT + QUARTER), LIMIT, CHANGE);
     TEST_ASSERT_EQUAL_INT32(-LIMIT, sensor.speed);
 }
 
@@ -78,7 +79,7 @@ TEST(test_at_constant_acceleration_the_angle_lags_by_256_changes_of_the_speed)
         speed += RAMP;
         measured += (uint32_t)speed;
         ahead = measured - (rotor_position_angle(&sensor.position) + (angle_t)sensor.speed);
-        angle_sensor_step(&sensor, measured, LIMIT);
+        angle_sensor_step(&sensor, measured, LIMIT, CHANGE);
     }
     TEST_ASSERT_UINT32_WITHIN(256U, 256U * (uint32_t)RAMP, ahead);
 }
@@ -92,6 +93,22 @@ TEST(test_start_is_at_rest_at_its_position)
 
 /* The words of the position and of the speed; the last of a negative position at a negative speed.
  */
+/* 60° at once: without the limit the speed would rise by 1/32 of them a tick for a while. */
+TEST(test_what_the_sensor_corrects_at_once_is_no_speed_beyond_the_limit_of_its_change)
+{
+    const step_t change = 1000;
+    step_t before = 0;
+
+    angle_sensor_start(&sensor, 0);
+    for (uint32_t k = 0U; k < 200U; k++) {
+        (void)angle_sensor_step(&sensor, 0x2AAAAAABU, LIMIT, change);
+        TEST_ASSERT_TRUE(fx_abs(sensor.speed - before) <= change);
+        before = sensor.speed;
+    }
+    TEST_ASSERT_INT32_WITHIN(0x2AAAAAAB / 100, 0x2AAAAAAB,
+                             (int32_t)rotor_position_angle(&sensor.position));
+}
+
 TEST(test_a_flip_of_any_bit_is_seen_until_the_next_tick_and_none_else)
 {
     TEST_ASSERT_TRUE(angle_sensor_holds(&sensor));
@@ -100,7 +117,7 @@ TEST(test_a_flip_of_any_bit_is_seen_until_the_next_tick_and_none_else)
     for (uint32_t bit = 0U; bit < 64U; bit++) {
         const uint64_t flip = (uint64_t)1U << bit;
 
-        angle_sensor_step(&sensor, QUARTER, LIMIT);
+        angle_sensor_step(&sensor, QUARTER, LIMIT, CHANGE);
         TEST_ASSERT_TRUE(angle_sensor_holds(&sensor));
         sensor.position.turns_q32 ^= (int64_t)flip;
         TEST_ASSERT_FALSE(angle_sensor_holds(&sensor));
