@@ -87,7 +87,7 @@ static void take_odd(encoder_t *encoder, int32_t counts, int32_t at)
     }
 }
 
-static void take_index(encoder_t *encoder, const encoder_cfg_t *cfg, uint16_t index)
+RARE static void take_index(encoder_t *encoder, const encoder_cfg_t *cfg, uint16_t index)
 {
     const int32_t way = counter_way(encoder->counter, index);
     const int32_t at =

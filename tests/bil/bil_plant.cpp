@@ -38,12 +38,18 @@ struct Asked {
     std::uint16_t adc_ib;
     std::uint16_t adc_bus;
     std::uint16_t adc_temperature;
+    std::uint16_t shaft; // reading of the shaft's sensor, hal_shaft()
+    std::uint16_t index;
+    std::uint16_t indexed;
+    std::uint16_t age_q8;
+    std::uint16_t frame; // of an absolute encoder, at this instant
+    std::uint16_t unused;
     std::int32_t run;
     std::int32_t speed_rpm;
     std::int32_t target; // the script's, as drive_command_t has it
     std::int32_t mode;
 };
-static_assert(sizeof(Asked) == 24, "no padding");
+static_assert(sizeof(Asked) == 36, "no padding");
 
 struct Done {
     std::uint16_t compare[PLANT_LEGS];
@@ -105,8 +111,10 @@ public:
     {
         const drive_in_t &in = tick.sim->in();
         const drive_out_t &host = tick.sim->out();
-        put({in.adc_ia, in.adc_ib, in.adc_bus, in.adc_temperature,
-             in.command.request == DRIVE_REQUEST_RUN ? 1 : 0,
+        const hal_shaft_t &shaft = tick.sim->hal().seen_shaft;
+        put({in.adc_ia, in.adc_ib, in.adc_bus, in.adc_temperature, shaft.reading, shaft.index,
+             static_cast<std::uint16_t>(shaft.indexed), shaft.age_q8, tick.sim->plant().shaft.frame,
+             0, in.command.request == DRIVE_REQUEST_RUN ? 1 : 0,
              static_cast<std::int32_t>(tick.command), target_of(tick),
              tick.mode == nf::DriveMode::position ? DRIVE_MODE_POSITION : DRIVE_MODE_SPEED});
         const Done done = get();

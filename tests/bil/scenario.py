@@ -14,10 +14,13 @@ import tempfile
 from pathlib import Path
 
 import analogue
+import digital
 from board import Board
 
-ASKED = struct.Struct("<HHHHiiii")  # bil_plant.cpp
+ASKED = struct.Struct("<10Hiiii")  # bil_plant.cpp
 MEASURED = 4  # of what is asked
+SHAFT = slice(4, 9)
+COMMANDED = slice(10, 12)
 COLD = (0, 1, ~1 & 0xFFFFFFFF)  # what a reset has left of a winding without heat, kept_heat.c: that of the simulator
 DONE = struct.Struct("<HHHHiBBH")
 SCRIPTED = (0, 0, 0, 0)  # the image obeys the script: it has no command of its own
@@ -45,9 +48,29 @@ def turn_on(board):
         board.chip.spike(pin, SPIKE, SPIKE_S)
 
 
+def set_shaft(board, reading, index, indexed, age_q8, frame):
+    """What the sensor's pins are at, as the models of what reads them have it then: test_shaft.py has their edges."""
+    chip = board.chip
+    if chip.absolute:
+        chip.absolute.angle = frame & chip.absolute.ANGLE
+        if chip.spi.received and chip.spi.received != [reading]:
+            chip.spi.received = [reading]  # the wires have disturbed it
+    elif chip.hall and chip.hall.is_reset_by_edges():
+        for sensor, pin in enumerate(board.wiring.hall):
+            chip.signals.set(pin, reading >> sensor & 1)
+        chip.hall.held = min(round((age_q8 - 0.5) * digital.CLOCK_HZ / (board.pwm_hz << 8)), 0xFFFF)
+    elif chip.encoder:
+        chip.encoder.counted = reading
+        if indexed:
+            channel = board.wiring.index_channel
+            chip.encoder[f"CCR{channel}"] = index
+            chip.encoder["SR"] |= 1 << channel
+
+
 def answer(plant, board, asked, spikes, commanded=lambda: SCRIPTED):
     """`commanded`: target, mode and request of the next tick, and 1, where the image's background says them."""
     board.set_measured(*asked[:MEASURED])
+    set_shaft(board, *asked[SHAFT])
     if spikes:
         turn_on(board)
     board.tick()
@@ -58,7 +81,7 @@ def answer(plant, board, asked, spikes, commanded=lambda: SCRIPTED):
 
 def lines_of_changes(before, asked):
     """What somebody types for them."""
-    (run_before, speed_before), (run, speed) = before[MEASURED:MEASURED + 2], asked[MEASURED:MEASURED + 2]
+    (run_before, speed_before), (run, speed) = before[COMMANDED], asked[COMMANDED]
     lines = [f"speed {speed}"] if speed != speed_before else []
     if run != run_before:
         lines.append("run" if run else "stop")
@@ -73,6 +96,7 @@ def loop(plant, board, spikes):
         asked = ASKED.unpack(record)
         if before is None:
             board.set_measured(*asked[:MEASURED])
+            set_shaft(board, *asked[SHAFT])
             board.boot()
             before = (0,) * len(asked)
         typed += lines_of_changes(before, asked)

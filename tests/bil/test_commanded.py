@@ -19,7 +19,8 @@ import scenario
 from board import Board
 from elf import address_of, offsets
 from link import SteadyLink
-from throttles import FlightController, Potentiometer, Receiver, stored
+from stored import stored
+from throttles import FlightController, Potentiometer, Receiver
 from wiring import Wiring
 
 HERE = Path(__file__).resolve().parent
@@ -111,7 +112,7 @@ class Lap:
 
     def __init__(self, name, source, parts="ideal"):
         made = Thrower(source) if source in LATE_S else source
-        flashed = stored(NFCONFIG, MOTOR, BOARD, FACTS, SETTINGS | {"input.kind": made.kind}) if made.kind else ()
+        flashed = stored(NFCONFIG, FACTS, MOTOR, BOARD, "any", SETTINGS | {"input.kind": made.kind}) if made.kind else ()
         self.board = Board(IMAGE, BOARD, CLOCK, flashed=flashed, choose=scenario.PARTS[parts], kept=scenario.COLD)
         self.source, self.mailbox = made(self.board), Mailbox(self.board)
         self.missed_rpm = 0.0

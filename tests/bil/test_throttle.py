@@ -16,7 +16,8 @@ import machine
 import many_runs
 from board import Board
 from copies import in_a_copy
-from throttles import ALL, FlightController, Potentiometer, Receiver, stored
+from stored import stored
+from throttles import ALL, FlightController, Potentiometer, Receiver
 from wiring import Wiring
 
 IMAGE, BOARD, CLOCK, BIL_MOTOR, NFCONFIG = (Path(argument).resolve() for argument in sys.argv[1:6])
@@ -42,7 +43,7 @@ class Bench(machine.Bench):
     def __init__(self, of, wanted=0.0, **settings):
         self.of, self.first, self.throttle = of, wanted, None
         super().__init__(IMAGE, BOARD, CLOCK, [BIL_MOTOR, "s1_robust", f"board={BOARD}", f"motor={MOTOR}"],
-                         flashed=stored(NFCONFIG, MOTOR, BOARD, WIRING.facts, SETTINGS | {"input.kind": of.kind} | settings))
+                         flashed=stored(NFCONFIG, WIRING.facts, MOTOR, BOARD, "any", SETTINGS | {"input.kind": of.kind} | settings))
 
     @property
     def wanted(self):
@@ -177,7 +178,7 @@ class Disturbed(unittest.TestCase):
     """Without a motor: nothing may start. Many disturbances go on from the same board that is armed, or whose throttle is high."""
 
     def board(self, of, wanted):
-        made = Board(IMAGE, BOARD, CLOCK, flashed=stored(NFCONFIG, MOTOR, BOARD, WIRING.facts, SETTINGS | {"input.kind": of.kind}))
+        made = Board(IMAGE, BOARD, CLOCK, flashed=stored(NFCONFIG, WIRING.facts, MOTOR, BOARD, "any", SETTINGS | {"input.kind": of.kind}))
         made.chip.usart.instant = True
         made.set_inputs(MIDDLE, MIDDLE, BUS)
         made.boot()

@@ -1,22 +1,15 @@
 # SPDX-License-Identifier: MIT
-"""What moves the throttle of an emulated board, and the stored configuration that makes the board obey it.
+"""What moves the throttle of an emulated board.
 
 A throttle stands at `wanted`, 0 to 1. `lost` is how its line has died, one of its LOSSES, or None. feed() comes before each
 control tick, and disturb() in its place draws what a sound line bears and a bad one does.
 """
 
-import binascii
 import random
-import struct
-import subprocess
-import tempfile
-from pathlib import Path
 
 import digital
-from flash import store_of
 from probed import ONE, ZERO, dshot_frame
 
-STAMPS = 192 * 8      # bytes of a slot of the store before its stamp, store.h
 LOW, HIGH = 0.05, 0.95  # of the converter's full scale, input.voltage_low_pct and _high_pct
 FULL_COUNT = 4096
 
@@ -148,16 +141,3 @@ class FlightController(Pulses):
 
 
 ALL = (Potentiometer, Receiver, FlightController)
-
-
-def stored(nfconfig, motor, board_file, facts, settings):
-    """The store's pages with a configuration that has these settings."""
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "x.nfb"
-        words = [word for key, value in settings.items() for word in ("--set", f"{key}={value}")]
-        subprocess.run([nfconfig, "block", "--motor", motor, "--board", board_file, "--tuning", "any", *words, "-o", file], check=True)
-        data = file.read_bytes()
-    stamp = struct.pack("<I", 2)
-    stamp += struct.pack("<I", binascii.crc32(stamp + data[-4:]))
-    address = store_of(facts)
-    return [(address, data), (address + STAMPS, stamp)]
