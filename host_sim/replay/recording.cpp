@@ -9,7 +9,6 @@ extern "C" {
 #include "config_guard.h"
 #include "crc32.h"
 #include "drive_words.h"
-#include "fault_log.h"
 #include "frame_code.h"
 #include "words.h"
 }

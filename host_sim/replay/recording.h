@@ -6,7 +6,7 @@
 #include "recorded_run.h"
 
 extern "C" {
-#include "hal.h"
+#include "fault_log.h"
 #include "recorder_dump.h"
 }
 
