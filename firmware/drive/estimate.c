@@ -314,7 +314,8 @@ static int32_t unexplained_current(const drive_t *drive)
  * sign makes the integral along q go against it by more than all of it; along d it does not show on
  * which side the rotor is. voltage_max covers what the model does not know of resistance and dead
  * time. Hall sensors tell of a rotor that turns back at the next edge only, so a slow one is not
- * judged.
+ * judged; nor is any sensor beside a voltage drive, which hands over with integrals that are off
+ * for some periods.
  */
 RARE static void doubt_sensor(rotor_t *rotor, const drive_t *drive)
 {
@@ -337,7 +338,7 @@ void estimate_refine(rotor_t *rotor, const drive_t *drive, step_t calm)
     rotor->residual = fx_approach(rotor->residual, unexplained_current(drive), RESIDUAL_SHIFT);
     nn_observer_refresh(&rotor->observer, &drive->motor.model.observer, calm);
     if ((drive->state == DRIVE_STATE_RUN) && drive_is_sensed(drive) &&
-        !drive->voltage_drive.active) {
+        (drive->cfg->voltage_drive.enabled == 0U)) {
         doubt_sensor(rotor, drive);
     }
 }

@@ -104,7 +104,7 @@ step_t estimate_calm_speed(const drive_t *drive);
 /*
  * Once per slow period, after motor_refine(): updates the residual, and computes the observer's ρ
  * and half step anew (nn_observer_refresh()). calm: as estimate_calm_speed() returns it. In RUN a
- * sensor whose angle is more than a quarter turn off fails, unless the voltage drive is active.
+ * sensor whose angle is more than a quarter turn off fails, unless the voltage drive is enabled.
  */
 void estimate_refine(rotor_t *rotor, const drive_t *drive, step_t calm);
 
