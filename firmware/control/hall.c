@@ -178,10 +178,10 @@ static step_t speed_between(const hall_t *hall, int32_t way)
 {
     const uint32_t shift = (hall->ticks < SHORT_TICKS) ? AGE_SHIFT : 0U;
     const int32_t part = (int32_t)hall->edge_age_q8 - (int32_t)hall->seen_age_q8;
-    const int32_t time = (int32_t)(hall->ticks << shift) + fx_asr(part, AGE_SHIFT - shift);
+    const int32_t time = fx_signed(hall->ticks << shift) + fx_asr(part, AGE_SHIFT - shift);
     const int32_t most = fx_asr(MEASURED_MAX, shift);
 
-    return fx_clamp(way / fx_max(time, 1), -most, most) * (int32_t)(1UL << shift);
+    return fx_clamp(way / fx_max(time, 1), -most, most) * fx_signed(1UL << shift);
 }
 
 static bool hall_is_fast(const hall_t *hall, const hall_cfg_t *cfg)

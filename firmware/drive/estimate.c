@@ -15,6 +15,7 @@
 #define RESIDUAL_SHIFT (3U)
 /* 1/8 turn is more than any acceleration of a motor makes the tracking loop lag */
 #define LEFT_BEHIND (0x20000000U)
+#define Q32_TO_Q16_SHIFT (16U)
 #define CHANGE_MAX (0x20000000)
 /* Before its first edges a Hall sensor tells the middle of a sector of 60°, so it is off by 30°. */
 #define HALF_SECTOR (0x15555555U)
@@ -89,9 +90,8 @@ static angle_t measured_angle(const drive_t *drive, uint16_t count)
  */
 static step_t largest_change(const sensor_cfg_t *cfg)
 {
-    const uint64_t square =
-        (uint64_t)fx_unsigned(cfg->hall.fast_speed) * (uint64_t)fx_unsigned(cfg->hall.fast_speed);
-    const uint32_t stopping = 3U * (uint32_t)(square >> 32U);
+    const uint32_t fast_q16 = fx_unsigned(cfg->hall.fast_speed) >> Q32_TO_Q16_SHIFT;
+    const uint32_t stopping = 3U * (fast_q16 * fast_q16);
     const bool hall = cfg->kind == (uint32_t)SENSOR_KIND_HALL;
 
     return hall ? fx_max(fx_signed(stopping), 1) : CHANGE_MAX;

@@ -178,8 +178,8 @@ NEVER_INLINED static void finish_left_run(drive_t *drive, instant_t now, drive_o
 }
 
 /* Observes the rotor and controls the current in its frame. trained: the observer adapts ω̂. */
-static void control_rotor(drive_t *drive, const drive_in_t *in, sample_t sample, uint32_t left,
-                          bool trained, drive_out_t *out)
+static void step_along_rotor(drive_t *drive, const drive_in_t *in, sample_t sample, uint32_t left,
+                             bool trained, drive_out_t *out)
 {
     const instant_t now = {.sample = sample,
                            .along_rotor = estimate_step(&drive->rotor, drive, sample, trained),
@@ -203,14 +203,14 @@ static void control_rotor(drive_t *drive, const drive_in_t *in, sample_t sample,
 INLINES_ALL static void run_tick(drive_t *drive, const drive_in_t *in, sample_t sample,
                                  uint32_t left, drive_out_t *out)
 {
-    control_rotor(drive, in, sample, left, true, out);
+    step_along_rotor(drive, in, sample, left, true, out);
 }
 
 /* A tick of RUN with the sensor. It stands apart, so that the other one does not ask each step. */
 NEVER_INLINED static void sensed_tick(drive_t *drive, const drive_in_t *in, sample_t sample,
                                       uint32_t left, drive_out_t *out)
 {
-    control_rotor(drive, in, sample, left, false, out);
+    step_along_rotor(drive, in, sample, left, false, out);
 }
 
 /* Sets the imposed current of this tick. Returns the event that follows in ALIGN. */

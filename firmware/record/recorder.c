@@ -451,7 +451,8 @@ static void note_sums(recorder_t *recorder)
     const uint32_t segment = recorder->current;
     const recorder_entry_t *const at = recorder->at;
 
-    if ((segment < NONE) && (recorder->current == segment) && is_ring_sound(recorder)) {
+    if ((segment < NONE) && is_ring_sound(recorder) &&
+        (ring_entries_between(first_of(recorder, segment), at) <= recorder->segment_entries)) {
         if (recorder->segments[segment].follows) {
             const uint32_t before = segment_before(segment);
 

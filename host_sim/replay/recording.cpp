@@ -323,7 +323,7 @@ std::string reset_text(hal_reset_t reset)
 std::string Recording::reset() const
 {
     const uint32_t reason = header.about.reset & 0xFFU;
-    if (reason == HAL_RESET_UNKNOWN) {
+    if (reason == HAL_RESET_UNKNOWN || reason >= HAL_RESETS) {
         return "";
     }
     return fmt::format(
