@@ -19,8 +19,10 @@ void vector_place(current_vector_t *vector, rotor_position_t position, step_t st
 
 void vector_draw_back(current_vector_t *vector, angle_t sweep, bool backwards)
 {
+    const int64_t way = (int64_t)sweep;
+
     rotor_position_reset(&vector->position, 0U);
-    vector->position.turns_q32 -= (int64_t)sweep * (backwards ? -1 : 1);
+    vector->position.turns_q32 -= backwards ? -way : way;
 }
 
 void vector_move(current_vector_t *vector, step_t step)
