@@ -77,8 +77,9 @@ static bool is_sum_right(const recorder_t *recorder, const recorder_place_t *pla
 }
 
 /*
- * Makes all pointers of the recorder pointers that may be followed. A segment that is not whole
- * gets a configuration with a wrong CRC, so it is not a part of a history.
+ * Makes all pointers of the recorder pointers that may be followed, and all sums cover entries of
+ * the ring. A segment that is not whole gets a configuration with a wrong CRC, so it is not a part
+ * of a history.
  */
 static void mend_pointers(recorder_t *recorder, const recorder_place_t *place)
 {
@@ -88,6 +89,7 @@ static void mend_pointers(recorder_t *recorder, const recorder_place_t *place)
         if (!is_state_whole(place, &recorder->states[k], segment->hash) ||
             !is_sum_right(recorder, place, k)) {
             recorder->states[k].cfg = any_config(place);
+            segment->summed = 0U;
             segment->config_crc = ~any_config(place)->crc;
         }
     }
@@ -97,9 +99,9 @@ static void mend_pointers(recorder_t *recorder, const recorder_place_t *place)
 }
 
 /*
- * Returns the number of entries of the segment that was written last, without the last one, which
- * may be half written. If the reset came while the recorder entered a segment, or before the hash
- * of its state was noted, this is the segment before it.
+ * Makes the segment that was written last the current one, and returns the number of its entries;
+ * the last one may be half written. If the reset came while the recorder entered a segment, or
+ * before the hash of its state was noted, this is the segment before it.
  */
 static uint32_t find_end(recorder_t *recorder, const recorder_place_t *place)
 {

@@ -46,7 +46,7 @@ typedef struct {
 /*
  * Makes a frozen recording of a memory that a reset has left, whatever it holds. It may have been
  * frozen before, or have been written until the reset. An older segment with a wrong check word is
- * left out. About 150000 instructions.
+ * left out. Takes five times as long as recorder_hash(), and three passes over the entries.
  */
 recorder_rescued_t recorder_rescue(recorder_t *recorder, const recorder_place_t *place);
 

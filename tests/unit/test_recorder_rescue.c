@@ -218,6 +218,16 @@ TEST(test_a_configuration_that_is_not_whole_is_not_followed)
     TEST_ASSERT_FALSE(recorder_rescue(&run.recorder, &place).found);
 }
 
+/* The number of entries that the sum covers tells how far the entries are read. */
+TEST(test_a_sum_over_more_entries_than_the_segment_has_is_no_recording)
+{
+    recorded_run_ticks(&run, 300U);
+    run.recorder.segments[run.recorder.current].summed |= 0x80000000U;
+    TEST_ASSERT_FALSE(rescue_unpowered().found);
+    run.recorder.frozen = false;
+    TEST_ASSERT_FALSE(rescue().found);
+}
+
 /*
  * A loss of the supply that was short leaves any bits: of the recorder, of the entries. What is
  * taken repeats. Check words of 32 bits let none of these draws through.
