@@ -3,7 +3,6 @@
 
 #include "inlining.h"
 #include "motor.h"
-
 #include "trig.h"
 
 #define COUNT_TO_ANGLE (65536U)
@@ -16,7 +15,7 @@
 /* 1/8 turn is more than any acceleration of a motor makes the tracking loop lag */
 #define LEFT_BEHIND (0x20000000U)
 #define Q32_TO_Q16_SHIFT (16U)
-#define CHANGE_MAX (0x20000000)
+#define CHANGE_MAX (0x20000000) /* of a speed in a tick: no limit */
 /* Before its first edges a Hall sensor tells the middle of a sector of 60°, so it is off by 30°. */
 #define HALF_SECTOR (0x15555555U)
 
@@ -57,6 +56,11 @@ static bool has_free_zero(const drive_t *drive)
     return (kind == (uint32_t)SENSOR_KIND_ENCODER) || (kind == (uint32_t)SENSOR_KIND_ENCODER_INDEX);
 }
 
+static bool is_hall(const sensor_cfg_t *cfg)
+{
+    return cfg->kind == (uint32_t)SENSOR_KIND_HALL;
+}
+
 /* Whether this difference of two angles is less than `limit`, below 2^31, either way. */
 static bool lies_within(angle_t ahead, angle_t limit)
 {
@@ -70,11 +74,10 @@ static bool lies_within(angle_t ahead, angle_t limit)
  */
 static bool agrees(const rotor_t *rotor, const drive_t *drive)
 {
-    const bool hall = drive->cfg->sensor.kind == (uint32_t)SENSOR_KIND_HALL;
     const angle_t ahead = rotor_position_angle(&rotor->angle_sensor.position) -
                           rotor_position_angle(&rotor->position);
 
-    return lies_within(ahead, LEFT_BEHIND + (hall ? HALF_SECTOR : 0U));
+    return lies_within(ahead, LEFT_BEHIND + (is_hall(&drive->cfg->sensor) ? HALF_SECTOR : 0U));
 }
 
 static angle_t measured_angle(const drive_t *drive, uint16_t count)
@@ -92,9 +95,8 @@ static step_t largest_change(const sensor_cfg_t *cfg)
 {
     const uint32_t fast_q16 = fx_unsigned(cfg->hall.fast_speed) >> Q32_TO_Q16_SHIFT;
     const uint32_t stopping = 3U * (fast_q16 * fast_q16);
-    const bool hall = cfg->kind == (uint32_t)SENSOR_KIND_HALL;
 
-    return hall ? fx_max(fx_signed(stopping), 1) : CHANGE_MAX;
+    return is_hall(cfg) ? fx_max(fx_signed(stopping), 1) : CHANGE_MAX;
 }
 
 /*
@@ -321,8 +323,7 @@ RARE static void doubt_sensor(rotor_t *rotor, const drive_t *drive)
 {
     const sensor_cfg_t *const cfg = &drive->cfg->sensor;
     const step_t speed = rotor->observer.speed;
-    const bool hall = cfg->kind == (uint32_t)SENSOR_KIND_HALL;
-    const bool told = !hall || (fx_abs(speed) >= fx_asr(cfg->hall.fast_speed, 1U));
+    const bool told = !is_hall(cfg) || (fx_abs(speed) >= fx_asr(cfg->hall.fast_speed, 1U));
     const int32_t unknown = drive->cfg->supervision.voltage_max;
     const int32_t emf = motor_emf(&drive->motor, drive_speed_q15(drive, fx_abs(speed)));
     const int32_t more = pi_output(&drive->control.current_loop.pi_q);

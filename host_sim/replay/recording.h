@@ -51,7 +51,8 @@ struct Recording {
     }
     // "ends with a reset: watchdog"; empty where the last reset is not known.
     std::string reset() const;
-    // Of the end; none without a FAULT.
+    // Of the end; none without a FAULT, and none if a reset has cut the recording: replay() finds
+    // it.
     fault_t fault() const;
 };
 

@@ -57,7 +57,7 @@ endfunction()
 
 # nf_add_floor(<target> SOURCES <file>... [SMALL <file>...] [LINK <target>...])
 #
-# SMALL: sources that an ordinary tick of RUN does not run through. An image has them small, as its flash is nearly full.
+# SMALL: sources that an ordinary tick of RUN without a sensor does not run through. An image has them small, as its flash is nearly full.
 #
 # One floor: a static library whose folder is its public include folder.
 # It sees the headers of the floors it links and no others, so an upward include

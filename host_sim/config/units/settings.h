@@ -197,8 +197,8 @@ struct InputSettings {
     double pulse_low_s = 1e-3;      // no throttle
     double pulse_high_s = 2e-3;     // full throttle
     double pulse_margin_s = 2e-4;   // beyond both: no servo pulse
-    double timeout_s = 0;           // without a good reading the input is lost; 0: by its kind
-    double arm_s = 0.5;             // seen at rest
+    double timeout_s = 0; // without a good reading the input is lost; 0: as input_units.cpp chooses
+    double arm_s = 0.5;   // seen at rest
 };
 
 // [drive], [observer], [startup], [adaptation], [current_loop], [speed_loop], [position_loop],
