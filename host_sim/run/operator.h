@@ -28,6 +28,12 @@ public:
     // Before control() of each tick. Call with ticks that rise.
     void act(int64_t tick, Simulation &sim);
 
+    // DRIVE_REQUEST_RUN, DRIVE_REQUEST_CLEAR or 0, as of the last act().
+    uint8_t request() const
+    {
+        return request_;
+    }
+
 private:
     struct Request {
         int64_t tick;

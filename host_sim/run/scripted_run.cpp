@@ -186,6 +186,7 @@ Tick ScriptedRun::view() const
     if (is_commanded_) {
         tick.mode = mode_;
         tick.command = command_.value();
+        tick.request = operator_.request();
     }
     tick.load_nm = load_.value();
     return tick;

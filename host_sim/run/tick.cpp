@@ -55,6 +55,7 @@ Tick tick_of_frame(const Simulation &sim, const drive_in_t &in, double time_s)
                   UNKNOWN, UNKNOWN};
     tick.mode = mode_of(in.command);
     tick.command = command_si(in.command, sim.bases());
+    tick.request = in.command.request;
     tick.load_nm = UNKNOWN;
     return tick;
 }

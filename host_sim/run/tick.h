@@ -20,7 +20,8 @@ struct Tick {
     int32_t bus_before;            // at t_k-1, Q15 of U_b, likewise
     double time_s;                 // t_k, counted from the end of the prelude
     DriveMode mode;
-    double command; // rpm; in position mode mechanical rad, in torque mode N·m
+    double command;  // rpm; in position mode mechanical rad, in torque mode N·m
+    uint8_t request; // with it, as drive_command_t has it
     double load_nm;
     const drive_out_t *recorded; // what a recording has of this tick; NULL: the run is of none
 };

@@ -114,8 +114,8 @@ public:
         const hal_shaft_t &shaft = tick.sim->hal().seen_shaft;
         put({in.adc_ia, in.adc_ib, in.adc_bus, in.adc_temperature, shaft.reading, shaft.index,
              static_cast<std::uint16_t>(shaft.indexed), shaft.age_q8, tick.sim->plant().shaft.frame,
-             0, in.command.request == DRIVE_REQUEST_RUN ? 1 : 0,
-             static_cast<std::int32_t>(tick.command), target_of(tick),
+             0, tick.request == DRIVE_REQUEST_RUN ? 1 : 0, static_cast<std::int32_t>(tick.command),
+             target_of(tick),
              tick.mode == nf::DriveMode::position ? DRIVE_MODE_POSITION : DRIVE_MODE_SPEED});
         const Done done = get();
         commanded_ = command_of(done);

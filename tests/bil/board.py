@@ -394,6 +394,13 @@ class Board:
         self.core.run()
         return left
 
+    def send_in_time(self, left):
+        """As much as the receiver takes, and the background goes on to the next conversion at most. What is left."""
+        left = left[self.chip.usart.receive_at_once(left):]
+        self.core.asleep = False
+        self.core.run(self.chip.timer.next_update())
+        return left
+
     def said(self):
         """What the console has said since the last look, once it is silent."""
         while (rest := self.chip.usart.sending_s()) > 0:

@@ -88,10 +88,22 @@ def lines_of_changes(before, asked):
     return b"".join(f"{line}\r".encode() for line in lines)
 
 
-def loop(plant, board, spikes):
+def loop(plant, board, spikes, mailbox=None):
     """What is typed comes at one go in each tick as far as the receiver has room, which is faster than any line: what the
-    background does with it has to end before the next tick, which is the plant's."""
+    background does with it has to end before the next tick, which is the plant's. With the image's `mailbox` (image_mailbox.py)
+    the plant's drive is commanded what the image is: a line that the receiver has no room for takes two ticks, so it comes late."""
     before, ticks, typed = None, 0, b""
+
+    def type_changes(send):
+        nonlocal typed
+        typed += lines_of_changes(before, asked)
+        if typed and board.core.asleep:
+            typed = send(typed)
+
+    def commanded():
+        type_changes(board.send_in_time)
+        return (*mailbox.command(), 1)
+
     while record := plant.stdout.read(ASKED.size):
         asked = ASKED.unpack(record)
         if before is None:
@@ -99,12 +111,11 @@ def loop(plant, board, spikes):
             set_shaft(board, *asked[SHAFT])
             board.boot()
             before = (0,) * len(asked)
-        typed += lines_of_changes(before, asked)
-        if typed and board.core.asleep:
-            typed = board.send_at_once(typed)
+        if mailbox is None:
+            type_changes(board.send_at_once)
         if board.ticks != ticks:
             sys.exit(f"a tick came upon the command before tick {ticks}: it was not the plant's")
-        answer(plant, board, asked, spikes)
+        answer(plant, board, asked, spikes, commanded if mailbox else lambda: SCRIPTED)
         before = asked
         ticks += 1
 

@@ -7,7 +7,6 @@ is by its background, and has to demand the same in each tick.
 """
 
 import json
-import struct
 import subprocess
 import sys
 import tempfile
@@ -17,7 +16,7 @@ from pathlib import Path
 
 import scenario
 from board import Board
-from elf import address_of, offsets
+from image_mailbox import Mailbox
 from link import SteadyLink
 from stored import stored
 from throttles import FlightController, Potentiometer, Receiver
@@ -36,7 +35,6 @@ SLOPE_PER_S = 2   # input.slope_pct_s, of the largest speed
 SLOW_S = 10 / TICKS_PER_S  # a command is taken once in a slow period
 BAND = 0.02       # of a step: settled, metrics.h
 SETTINGS = {"input.arm_s": 0.2}
-SLOT = struct.Struct("<iBB2xI")  # command_slot_t
 RUN, POSITION = 1, 1
 # From the throttle's move to its demand: two conversions and the low-pass to within the band, ln(1/0.02) of 10 ms; the period that
 # is under way, and the second good pulse, which the median lets pass; likewise of frames.
@@ -45,19 +43,6 @@ MESSAGE_S = 1e-3   # a question of the link at 921600 baud, and the answer befor
 SETTLES_S = 0.04   # a step of 4/9 of rated speed that a person types: the speed loop and the ramp, found 0.037
 SPREAD_RPM = 2     # the rotor's angle at a step, and the noise, move a figure by so much; found 1
 TRUNCATIONS = 5    # of Q15, towards zero: range, dead band, curve, share, speed
-
-
-class Mailbox:
-    """Of the image: the command that the next tick finds."""
-
-    def __init__(self, board):
-        self.board = board
-        self.address = address_of(IMAGE, "app") + offsets(GDB, IMAGE, "(int)&((app_t *)0)->mailbox")[0]
-
-    def command(self):
-        data = bytes(self.board.core.uc.mem_read(self.address, 2 * SLOT.size + 4))
-        in_force = data[-4] & 1
-        return SLOT.unpack_from(data, in_force * SLOT.size)[:3]
 
 
 class Typist:
@@ -114,7 +99,7 @@ class Lap:
         made = Thrower(source) if source in LATE_S else source
         flashed = stored(NFCONFIG, FACTS, MOTOR, BOARD, "any", SETTINGS | {"input.kind": made.kind}) if made.kind else ()
         self.board = Board(IMAGE, BOARD, CLOCK, flashed=flashed, choose=scenario.PARTS[parts], kept=scenario.COLD)
-        self.source, self.mailbox = made(self.board), Mailbox(self.board)
+        self.source, self.mailbox = made(self.board), Mailbox(self.board, IMAGE, GDB)
         self.missed_rpm = 0.0
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "figures.json"

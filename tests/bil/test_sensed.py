@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """target.loop.sensed: a sensor of the shaft drives the motor of the image.
 
-test_sensed.py BIL_PLANT MOTORSIM NFCONFIG CLOCK FOLDER [TEST...]: images of FOLDER on their boards, each with a stored configuration
+test_sensed.py BIL_PLANT MOTORSIM NFCONFIG CLOCK GDB FOLDER [TEST...]: images of FOLDER on their boards, each with a stored configuration
 that has the sensor. The simulator's drive has the same inputs and has to demand the same in each tick, so its figures are those of
 the image. An emulated second takes a core some 3 s: the cheapest tests are in each test run, all of them in the evidence.
 """
@@ -19,12 +19,13 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import many_runs
 import scenario
 from board import Board
+from image_mailbox import Mailbox
 from own_image import SHIPPED, build_image, replaced
 from stored import stored
 from wiring import Wiring
 
 HERE = Path(__file__).resolve().parent
-BIL_PLANT, MOTORSIM, NFCONFIG, CLOCK, FOLDER = (Path(argument).resolve() for argument in sys.argv[1:6])
+BIL_PLANT, MOTORSIM, NFCONFIG, CLOCK, GDB, FOLDER = (Path(argument).resolve() for argument in sys.argv[1:7])
 ESC1 = SHIPPED / "boards/b_g431b_esc1.toml"
 BENCH_V, BENCH_A = 310, 20    # bus and full scale of motor B's board
 RATED_A = 4.2                 # of motor B, amplitude
@@ -87,7 +88,7 @@ class Case(unittest.TestCase):
         results.unlink(missing_ok=True)
         with subprocess.Popen([BIL_PLANT, scenario_file, "adc", "--json", results, *sets],
                               stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as plant:
-            scenario.loop(plant, board, spikes=False)
+            scenario.loop(plant, board, False, Mailbox(board, image, GDB))
             said = plant.stderr.read().decode()
         self.assertTrue(results.exists(), said)
         figures = json.loads(results.read_text(encoding="utf-8"))
@@ -174,4 +175,4 @@ class HandOvers(Case):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=[sys.argv[0], *sys.argv[6:]])
+    unittest.main(argv=[sys.argv[0], *sys.argv[7:]])
