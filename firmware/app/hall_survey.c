@@ -17,11 +17,17 @@ void hall_survey_begin(hall_survey_t *survey, uint32_t ticks)
     survey->left = ticks + 1U;
 }
 
-static void hall_survey_add(hall_survey_signal_t *signal, sincos_t at)
+static void hall_survey_add(hall_survey_t *survey, uint32_t levels, sincos_t at)
 {
-    signal->middle.d += at.cos;
-    signal->middle.q += at.sin;
-    signal->high++;
+    for (uint32_t k = 0U; k < HALL_SURVEY_SIGNALS; k++) {
+        if (((levels >> k) & 1U) != 0U) {
+            hall_survey_signal_t *const signal = &survey->signals[k];
+
+            signal->middle.d += at.cos;
+            signal->middle.q += at.sin;
+            signal->high++;
+        }
+    }
 }
 
 RARE void hall_survey_step(hall_survey_t *survey, uint32_t levels, int32_t turns_q16)
@@ -35,11 +41,7 @@ RARE void hall_survey_step(hall_survey_t *survey, uint32_t levels, int32_t turns
     if (survey->left == 1U) {
         survey->turn_q16 = fx_signed(turns - fx_unsigned(survey->start_q16));
     } else {
-        for (uint32_t k = 0U; k < HALL_SURVEY_SIGNALS; k++) {
-            if (((levels >> k) & 1U) != 0U) {
-                hall_survey_add(&survey->signals[k], at);
-            }
-        }
+        hall_survey_add(survey, levels, at);
     }
     survey->left--;
 }

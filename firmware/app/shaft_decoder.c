@@ -43,42 +43,45 @@ RARE static void shaft_decoder_note(shaft_decoder_t *shaft, uint8_t trouble)
     shaft->troubles++;
 }
 
-NEVER_INLINED void shaft_decoder_step(shaft_decoder_t *shaft, const sensor_cfg_t *cfg, hal_t *hal,
-                                      drive_in_t *in)
+/* Of a tick with a sensor. */
+static void decode(shaft_decoder_t *shaft, const sensor_cfg_t *cfg, hal_shaft_t read,
+                   drive_in_t *in)
 {
     const uint32_t kind = cfg->kind;
-    bool known = true;
-    uint8_t trouble = (uint8_t)SHAFT_TROUBLE_NONE;
+    bool known;
+    uint8_t trouble;
 
-    if (kind != shaft->kind) {
-        shaft_decoder_begin(shaft, kind);
-    }
-    shaft_decoder_ask(shaft, in->command.request);
     if (kind == (uint32_t)SENSOR_KIND_HALL) {
-        const hal_shaft_t read = hal_shaft(hal);
-
         known = hall_step(&shaft->hall, &cfg->hall, (hall_reading_t){read.reading, read.age_q8});
         in->angle = (uint16_t)(shaft->hall.angle >> Q32_TO_Q16_SHIFT);
         trouble = shaft->hall.trouble;
     } else if (kind == (uint32_t)SENSOR_KIND_ABSOLUTE) {
-        known = absolute_step(&shaft->absolute, &cfg->absolute, hal_shaft(hal).reading);
+        known = absolute_step(&shaft->absolute, &cfg->absolute, read.reading);
         in->angle = shaft->absolute.ahead;
         trouble = shaft->absolute.trouble;
-    } else if (kind != (uint32_t)SENSOR_KIND_NONE) {
-        const hal_shaft_t read = hal_shaft(hal);
-
+    } else {
         in->angle = encoder_step(&shaft->encoder, &cfg->encoder,
                                  (encoder_reading_t){read.reading, read.index, read.indexed});
         known = shaft->encoder.known;
         trouble = shaft->encoder.trouble;
-    } else {
-        /* the frame has the angle, or there is none */
     }
     if (trouble != (uint8_t)SHAFT_TROUBLE_NONE) {
         shaft_decoder_note(shaft, trouble);
     }
     if (!known) {
         shaft_decoder_tell(shaft, in);
+    }
+}
+
+NEVER_INLINED void shaft_decoder_step(shaft_decoder_t *shaft, const sensor_cfg_t *cfg, hal_t *hal,
+                                      drive_in_t *in)
+{
+    if (cfg->kind != shaft->kind) {
+        shaft_decoder_begin(shaft, cfg->kind);
+    }
+    shaft_decoder_ask(shaft, in->command.request);
+    if (cfg->kind != (uint32_t)SENSOR_KIND_NONE) {
+        decode(shaft, cfg, hal_shaft(hal), in);
     }
 }
 

@@ -14,7 +14,6 @@
 #define LOST_WAY (4U * SECTOR) /* without an edge */
 /* A signal that stands still takes away one edge, so the illegal pattern comes at two sectors. */
 #define DEAD_WAY ((5U * SECTOR) / 2U)
-#define SLOW_FACTOR (2U)   /* a rotor that takes twice the time of its sector is slow */
 #define CLOSE (0x0AAAAAAA) /* 15° */
 #define NEAR (0x20000000U) /* 45° */
 /* Shares of the errors at an edge that are corrected, where its time is known and where it is not.
@@ -111,21 +110,39 @@ static angle_t width_of(const hall_cfg_t *cfg, hall_span_t span)
     return hall_end_of(cfg, span) - begin_of(cfg, span.first);
 }
 
-/* Begins the time and the way since an edge. */
-static void begin_way(hall_t *hall)
+/* Begins the time since an edge. */
+static void begin_time(hall_t *hall)
 {
     hall->ticks = 0U;
-    hall->way = 0U;
     hall->edge_age_q8 = hall->seen_age_q8;
 }
 
-static void go_on_way(hall_t *hall)
+/* Returns the ticks in which a rotor with this pace goes at most so far. */
+static uint32_t ticks_of(const hall_t *hall, angle_t way)
 {
-    const uint32_t left = UINT32_MAX - hall->way;
-    const uint32_t more = fx_unsigned(fx_abs(hall->pace));
+    const uint32_t pace = fx_unsigned(fx_abs(hall->pace));
 
-    hall->ticks += (hall->ticks < TICKS_MAX) ? 1U : 0U;
-    hall->way += (more < left) ? more : left;
+    return (pace == 0U) ? UINT32_MAX : (way / pace);
+}
+
+static bool hall_is_fast(const hall_t *hall, const hall_cfg_t *cfg)
+{
+    return fx_abs(hall->pace) >= cfg->fast_speed;
+}
+
+/*
+ * Decides how long the next edge may take. A slow rotor may take twice the time of its sector, a
+ * fast one that of four sectors.
+ */
+static void expect_edge(hall_t *hall, const hall_cfg_t *cfg)
+{
+    const uint32_t width = width_of(cfg, hall->span);
+    const uint32_t twice = (width < HALF_TURN) ? ((2U * width) + 1U) : UINT32_MAX;
+    uint32_t patience;
+
+    hall->fast = hall_is_fast(hall, cfg);
+    patience = ticks_of(hall, hall->fast ? LOST_WAY : twice);
+    hall->patience = (patience < TICKS_MAX) ? patience : TICKS_MAX;
 }
 
 /*
@@ -146,7 +163,7 @@ static uint32_t dead_signal(const hall_t *hall, const hall_cfg_t *cfg, uint32_t 
 
         dead = near ? bit : dead;
     }
-    return ((hall->pace != 0) && (hall->way <= farthest)) ? dead : 0U;
+    return ((hall->pace != 0) && (hall->ticks <= ticks_of(hall, farthest))) ? dead : 0U;
 }
 
 static void forget_pace(hall_t *hall)
@@ -162,9 +179,10 @@ static void place(hall_t *hall, const hall_cfg_t *cfg)
     hall->angle = middle_of(cfg, hall->span);
     hall->direction = 0;
     hall->turned = false;
-    begin_way(hall);
     hall->pace = 0;
     forget_pace(hall);
+    begin_time(hall);
+    expect_edge(hall, cfg);
 }
 
 /* Returns how far the rotor has gone on since the edge: the tick after the first one takes it. */
@@ -181,12 +199,7 @@ static step_t speed_between(const hall_t *hall, int32_t way)
     const int32_t time = fx_signed(hall->ticks << shift) + fx_asr(part, AGE_SHIFT - shift);
     const int32_t most = fx_asr(MEASURED_MAX, shift);
 
-    return fx_clamp(way / fx_max(time, 1), -most, most) * fx_signed(1UL << shift);
-}
-
-static bool hall_is_fast(const hall_t *hall, const hall_cfg_t *cfg)
-{
-    return fx_abs(hall->pace) >= cfg->fast_speed;
+    return fx_clamp(way / fx_max(time, 1), -most, most) * fx_signed((uint32_t)1U << shift);
 }
 
 /*
@@ -263,7 +276,8 @@ static void hall_take_edge(hall_t *hall, const hall_cfg_t *cfg, angle_t edge, in
     hall->turned = hall->direction == -direction;
     hall->edge = edge;
     hall->direction = direction;
-    begin_way(hall);
+    begin_time(hall);
+    expect_edge(hall, cfg);
 }
 
 /* Returns the direction of the edge to this span; 0: it is no neighbour. */
@@ -300,7 +314,8 @@ static bool is_too_soon(const hall_t *hall, const hall_cfg_t *cfg, int8_t direct
     } else {
         /* it would have turned back */
     }
-    return hall->known && hall->paced && hall->steady && (hall->way < least);
+    return hall->known && hall->paced && hall->steady &&
+           (hall->ticks <= ticks_of(hall, least - 1U));
 }
 
 /* A pattern has passed over a sector. If the speed has brought the rotor there, the angle goes on.
@@ -312,7 +327,8 @@ static void take_jump(hall_t *hall, const hall_cfg_t *cfg)
     hall->trouble = (uint8_t)SHAFT_TROUBLE_HALL_JUMP;
     if (hall->paced && (inside < width_of(cfg, hall->span))) {
         hall->edge = hall->angle;
-        begin_way(hall);
+        begin_time(hall);
+        expect_edge(hall, cfg);
     } else {
         place(hall, cfg);
     }
@@ -376,6 +392,7 @@ RARE static void take_unlike(hall_t *hall, const hall_cfg_t *cfg, uint32_t patte
             hall->dead = (uint8_t)dead;
             hall->taken = (uint8_t)pattern;
             hall->span = span_of(cfg, pattern, dead);
+            expect_edge(hall, cfg);
             hall->trouble = (uint8_t)SHAFT_TROUBLE_HALL_SIGNAL;
         }
     }
@@ -409,36 +426,43 @@ static void hall_stay(hall_t *hall, const hall_cfg_t *cfg)
     }
 }
 
-/* A tick of a rotor whose speed is known. */
-static void keep_pace(hall_t *hall, const hall_cfg_t *cfg)
+/* Counts the ticks on. The edge that had to come has not, if the speed is known. */
+RARE static void miss_edge(hall_t *hall)
 {
-    const bool fast = hall_is_fast(hall, cfg);
-    const bool waits =
-        fast ? (hall->way <= LOST_WAY) : ((hall->way / SLOW_FACTOR) <= width_of(cfg, hall->span));
-
-    hall->angle += fx_unsigned(hall->speed);
-    if (!fast) {
-        hall_stay(hall, cfg);
-    }
-    if (waits) {
-        /* the edge may still come */
-    } else if (fast) {
+    hall->patience = TICKS_MAX;
+    hall->ticks += (hall->ticks < TICKS_MAX) ? 1U : 0U;
+    if (!hall->known || !hall->paced) {
+        /* none has to come */
+    } else if (hall->fast) {
         lose(hall);
     } else {
         forget_pace(hall);
     }
 }
 
+/* A tick at rest, or before the speed is known. */
+static void go_to_middle(hall_t *hall, const hall_cfg_t *cfg)
+{
+    const int32_t way = fx_signed(middle_of(cfg, hall->span) - hall->angle);
+    const step_t most = hall->turned ? fx_asr(cfg->fast_speed, TURNED_SHIFT) : HALF_SECTOR;
+
+    hall->angle += fx_unsigned(fx_clamp(fx_asr(way, REST_SHIFT), -most, most));
+}
+
 static void hall_go_on(hall_t *hall, const hall_cfg_t *cfg)
 {
-    go_on_way(hall);
-    if (hall->known && hall->paced) {
-        keep_pace(hall, cfg);
+    if (!hall->known || !hall->paced) {
+        go_to_middle(hall, cfg);
     } else {
-        const int32_t way = fx_signed(middle_of(cfg, hall->span) - hall->angle);
-        const step_t most = hall->turned ? fx_asr(cfg->fast_speed, TURNED_SHIFT) : HALF_SECTOR;
-
-        hall->angle += fx_unsigned(fx_clamp(fx_asr(way, REST_SHIFT), -most, most));
+        hall->angle += fx_unsigned(hall->speed);
+        if (!hall->fast) {
+            hall_stay(hall, cfg);
+        }
+    }
+    if (hall->ticks < hall->patience) {
+        hall->ticks++;
+    } else {
+        miss_edge(hall);
     }
 }
 

@@ -63,13 +63,13 @@ typedef struct {
 } hall_span_t;
 
 typedef struct {
-    angle_t angle;    /* electrical */
-    step_t speed;     /* from edge to edge, 0 where it is not known */
-    step_t pace;      /* speed at the last edge, 0 where it is not known */
-    angle_t edge;     /* angle of the last edge */
-    uint32_t ticks;   /* since the last edge, saturates at 2^20 */
-    uint32_t way;     /* that a rotor with this pace has gone since then, Q32, saturates */
-    hall_span_t span; /* in which the rotor is */
+    angle_t angle;     /* electrical */
+    step_t speed;      /* from edge to edge, 0 where it is not known */
+    step_t pace;       /* speed at the last edge, 0 where it is not known */
+    angle_t edge;      /* angle of the last edge */
+    uint32_t ticks;    /* since the last edge, saturates at 2^20 */
+    uint32_t patience; /* of these, within which the next edge has to come, at most 2^20 */
+    hall_span_t span;  /* in which the rotor is */
     /* how long before the tick that saw it first the last edge was, and the edge to `seen`: Q8 */
     uint16_t edge_age_q8;
     uint16_t seen_age_q8;
@@ -83,6 +83,7 @@ typedef struct {
     bool timed;       /* the edge to `seen` has a time of its own */
     bool paced;       /* the speed is known */
     bool steady;      /* and that of the sector before was about the same, or it is fast */
+    bool fast;        /* it cannot stop within a sector, as of the last edge */
     bool known;       /* the angle is known */
 } hall_t;
 

@@ -137,8 +137,8 @@ bool attend_is_ordinary(const drive_t *drive, const drive_in_t *in, sample_t sam
 {
     const uint32_t word = ((uint32_t)in->flags << 8U) | in->command.request;
 
-    return (drive->state == DRIVE_STATE_RUN) && !drive_has_sensor(drive) &&
-           (word == DRIVE_REQUEST_RUN) && protection_holds(&drive->limits, sample);
+    return (drive->state == DRIVE_STATE_RUN) && (word == DRIVE_REQUEST_RUN) &&
+           protection_holds(&drive->limits, sample);
 }
 
 /* Finds the fault that the background has found. A mode that names no fault is none. */
@@ -176,15 +176,16 @@ static fault_id_t count_late(control_t *control, watch_t *watch, const drive_t *
  * drive that has no observer stops, and so does a fast one whose sensor was turned: the observer
  * begins with the sensor's angle.
  */
-RARE static void lose_sensor(drive_t *drive, const drive_in_t *in, const instant_t *now)
+RARE static void lose_sensor(drive_t *drive, const drive_in_t *in, sample_t sample)
 {
+    const instant_t now = {.sample = sample, .along_rotor = {0, 0}, .along_vector = {0, 0}};
     const drive_cfg_t *const cfg = drive->cfg;
     const bool fast = fx_abs(drive->rotor.observer.speed) >= cfg->startup.handover_speed;
     const bool observed = cfg->observer.eta != 0;
 
     if (observed && !fast) {
-        const ab_t current = transforms_clarke(now->sample.phase_a, now->sample.phase_b);
-        instant_t turned = *now;
+        const ab_t current = transforms_clarke(sample.phase_a, sample.phase_b);
+        instant_t turned = now;
 
         turned.along_rotor =
             transforms_park(current, trig_sincos(rotor_position_angle(&drive->rotor.position)));
@@ -192,19 +193,9 @@ RARE static void lose_sensor(drive_t *drive, const drive_in_t *in, const instant
     } else if (!observed || is_sensor_turned(&drive->rotor)) {
         const fault_t fault = sensor_fault(drive, in);
 
-        life_fail(drive, &fault, now);
+        life_fail(drive, &fault, &now);
     } else {
         /* the observer goes on */
-    }
-}
-
-static void sense(drive_t *drive, const drive_in_t *in, const instant_t *now)
-{
-    const bool sensed = drive_is_sensed(drive);
-
-    estimate_sense(&drive->rotor, drive, in);
-    if (sensed && drive->rotor.failed && (drive->state == DRIVE_STATE_RUN)) {
-        lose_sensor(drive, in, now);
     }
 }
 
@@ -213,6 +204,27 @@ static void fail_if(drive_t *drive, fault_id_t id, const fault_t *fault, const i
     if (id != FAULT_NONE) {
         life_fail(drive, fault, now);
     }
+}
+
+/* The words of the tracking loop have changed by themselves. */
+RARE static void fail_damaged_sensor(drive_t *drive, sample_t sample)
+{
+    const instant_t now = {.sample = sample, .along_rotor = {0, 0}, .along_vector = {0, 0}};
+    fault_t fault;
+
+    fault_clear(&fault);
+    fail_if(drive, state_guard_check_sensor(drive, &fault), &fault, &now);
+}
+
+NEVER_INLINED bool attend_sensor(drive_t *drive, const drive_in_t *in, sample_t sample)
+{
+    if (!angle_sensor_holds(&drive->rotor.angle_sensor)) {
+        fail_damaged_sensor(drive, sample);
+    }
+    if (estimate_sense(&drive->rotor, drive, in)) {
+        lose_sensor(drive, in, sample);
+    }
+    return drive_is_controlled(drive->state);
 }
 
 bool attend_step(drive_t *drive, const drive_in_t *in, sample_t sample)
@@ -224,8 +236,7 @@ bool attend_step(drive_t *drive, const drive_in_t *in, sample_t sample)
     fault_clear(&fault);
     fail_if(drive, state_guard_check_state(drive, &fault), &fault, &now);
     if (drive_has_sensor(drive)) {
-        fail_if(drive, state_guard_check_sensor(drive, &fault), &fault, &now);
-        sense(drive, in, &now);
+        (void)attend_sensor(drive, in, sample);
     }
     fail_if(drive, check_told(&in->command, &fault), &fault, &now);
     /* FAIL replaces the request RUN. So without a valid fault id the run ends as by a stop. */

@@ -14,8 +14,8 @@
 #include <stdbool.h>
 
 /*
- * Whether attend_step() would change nothing: the drive is in RUN, without a sensor or a flag, the
- * command is to run, and the samples are within their limits. Pure.
+ * Whether attend_step() would do no more than attend_sensor(): the drive is in RUN, without a flag,
+ * the command is to run, and the samples are within their limits. Pure.
  */
 bool attend_is_ordinary(const drive_t *drive, const drive_in_t *in, sample_t sample);
 
@@ -23,5 +23,11 @@ bool attend_is_ordinary(const drive_t *drive, const drive_in_t *in, sample_t sam
  * Attends to the frame. Returns whether the current was controlled before this call and still is.
  */
 bool attend_step(drive_t *drive, const drive_in_t *in, sample_t sample);
+
+/*
+ * Attends to the sensor that the drive has, in an ordinary tick. Returns whether the current is
+ * still controlled.
+ */
+bool attend_sensor(drive_t *drive, const drive_in_t *in, sample_t sample);
 
 #endif

@@ -160,9 +160,10 @@ static estimate_source_t choose(rotor_t *rotor, const drive_t *drive)
     return source;
 }
 
-void estimate_sense(rotor_t *rotor, const drive_t *drive, const drive_in_t *in)
+bool estimate_sense(rotor_t *rotor, const drive_t *drive, const drive_in_t *in)
 {
     const uint8_t before = rotor->source;
+    const bool runs = drive->state == DRIVE_STATE_RUN;
 
     if ((in->flags & DRIVE_FLAG_NO_ANGLE) == 0U) {
         follow_sensor(rotor, drive, in->angle);
@@ -170,13 +171,14 @@ void estimate_sense(rotor_t *rotor, const drive_t *drive, const drive_in_t *in)
         rotor->followed = false;
     }
     rotor->source = (uint8_t)choose(rotor, drive);
-    if (drive_is_sensed(drive)) {
-        if ((before != rotor->source) && (drive->state == DRIVE_STATE_RUN)) {
+    if (rotor->source != (uint8_t)ESTIMATE_OBSERVER) {
+        if ((before != rotor->source) && runs) {
             angle_sensor_meet(&rotor->angle_sensor, rotor->position);
         }
         rotor->position = angle_sensor_position(&rotor->angle_sensor);
         nn_observer_follow(&rotor->observer, rotor->angle_sensor.speed);
     }
+    return runs && rotor->failed && (before != (uint8_t)ESTIMATE_OBSERVER);
 }
 
 void estimate_align_sensor(rotor_t *rotor, const drive_t *drive)
@@ -248,7 +250,7 @@ ab_t estimate_applied_voltage(ab_t ratio, int32_t bus_before, int32_t bus_now)
     };
 }
 
-dq_t estimate_step(rotor_t *rotor, const drive_t *drive, sample_t sample, bool trained)
+dq_t estimate_step(rotor_t *rotor, const drive_t *drive, sample_t sample)
 {
     const angle_t theta = rotor_position_angle(&rotor->position);
     /*@ assert BLOCKS(theta); */
@@ -261,14 +263,19 @@ dq_t estimate_step(rotor_t *rotor, const drive_t *drive, sample_t sample, bool t
     const dq_t current = transforms_park(current_ab, angle);
 
     nn_observer_predict(observer, cfg, current, voltage, angle);
-    if (trained) {
-        nn_observer_train(observer, cfg);
-    } else if (!drive_is_sensed(drive)) {
-        nn_observer_follow(observer, drive->vector.step);
-    } else {
-        /* it has the speed of the sensor */
-    }
     return current;
+}
+
+void estimate_train(rotor_t *rotor, const drive_t *drive)
+{
+    nn_observer_train(&rotor->observer, &drive->motor.model.observer);
+}
+
+void estimate_follow(rotor_t *rotor, const drive_t *drive)
+{
+    if (!drive_is_sensed(drive)) {
+        nn_observer_follow(&rotor->observer, drive->vector.step);
+    }
 }
 
 static step_t closing_step(const drive_t *drive)
@@ -279,11 +286,11 @@ static step_t closing_step(const drive_t *drive)
     return fx_asr(fx_signed(distance), PULL_SHIFT);
 }
 
-void estimate_advance(rotor_t *rotor, const drive_t *drive, bool trained)
+void estimate_advance(rotor_t *rotor, const drive_t *drive, bool pulled)
 {
     step_t step = rotor->observer.speed_out;
 
-    if (!trained && !drive_is_sensed(drive)) {
+    if (pulled && !drive_is_sensed(drive)) {
         step += closing_step(drive);
     }
     rotor_position_step(&rotor->position, step);

@@ -38,9 +38,10 @@ void estimate_place(rotor_t *rotor, rotor_position_t position);
  * its angle and its speed. In RUN the observer takes over above sensor.observer_above, the sensor
  * below sensor.sensor_below; θ̂ does not jump at either. A sensor that fails leaves RUN to the
  * observer, and so does one that would take over 1/8 turn or more away from it, with Hall signals
- * half a sector more. Call it first in each tick of a drive with a sensor, in every state.
+ * half a sector more. Returns whether the sensor that was the source has failed in this tick of
+ * RUN. Call it first in each tick of a drive with a sensor, in every state.
  */
-void estimate_sense(rotor_t *rotor, const drive_t *drive, const drive_in_t *in);
+bool estimate_sense(rotor_t *rotor, const drive_t *drive, const drive_in_t *in);
 
 /*
  * An alignment has ended, and the rotor lies along the vector: the zero of an encoder is known from
@@ -83,16 +84,22 @@ bool estimate_is_trained(const drive_t *drive);
 ab_t estimate_applied_voltage(ab_t ratio, int32_t bus_before, int32_t bus_now);
 
 /*
- * In a tick that controls a current: runs the network. Returns the measured current in the frame of
- * θ̂, Q15 of I_b, ±34400.
+ * In a tick that controls a current: the network predicts. Then it is trained, or follows. Returns
+ * the measured current in the frame of θ̂, Q15 of I_b, ±34400.
  */
-dq_t estimate_step(rotor_t *rotor, const drive_t *drive, sample_t sample, bool trained);
+dq_t estimate_step(rotor_t *rotor, const drive_t *drive, sample_t sample);
+
+/* Trains the network: it adapts ω̂. */
+void estimate_train(rotor_t *rotor, const drive_t *drive);
+
+/* ω̂ is the speed of the sensor already, or else becomes that of the vector. */
+void estimate_follow(rotor_t *rotor, const drive_t *drive);
 
 /*
- * Call last in a tick that controls a current: advances θ̂ to the next instant (23). If the network
- * is not trained, θ̂ also approaches the angle of the vector.
+ * Call last in a tick that controls a current: advances θ̂ to the next instant (23). pulled: without
+ * a sensor θ̂ also approaches the angle of the vector.
  */
-void estimate_advance(rotor_t *rotor, const drive_t *drive, bool trained);
+void estimate_advance(rotor_t *rotor, const drive_t *drive, bool pulled);
 
 /*
  * Returns the speed from which the observer computes ρ: its estimate when that is far from zero,

@@ -136,8 +136,11 @@ static dq_t control_voltage(control_t *control, voltage_drive_t *vd, const drive
     return voltage;
 }
 
-/* Computes the compare values from the currents, and θ̂ of the next instant. */
-static void actuate(drive_t *drive, const frame_t *frame, int32_t bus, bool trained,
+/*
+ * Computes the compare values from the currents, and θ̂ of the next instant. pulled: the vector
+ * pulls θ̂.
+ */
+static void actuate(drive_t *drive, const frame_t *frame, int32_t bus, bool pulled,
                     drive_out_t *out)
 {
     const dq_t voltage = control_voltage(&drive->control, &drive->voltage_drive, drive, frame, bus);
@@ -147,21 +150,21 @@ static void actuate(drive_t *drive, const frame_t *frame, int32_t bus, bool trai
     if (frame->imposed) {
         vector_advance(&drive->vector);
     }
-    estimate_advance(&drive->rotor, drive, trained);
+    estimate_advance(&drive->rotor, drive, pulled);
 }
 
 /*
  * Ends a tick whose parts may have changed the state: controls the current in the frame of the
  * present state. If this state controls no current, sets the safe state instead.
  */
-static void act(drive_t *drive, const instant_t *now, bool trained, drive_out_t *out)
+static void act(drive_t *drive, const instant_t *now, bool pulled, drive_out_t *out)
 {
     if (drive_is_controlled(drive->state)) {
         const frame_t frame = (drive->state == DRIVE_STATE_RUN)
                                   ? frame_of_rotor(drive, now->along_rotor)
                                   : frame_of_vector(drive, now->along_vector);
 
-        actuate(drive, &frame, now->sample.bus, trained, out);
+        actuate(drive, &frame, now->sample.bus, pulled, out);
     } else {
         rest(&drive->safe_state, drive, now->sample, out);
     }
@@ -174,43 +177,33 @@ static void act(drive_t *drive, const instant_t *now, bool trained, drive_out_t 
 NEVER_INLINED static void finish_left_run(drive_t *drive, instant_t now, drive_out_t *out)
 {
     now.along_vector = drive->vector.current_mean;
-    act(drive, &now, true, out);
-}
-
-/* Observes the rotor and controls the current in its frame. trained: the observer adapts ω̂. */
-static void step_along_rotor(drive_t *drive, const drive_in_t *in, sample_t sample, uint32_t left,
-                             bool trained, drive_out_t *out)
-{
-    const instant_t now = {.sample = sample,
-                           .along_rotor = estimate_step(&drive->rotor, drive, sample, trained),
-                           .along_vector = {0, 0}};
-
-    take_slot(drive, in, &now, left, true);
-    if (drive->state == DRIVE_STATE_RUN) {
-        const frame_t frame = frame_of_rotor(drive, now.along_rotor);
-
-        actuate(drive, &frame, sample.bus, trained, out);
-    } else {
-        finish_left_run(drive, now, out);
-    }
+    act(drive, &now, false, out);
 }
 
 /*
- * A tick of RUN with the observer. It is one piece of code, and what few ticks need stands apart.
- * Without these attributes the compiler changes its choice as the rest of the firmware grows. That
- * costs 20 instructions on a Cortex-M4, and 24 on a Cortex-M0+.
+ * A tick of RUN: observes the rotor and controls the current in its frame. The observer adapts ω̂
+ * unless a sensor tells it. It is one piece of code, and what few ticks need stands apart. Without
+ * these attributes the compiler changes its choice as the rest of the firmware grows. That costs 20
+ * instructions on a Cortex-M4, and 24 on a Cortex-M0+.
  */
 INLINES_ALL static void run_tick(drive_t *drive, const drive_in_t *in, sample_t sample,
                                  uint32_t left, drive_out_t *out)
 {
-    step_along_rotor(drive, in, sample, left, true, out);
-}
+    const instant_t now = {.sample = sample,
+                           .along_rotor = estimate_step(&drive->rotor, drive, sample),
+                           .along_vector = {0, 0}};
 
-/* A tick of RUN with the sensor. It stands apart, so that the other one does not ask each step. */
-NEVER_INLINED static void sensed_tick(drive_t *drive, const drive_in_t *in, sample_t sample,
-                                      uint32_t left, drive_out_t *out)
-{
-    step_along_rotor(drive, in, sample, left, false, out);
+    if (!drive_is_sensed(drive)) {
+        estimate_train(&drive->rotor, drive);
+    }
+    take_slot(drive, in, &now, left, true);
+    if (drive->state == DRIVE_STATE_RUN) {
+        const frame_t frame = frame_of_rotor(drive, now.along_rotor);
+
+        actuate(drive, &frame, sample.bus, false, out);
+    } else {
+        finish_left_run(drive, now, out);
+    }
 }
 
 /* Sets the imposed current of this tick. Returns the event that follows in ALIGN. */
@@ -233,13 +226,18 @@ static void vector_tick(drive_t *drive, const drive_in_t *in, sample_t sample, u
                         drive_out_t *out)
 {
     const bool trained = estimate_is_trained(drive);
-    const dq_t along_rotor = estimate_step(&drive->rotor, drive, sample, trained);
+    const dq_t along_rotor = estimate_step(&drive->rotor, drive, sample);
     const instant_t now = {.sample = sample,
                            .along_rotor = along_rotor,
                            .along_vector = vector_measure(&drive->vector, sample)};
     drive_event_t event;
     fault_t fault;
 
+    if (trained) {
+        estimate_train(&drive->rotor, drive);
+    } else {
+        estimate_follow(&drive->rotor, drive);
+    }
     fault_clear(&fault);
     event = impose(&drive->start, &drive->control, drive, now.along_vector, &fault);
     if (drive->state == DRIVE_STATE_ALIGN) {
@@ -247,7 +245,7 @@ static void vector_tick(drive_t *drive, const drive_in_t *in, sample_t sample, u
     }
     life_follow_or_fail(drive, event, &fault, &now);
     take_slot(drive, in, &now, left, true);
-    act(drive, &now, trained, out);
+    act(drive, &now, !trained, out);
 }
 
 /* A tick of PROBE. The slot of this tick may end PROBE. */
@@ -309,11 +307,13 @@ void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out)
     modulator_track_bus(&drive->modulator, modulator_bus_ahead(drive->bus, sample.bus));
     if (!attend_is_ordinary(drive, in, sample)) {
         controlled = attend_step(drive, in, sample);
+    } else if (drive_has_sensor(drive)) {
+        controlled = attend_sensor(drive, in, sample);
+    } else {
+        /* nothing asks for attention */
     }
     if (!controlled || (drive->state != DRIVE_STATE_RUN)) {
         other_tick(drive, in, sample, left, controlled, out);
-    } else if (drive_is_sensed(drive)) {
-        sensed_tick(drive, in, sample, left, out);
     } else {
         run_tick(drive, in, sample, left, out);
     }

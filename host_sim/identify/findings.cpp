@@ -160,8 +160,6 @@ nlohmann::ordered_json speeds_json(const Result &result)
     return list;
 }
 
-} // namespace
-
 nlohmann::ordered_json halls_json(const Halls &halls, const std::optional<Truth> &truth)
 {
     nlohmann::ordered_json json;
@@ -180,6 +178,8 @@ nlohmann::ordered_json halls_json(const Halls &halls, const std::optional<Truth>
     json["late_at_el_rad_s"] = halls.speed_el_rad_s;
     return json;
 }
+
+} // namespace
 
 std::vector<Finding> findings_of(const Result &result)
 {

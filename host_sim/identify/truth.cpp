@@ -7,6 +7,7 @@
 #include "motor_model.h"
 
 #include <cmath>
+#include <limits>
 
 namespace nf::identify
 {
@@ -43,7 +44,7 @@ Turns turns_of(const double (&shorted)[PLANT_LEGS])
 std::array<double, 8> halls_of(const Config &config)
 {
     std::array<double, 8> begins;
-    begins.fill(NAN);
+    begins.fill(std::numeric_limits<double>::quiet_NaN());
     const SensorSettings &sensor = config.motor.sensor;
     for (std::size_t k = 0; k < sensor.hall_patterns.size(); k++) {
         const double deg = sensor.hall_edges_deg.at(k) + config.plant.hall_error_deg.at(k);

@@ -26,7 +26,7 @@ from wiring import Wiring
 
 HERE = Path(__file__).resolve().parent
 BIL_PLANT, MOTORSIM, NFCONFIG, CLOCK, GDB, FOLDER = (Path(argument).resolve() for argument in sys.argv[1:7])
-ESC1 = SHIPPED / "boards/b_g431b_esc1.toml"
+ESC1, G474 = (SHIPPED / f"boards/{name}.toml" for name in ("b_g431b_esc1", "g474_in_line"))
 BENCH_V, BENCH_A = 310, 20    # bus and full scale of motor B's board
 RATED_A = 4.2                 # of motor B, amplitude
 ID_A = 0.02                   # two counts of the converter, as S4 allows it
@@ -46,7 +46,7 @@ def scaled(motor, volts, amperes):
 
 
 class Case(unittest.TestCase):
-    """Hall sensors or an incremental encoder on the B-G431B-ESC1."""
+    """Each sensor on a board that has it."""
 
     @classmethod
     def setUpClass(cls):
@@ -57,9 +57,11 @@ class Case(unittest.TestCase):
     @classmethod
     @lru_cache
     def board_of(cls, kind):
-        """(image, board file). The shipped image has its pins for Hall sensors."""
+        """(image, board file). No shipped image has its pins for an incremental encoder."""
         if kind == "hall":
             return FOLDER / "neurofoc_esc1.elf", ESC1
+        if kind == "absolute":
+            return FOLDER / "neurofoc_g474.elf", G474
         file = cls.folder / "encoder.toml"
         lines = [line for line in ESC1.read_text(encoding="utf-8").splitlines() if line.startswith("hall_pins")]
         file.write_text(replaced(ESC1, (lines[0] + "\n", "")), encoding="utf-8")
@@ -127,13 +129,16 @@ class Sensed(Case):
         self.assertLess(figures["speed_error_max_pct"], 2)
         self.assertLess(id_a, 0.03 * RATED_A)
 
+    def test_s4_with_an_absolute_encoder(self):
+        self.assert_as_ideal("absolute", 0)
+
     def test_s4_with_an_incremental_encoder(self):
         self.assert_as_ideal("encoder", 0)
         self.assert_as_ideal("encoder_index", 0)
 
     def test_s5_from_the_sensor_to_the_observer(self):
         """From 30 % of rated speed on the angle is the observer's."""
-        for kind in ("hall", "encoder"):
+        for kind in ("hall", "absolute", "encoder"):
             with self.subTest(kind=kind):
                 figures, id_a = self.s4(kind, 30)
                 self.assertLess(figures["speed_error_max_pct"], 2)
@@ -152,12 +157,16 @@ class Starts(Case):
         for angle_deg in ANGLES_DEG:
             self.start("hall", "outrunner_24v", angle_deg)
 
+    def test_with_an_absolute_encoder(self):
+        for angle_deg in ANGLES_DEG:
+            self.start("absolute", "outrunner_48v", angle_deg)
+
 
 class HandOvers(Case):
     """Between sensor and observer."""
 
     def test_by_speed(self):
-        for kind in ("hall", "encoder"):
+        for kind in ("hall", "absolute", "encoder"):
             with self.subTest(kind=kind):
                 figures = self.run_image(kind, HERE / "hand_over.toml", self.motor_of(kind)[0], "any",
                                          BOTH | {"drive.observer_above_pct": 40})
@@ -166,7 +175,7 @@ class HandOvers(Case):
 
     def test_to_the_observer_when_the_wires_open(self):
         """In RUN, at speed: the pins' resistors pull up, and a counter stands still."""
-        faults = {"hall": "what='sensor_high', value=7", "encoder": "what='angle_stuck'"}
+        faults = {"hall": "what='sensor_high', value=7", "absolute": "what='sensor_high', value=65535", "encoder": "what='angle_stuck'"}
         for kind, fault in faults.items():
             with self.subTest(kind=kind):
                 figures, _ = self.s4(kind, 0, **{"scenario.fault": f"[{{time_s=0.3, {fault}}}]"})
