@@ -148,18 +148,18 @@ class Sensed(Case):
 class Starts(Case):
     """From standstill, against a friction of half the rated torque, from anywhere."""
 
-    def start(self, kind, motor, angle_deg):
+    def start(self, kind, motor, angle_deg, duration_s):
         figures = self.run_image(kind, HERE / "start_friction.toml", motor, "any", {"drive.angle_source": "both"},
-                                 **{"scenario.initial_angle_el_deg": angle_deg})
+                                 **{"scenario.initial_angle_el_deg": angle_deg, "scenario.duration_s": duration_s})
         self.assertLess(figures["command_error_settled_pct"], 2)
 
     def test_with_hall_sensors(self):
         for angle_deg in ANGLES_DEG:
-            self.start("hall", "outrunner_24v", angle_deg)
+            self.start("hall", "outrunner_24v", angle_deg, 0.3)
 
     def test_with_an_absolute_encoder(self):
         for angle_deg in ANGLES_DEG:
-            self.start("absolute", "outrunner_48v", angle_deg)
+            self.start("absolute", "outrunner_48v", angle_deg, 0.5)
 
 
 class HandOvers(Case):
