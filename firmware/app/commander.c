@@ -116,13 +116,15 @@ void commander_measures(app_t *app, source_t source)
     (void)admits(app, source, SOURCE_EVENT_RUN);
 }
 
-const char *commander_zero(app_t *app)
+const char *commander_zero(app_t *app, source_t source)
 {
     const drive_t *const drive = &app->drive;
     const char *why = NULL;
 
     if ((drive->cfg == NULL) || !drive_knows_rotor(drive)) {
         why = NO_POSITION;
+    } else if (!admits(app, source, SOURCE_EVENT_TARGET)) {
+        why = COMMANDER_TAKEN;
     } else {
         drive_command_t command = command_mailbox_take(&app->mailbox);
 

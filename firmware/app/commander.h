@@ -75,10 +75,10 @@ void commander_measures(app_t *app, source_t source);
 /*
  * Makes the present position of the rotor the zero from which positions are counted. In position
  * mode the target becomes 0, so the rotor stays where it is. The request stays in force until the
- * drive has taken it. Returns NULL, or the reason for a refusal: with open gates and without a
- * sensor the position is unknown.
+ * drive has taken it. The source is in command then, as with a target. Returns NULL, or the reason
+ * for a refusal: with open gates and without a sensor the position is unknown.
  */
-const char *commander_zero(app_t *app);
+const char *commander_zero(app_t *app, source_t source);
 
 /*
  * Sets speed mode with this electrical speed. Allowed while the drive runs. The caller must keep

@@ -309,7 +309,8 @@ static const char *run(console_t *console)
 
 static const char *zero(console_t *console)
 {
-    return identify_is_busy(&console->identify) ? CONSOLE_MEASURING : commander_zero(console->app);
+    return identify_is_busy(&console->identify) ? CONSOLE_MEASURING
+                                                : commander_zero(console->app, console->source);
 }
 
 static const char *identify(console_t *console)

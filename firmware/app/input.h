@@ -8,8 +8,8 @@
  * band, the button is released, and nothing runs. An enable may also be held, if it was pressed
  * after what has disarmed the input, or if the throttle has ended the run. Then it is armed, and a
  * throttle that is beyond the dead band for INPUT_SIGNAL_GOOD good readings starts the motor. It is
- * disarmed by each stop, fault, loss of the signal, change of the configuration, by each command of
- * console or link (commander.h), and by a bad reading.
+ * disarmed by each stop, fault, loss of the signal, by a change of the configuration while it does
+ * not run the motor, by each command of console or link (commander.h), and by a bad reading.
  *
  * In command. The target follows the throttle (throttle.h). Back in the dead band the target
  * becomes 0; when the motor is slow the run ends, and the gates open. Without a signal the drive

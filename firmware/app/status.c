@@ -257,7 +257,7 @@ static const char *trouble_of(const app_t *app)
     if ((shaft != NULL) && (unknown || (shaft->troubles != shaft->before))) {
         trouble = shaft_trouble_text((shaft_trouble_t)shaft->trouble);
     } else if (app->drive.rotor.failed) {
-        trouble = "wrong_angle";
+        trouble = shaft_trouble_text(SHAFT_TROUBLE_TURNED);
     } else {
         /* there is none */
     }

@@ -14,7 +14,7 @@
  *
  * With a sensor of the shaft the line ends with "angle by sensor" or, in RUN, "angle by observer".
  * "sensor: hall_signal" follows if there was a trouble since the last request to run, or if the
- * angle is unknown: shaft_trouble_text(), or "wrong_angle" if the drive found the sensor wrong.
+ * angle is unknown: shaft_trouble_text(), "sensor_turned" if the drive found the sensor wrong.
  */
 #ifndef STATUS_H
 #define STATUS_H

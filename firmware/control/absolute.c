@@ -7,10 +7,12 @@
 #define ERROR_FLAG (0x4000U)
 #define TO_Q16_SHIFT (2U)
 #define JUMP_Q16 (4096) /* 1/16 turn */
+#define MOVING_Q16 (8)  /* two LSB of a frame in a tick */
 #define OFF_Q16 (64)    /* 16 LSB of a frame, 0.35° */
 /* The speed is a mean over some 16 ticks; its unit is 1/16 of the angle's. */
 #define MEAN_SHIFT (4U)
 #define MEAN_TICKS (16)
+#define SPEED_MAX (0x8000 * MEAN_TICKS) /* half a turn a tick */
 #define Q16_MASK (0xFFFFU)
 #define HALF_TURN (0x8000U)
 
@@ -65,6 +67,12 @@ static void absolute_find(absolute_t *absolute, uint32_t reading)
     }
 }
 
+/* Whether the frame is that of the tick before, though the shaft turns. */
+static bool is_frozen(const absolute_t *absolute, uint32_t reading, int32_t step)
+{
+    return (reading == absolute->reading) && (fx_abs(step) >= MOVING_Q16);
+}
+
 /* A tick while the angle is known: follows the sensor, or goes on with its speed. */
 static void absolute_follow(absolute_t *absolute, uint32_t reading)
 {
@@ -73,11 +81,12 @@ static void absolute_follow(absolute_t *absolute, uint32_t reading)
     const int32_t off = angle_way(reading, expected);
 
     if ((absolute->trouble == (uint8_t)SHAFT_TROUBLE_NONE) &&
-        (fx_abs(off) > fx_max(fx_asr(fx_abs(step), 1U), OFF_Q16))) {
+        ((fx_abs(off) > fx_max(fx_asr(fx_abs(step), 1U), OFF_Q16)) ||
+         is_frozen(absolute, reading, step))) {
         absolute->trouble = (uint8_t)SHAFT_TROUBLE_FRAME;
     }
     if (absolute->trouble == (uint8_t)SHAFT_TROUBLE_NONE) {
-        absolute->speed += off;
+        absolute->speed = fx_clamp(absolute->speed + off, -SPEED_MAX, SPEED_MAX);
         absolute->angle = (uint16_t)reading;
         absolute->bad = 0U;
     } else {

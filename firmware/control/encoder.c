@@ -13,6 +13,8 @@
 #define TURNS_WITHOUT (2)
 #define MEAN_SHIFT (4U)
 #define MEAN_TICKS (16)
+#define SPEED_MAX ((int32_t)HALF_COUNTER * MEAN_TICKS)
+#define SINCE_MAX (3 * 65532) /* no encoder has more counts to a turn */
 /* A counter at a steady speed differs by up to 2 counts from tick to tick. */
 #define STRANGE_COUNTS (2 * MEAN_TICKS)
 /*
@@ -110,7 +112,7 @@ static bool goes_on(encoder_t *encoder, int32_t counts, int32_t way)
     const int32_t most = fx_max(fx_asr(fx_abs(encoder->speed), 1U), least);
 
     encoder->strange = (fx_abs(off) > most) ? (uint8_t)(encoder->strange + 1U) : 0U;
-    encoder->speed += fx_asr(off, MEAN_SHIFT);
+    encoder->speed = fx_clamp(encoder->speed + fx_asr(off, MEAN_SHIFT), -SPEED_MAX, SPEED_MAX);
     return encoder->strange < STRANGE_TICKS;
 }
 
@@ -127,9 +129,21 @@ RARE static void lose_counts(encoder_t *encoder)
 /* Names an index that has not come for two turns; it is waited for anew then. */
 static void miss_index(encoder_t *encoder, const encoder_cfg_t *cfg)
 {
-    if ((cfg->has_index != 0U) && (fx_abs(encoder->since) > (TURNS_WITHOUT * cfg->counts))) {
+    if (fx_abs(encoder->since) > (TURNS_WITHOUT * cfg->counts)) {
         encoder->since = 0;
         encoder->trouble = (uint8_t)SHAFT_TROUBLE_INDEX;
+    }
+}
+
+/* way: of the shaft in this tick. */
+static void look_for_index(encoder_t *encoder, const encoder_cfg_t *cfg, encoder_reading_t reading,
+                           int32_t way)
+{
+    encoder->since = fx_clamp(encoder->since + way, -SINCE_MAX, SINCE_MAX);
+    if (reading.indexed) {
+        take_index(encoder, cfg, reading.index);
+    } else {
+        miss_index(encoder, cfg);
     }
 }
 
@@ -146,13 +160,10 @@ uint16_t encoder_step(encoder_t *encoder, const encoder_cfg_t *cfg, encoder_read
     }
     encoder->known = goes_on(encoder, cfg->counts, way);
     encoder->count = within_turn(encoder->count + way, cfg->counts);
-    encoder->since += fx_clamp(way, -cfg->counts, cfg->counts);
-    if ((cfg->has_index != 0U) && reading.indexed) {
-        take_index(encoder, cfg, reading.index);
-    } else {
-        miss_index(encoder, cfg);
+    if (cfg->has_index != 0U) {
+        look_for_index(encoder, cfg, reading, fx_clamp(way, -cfg->counts, cfg->counts));
     }
-    if (!encoder->known) {
+    if (encoder->strange >= STRANGE_TICKS) {
         lose_counts(encoder);
     }
     return (uint16_t)((fx_unsigned(encoder->count) * cfg->scale_q32) >> Q32_TO_Q16_SHIFT);

@@ -40,7 +40,7 @@ typedef struct {
 
 typedef struct {
     int32_t count; /* of the turn, 0…counts − 1 */
-    int32_t since; /* counts from the last index, or from the start; ±3·counts */
+    int32_t since; /* counts from the last index, or from the start; ±3·counts; 0: no index */
     /* count of the index; odd_at: of one that came elsewhere and is not yet confirmed; −1: none */
     int32_t index_at;
     int32_t odd_at;

@@ -14,7 +14,7 @@
 #define LOST_WAY (4U * SECTOR) /* without an edge */
 /* A signal that stands still takes away one edge, so the illegal pattern comes at two sectors. */
 #define DEAD_WAY ((5U * SECTOR) / 2U)
-#define CLOSE (0x0AAAAAAA) /* 15° */
+#define CLOSE (0x0AAAAAA9) /* 15° */
 #define NEAR (0x20000000U) /* 45° */
 /* Shares of the errors at an edge that are corrected, where its time is known and where it is not.
  */
@@ -27,6 +27,7 @@
 #define TURNED_SHIFT (4U)
 #define HALF_SECTOR (0x15555555)
 #define MEASURED_MAX (0x0FFFFFFF)
+#define SPEED_MAX (0x1FFFFFFF)
 #define JITTER_TICKS (64U)
 #define AGE_SHIFT (8U) /* ages are Q8 of a tick */
 #define TICK_Q8 (256)
@@ -223,7 +224,7 @@ static step_t speed_ahead(const hall_t *hall, const hall_cfg_t *cfg, step_t meas
 
         ahead = hall->speed + fx_asr(measured - hall->speed, shift);
     }
-    return ahead;
+    return fx_clamp(ahead, -SPEED_MAX, SPEED_MAX);
 }
 
 /*
@@ -252,9 +253,10 @@ static void hall_pace(hall_t *hall, const hall_cfg_t *cfg, angle_t edge)
     const step_t speed = speed_ahead(hall, cfg, measured);
     const angle_t now = edge + fx_unsigned(way_since(hall, speed));
     const int32_t error = fx_signed(now - hall->angle);
+    const int32_t least = fx_clamp(error, -CLOSE, CLOSE);
 
-    if (hall->paced && (fx_abs(error) < CLOSE)) {
-        hall->angle += fx_unsigned(corrected(hall, error));
+    if (hall->paced && (error == least)) {
+        hall->angle += fx_unsigned(corrected(hall, least));
     } else {
         hall->angle = now;
     }
@@ -264,8 +266,31 @@ static void hall_pace(hall_t *hall, const hall_cfg_t *cfg, angle_t edge)
     hall->paced = true;
 }
 
+static bool is_illegal(uint32_t pattern)
+{
+    return (pattern == 0U) || (pattern == PATTERN_MASK);
+}
+
+/* The angle is not known any more; a legal pattern tells it again. */
+static void lose(hall_t *hall)
+{
+    hall->known = false;
+    hall->dead = 0U;
+    hall->taken = NO_PATTERN;
+    hall->seen = NO_PATTERN; /* no pattern tells it in this tick */
+    hall->trouble = (uint8_t)SHAFT_TROUBLE_HALL_PATTERN;
+}
+
+/*
+ * Two signals that stand still leave one edge, which the rotor seems to pass to and fro, and no
+ * pattern is illegal once a signal is left out. So the angle is lost where a fast rotor seems to
+ * turn back, or any rotor twice in a row while a signal is left out.
+ */
 static void hall_take_edge(hall_t *hall, const hall_cfg_t *cfg, angle_t edge, int8_t direction)
 {
+    const bool reversed = hall->direction == -direction;
+    const bool second = reversed && (hall->fast || (hall->turned && (hall->dead != 0U)));
+
     if (hall->direction == direction) {
         hall_pace(hall, cfg, edge);
     } else {
@@ -273,11 +298,14 @@ static void hall_take_edge(hall_t *hall, const hall_cfg_t *cfg, angle_t edge, in
         hall->pace = 0;
         hall->angle = edge;
     }
-    hall->turned = hall->direction == -direction;
+    hall->turned = reversed;
     hall->edge = edge;
     hall->direction = direction;
     begin_time(hall);
     expect_edge(hall, cfg);
+    if (second) {
+        lose(hall);
+    }
 }
 
 /* Returns the direction of the edge to this span; 0: it is no neighbour. */
@@ -367,16 +395,6 @@ static void take_legal(hall_t *hall, const hall_cfg_t *cfg, uint32_t pattern, ha
     }
 }
 
-/* The angle is not known any more; a legal pattern tells it again. */
-static void lose(hall_t *hall)
-{
-    hall->known = false;
-    hall->dead = 0U;
-    hall->taken = NO_PATTERN;
-    hall->seen = NO_PATTERN; /* no pattern tells it in this tick */
-    hall->trouble = (uint8_t)SHAFT_TROUBLE_HALL_PATTERN;
-}
-
 /* An illegal pattern. It is bridged for some ticks; then a signal is left out, or the angle lost.
  */
 RARE static void take_unlike(hall_t *hall, const hall_cfg_t *cfg, uint32_t pattern)
@@ -426,14 +444,20 @@ static void hall_stay(hall_t *hall, const hall_cfg_t *cfg)
     }
 }
 
-/* Counts the ticks on. The edge that had to come has not, if the speed is known. */
+/*
+ * Counts the ticks on. The edge that had to come has not, if the speed is known: a slow rotor has
+ * stopped. But a pattern that is legal only without the signal that is left out may be that of an
+ * open connector.
+ */
 RARE static void miss_edge(hall_t *hall)
 {
     hall->patience = TICKS_MAX;
-    hall->ticks += (hall->ticks < TICKS_MAX) ? 1U : 0U;
+    if (hall->ticks < TICKS_MAX) {
+        hall->ticks++;
+    }
     if (!hall->known || !hall->paced) {
         /* none has to come */
-    } else if (hall->fast) {
+    } else if (hall->fast || is_illegal(hall->taken)) {
         lose(hall);
     } else {
         forget_pace(hall);

@@ -22,8 +22,10 @@
  *
  * A signal that stands still makes an illegal pattern, 000 or 111, once in each electrical turn.
  * The signal for which the rotor would be where its speed has brought it is left out from then on,
- * and named. The other two tell sectors of 60° and 120° apart. If no speed is known, or a second
- * signal stands still, the angle is lost.
+ * and named. The other two tell sectors of 60° and 120° apart. If no speed is known, the angle is
+ * lost. So it is where a second signal stands still: at the first edge at which a fast rotor seems
+ * to turn back, and while a signal is left out, at the second one of any rotor. All three signals
+ * of an open connector are found where the next edge is due.
  *
  * Pure, total; call from the control interrupt.
  */

@@ -84,8 +84,8 @@ bool estimate_is_trained(const drive_t *drive);
 ab_t estimate_applied_voltage(ab_t ratio, int32_t bus_before, int32_t bus_now);
 
 /*
- * In a tick that controls a current: the network predicts. Then it is trained, or follows. Returns
- * the measured current in the frame of θ̂, Q15 of I_b, ±34400.
+ * In a tick that controls a current: the network predicts. Call estimate_train() or
+ * estimate_follow() behind it. Returns the measured current in the frame of θ̂, Q15 of I_b, ±34400.
  */
 dq_t estimate_step(rotor_t *rotor, const drive_t *drive, sample_t sample);
 

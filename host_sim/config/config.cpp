@@ -195,7 +195,9 @@ void check_hall(const Config &config)
     check_six(config, "sensor.hall_patterns", sensor.hall_patterns);
     check_six(config, "sensor.hall_edges_deg", sensor.hall_edges_deg);
     check_six(config, "plant.hall_error_deg", config.plant.hall_error_deg);
-    if (!hall_order_holds(hall_patterns(sensor))) {
+    const bool whole = std::all_of(sensor.hall_patterns.begin(), sensor.hall_patterns.end(),
+                                   [](double pattern) { return pattern == std::floor(pattern); });
+    if (!whole || !hall_order_holds(hall_patterns(sensor))) {
         refuse_list(config, "sensor.hall_patterns", sensor.hall_patterns, "is no order of a turn",
                     "1 to 6 once each, two neighbours different in one signal");
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "g4_input_lines.h"
 
+#include "acts.h"
 #include "g4_family.h"
 #include "g4_text.h"
 #include "refusal.h"
@@ -123,12 +124,22 @@ void need_pins(const Config &config, const char *kind, const char *key, std::siz
     }
 }
 
+// A board knows no angle that no sensor tells it.
+void need_sensor(const Config &config)
+{
+    if (has_ideal_sensor(config)) {
+        fail(config.origins.at("drive.angle_source"), "drive.angle_source",
+             has_both(config) ? "\"both\"" : "\"sensor\"", "has no sensor: sensor.kind is \"none\"",
+             "\"observer\", or a sensor.kind that this board has pins for");
+    }
+}
+
 // Where one connector is for several sensors, it is the one that the drive uses.
 std::string sensor_of(const Config &config)
 {
     const HalSettings &hal = config.hal;
-    const bool used = config.tuning.angle_source != AngleSource::observer;
-    const SensorKind kind = used ? config.motor.sensor.kind : SensorKind::none;
+    const SensorKind kind = has_angle_sensor(config) ? config.motor.sensor.kind : SensorKind::none;
+    need_sensor(config);
     if (kind == SensorKind::hall) {
         need_pins(config, "hall", "hal.hall_pins", 3);
         return "BOARD_SHAFT_HALL";

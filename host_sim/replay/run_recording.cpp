@@ -48,8 +48,10 @@ std::size_t frames_max()
     constexpr std::size_t BYTES_OF_LINE = RECORDER_LINE_CHARACTERS + 1; // with its end
     constexpr std::size_t WORDS_OF_ENTRY = sizeof(recorder_entry_t) / sizeof(uint32_t);
     constexpr std::size_t OTHER_WORDS = 4096; // header, configurations, state
-    return (LOG_BYTES_MAX / BYTES_OF_LINE * RECORDER_LINE_WORDS - OTHER_WORDS) /
-           (WORDS_OF_ENTRY * ENTRIES_OF_A_FRAME);
+    constexpr std::size_t OF_FILE =
+        (LOG_BYTES_MAX / BYTES_OF_LINE * RECORDER_LINE_WORDS - OTHER_WORDS) / WORDS_OF_ENTRY;
+    constexpr std::size_t OF_SEGMENT = RECORDER_ENTRIES_MAX - RECORDER_ENTRIES_MIN;
+    return std::min(OF_FILE, OF_SEGMENT) / ENTRIES_OF_A_FRAME;
 }
 
 // The recorder's snapshot is the state behind its first tick.

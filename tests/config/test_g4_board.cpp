@@ -130,7 +130,7 @@ void assert_refused(const Lines &set, const std::string &words)
 {
     std::string said;
     try {
-        (void)resolved(set);
+        (void)nf::make_hal_header(esc1_with(set));
     } catch (const nf::ConfigError &error) {
         said = error.what();
     }
@@ -397,6 +397,14 @@ TEST(one_connector_may_be_for_hall_sensors_and_for_an_encoder)
     TEST_ASSERT_EQUAL_INT64(1,
                             std::count_if(board.pins.begin(), board.pins.end(),
                                           [](const nf::G4Pin &pin) { return pin.name == "PB6"; }));
+}
+
+TEST(a_drive_whose_angle_no_sensor_tells_is_refused)
+{
+    for (const char *source : {"both", "sensor"}) {
+        assert_refused({fmt::format("drive.angle_source={}", source)},
+                       fmt::format("drive.angle_source = \"{}\": has no sensor", source));
+    }
 }
 
 TEST(an_absolute_encoder_has_the_spi_of_its_pins_and_starts_unselected)

@@ -4,8 +4,8 @@
 Proven is an induction over the ticks: drive_init begins within the ranges of state.def, and one drive_step from any
 state within them, with any valid configuration and any frame, ends within them and has no overflow, no conversion that
 changes a value, no index out of its array, no division by zero, no shift too far, no uninitialised read. The same of
-recorder_change and recorder_step, with the ranges of proof_of_recorder.c; and that no sample of the sum of the currents has a run-time
-error, with those of proof_of_current_sum.c.
+recorder_change and recorder_step, with the ranges of proof_of_recorder.c, and of the decoders of sensors, with those of
+proof_of_shaft.c; and that no sample of the sum of the currents has a run-time error, with those of proof_of_current_sum.c.
 
 As a proof without alarms can be empty, four things are asked for: that Frama-C ends well; that there is its list of
 properties, with none that is not proven; that each entry gets to its end and asks for each range; and that one or the
@@ -28,7 +28,7 @@ sys.path.insert(0, str(ROOT / "tools" / "evidence"))
 
 import part  # noqa: E402
 
-SAYS = ("Frama-C's Eva proves by induction over the ticks that drive_init, drive_step and recorder_step have no run-time "
+SAYS = ("Frama-C's Eva proves by induction over the ticks that drive_init, drive_step, the decoders of sensors and recorder_step have no run-time "
         "error, for every valid configuration, every frame and every state that can be: no overflow, no conversion that "
         "changes a value, no index out of its array, no division by zero, no shift too far, no uninitialised read. Not "
         "part of it: what the background does beside the sum of the currents (the rest of the recorder, texts and dumps), the application's interrupt "
@@ -36,9 +36,11 @@ SAYS = ("Frama-C's Eva proves by induction over the ticks that drive_init, drive
 FLOORS = ("math", "control", "protect", "config", "drive", "record")
 DRIVE, RECORDER = "tests/proof/proof_of_drive.c", "tests/proof/proof_of_recorder.c"
 CURRENT_SUM = "tests/proof/proof_of_current_sum.c"
+SHAFT = "tests/proof/proof_of_shaft.c"
 ENTRIES = {"proof_init": DRIVE, "proof_startup": DRIVE, "proof_startup_regulated": DRIVE, "proof_plain": DRIVE,
            "proof_plain_regulated": DRIVE, "proof_no_state": DRIVE, "proof_flipped": DRIVE, "proof_change": DRIVE, "proof_change_regulated": DRIVE,
-           "proof_recorder": RECORDER, "proof_current_sum": CURRENT_SUM}
+           "proof_recorder": RECORDER, "proof_current_sum": CURRENT_SUM,
+           "proof_hall": SHAFT, "proof_encoder": SHAFT, "proof_absolute": SHAFT}
 CHECK = "check_state"  # what each entry ends with
 NO_PART_OF_IT = {f"{name}.{kind}" for name in ("cobs", "config_block", "config_ceiling", "config_lock", "config_rule", "drive_words", "fault_text", "frame_code",
                                                "recorder_dump", "recorder_pack", "recorder_rescue")
@@ -60,6 +62,7 @@ CASES = {
     },
     RECORDER: {"recorder_step": 20, "turn_over": 20, "room_for_tick": 20, "is_within": 10, "ring_is_within": 10},
     CURRENT_SUM: {"sum_of": 10, "current_sum_step": 20},
+    SHAFT: {"span_of": 200, "speed_between": 10, "within_turn": 10, "ahead": 10, "expect_edge": 10, "hall_pace": 20},
 }
 OPTIONS = [
     "-c11", "-machdep", "gcc_x86_32", "-eva", "-eva-precision", "0", "-eva-ilevel", "16",
@@ -67,7 +70,7 @@ OPTIONS = [
     "-warn-signed-downcast", "-warn-unsigned-downcast",
 ]
 SPLIT_RETURN = {DRIVE: "fx_leading_zeros:full,protection_check:full", RECORDER: "fx_leading_zeros:full,ring_is_within:full,is_within:full",
-                CURRENT_SUM: "fx_leading_zeros:full"}
+                CURRENT_SUM: "fx_leading_zeros:full", SHAFT: "fx_leading_zeros:full"}
 COLLECTED_SELDOM = {"OCAMLRUNPARAM": "s=4M,o=200"}  # garbage: a ninth of the time for some more memory
 NOT_CALLED = {"drive_knows_rotor", "drive_position_from_zero_q32", "drive_position_q32", "drive_reads_slow_inputs", "probe_is_done",
               "probing_current", "probing_may_brake", "schedule_next", "words_put"}  # by what is analysed

@@ -113,21 +113,27 @@ TEST(test_the_error_flag_of_the_sensor_is_named)
 }
 
 /* 1200 rpm at 10 kHz */
+/* From two LSB a tick on. */
 TEST(test_frames_that_stand_still_while_the_shaft_turns_are_bridged_and_then_lost)
 {
-    uint16_t still;
+    static const uint32_t speeds[] = {9U, 33U, 131U};
 
-    for (uint32_t k = 0U; k < 200U; k++) {
-        shaft = (uint16_t)(shaft + 131U);
-        (void)absolute_step(&absolute, &cfg, frame_of(shaft));
+    for (uint32_t s = 0U; s < 3U; s++) {
+        uint16_t still;
+
+        absolute_start(&absolute);
+        for (uint32_t k = 0U; k < 200U; k++) {
+            shaft = (uint16_t)(shaft + speeds[s]);
+            (void)absolute_step(&absolute, &cfg, frame_of(shaft));
+        }
+        still = frame_of(shaft);
+        for (uint32_t k = 1U; k <= BRIDGE; k++) {
+            TEST_ASSERT_TRUE(absolute_step(&absolute, &cfg, still));
+            TEST_ASSERT_INT16_WITHIN(10 * LSB_Q16, (int16_t)(shaft + (speeds[s] * (k + 1U))),
+                                     (int16_t)absolute.ahead);
+        }
+        TEST_ASSERT_FALSE(absolute_step(&absolute, &cfg, still));
     }
-    still = frame_of(shaft);
-    for (uint32_t k = 1U; k <= BRIDGE; k++) {
-        TEST_ASSERT_TRUE(absolute_step(&absolute, &cfg, still));
-        TEST_ASSERT_INT16_WITHIN(10 * LSB_Q16, (int16_t)(shaft + (131U * (k + 1U))),
-                                 (int16_t)absolute.ahead);
-    }
-    TEST_ASSERT_FALSE(absolute_step(&absolute, &cfg, still));
 }
 
 TEST(test_a_wire_that_stays_high_or_low_loses_the_angle_of_a_turning_shaft)
@@ -142,5 +148,18 @@ TEST(test_a_wire_that_stays_high_or_low_loses_the_angle_of_a_turning_shaft)
             (void)absolute_step(&absolute, &cfg, levels[k]);
         }
         TEST_ASSERT_FALSE(absolute.known);
+    }
+}
+
+/* Each frame comes as far ahead as one may come: that of a sensor which is out of order. */
+TEST(test_frames_that_run_away_leave_the_speed_within_half_a_turn_a_tick)
+{
+    (void)turn_good(200U);
+    for (uint32_t k = 0U; k < 200000U; k++) {
+        const int32_t step = absolute.speed / 16;
+
+        shaft = (uint16_t)((uint32_t)absolute.angle + (uint32_t)(step + (step / 2)));
+        (void)absolute_step(&absolute, &cfg, frame_of(shaft));
+        TEST_ASSERT_INT32_WITHIN(0x8000 * 16, 0, absolute.speed);
     }
 }

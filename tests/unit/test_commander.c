@@ -200,7 +200,7 @@ TEST(test_a_clear_that_is_taken_back_leaves_the_ticket)
 TEST(test_without_a_sensor_there_is_no_zero_at_rest)
 {
     TEST_ASSERT_EQUAL_STRING("the rotor is not known at rest; a start counts from its own zero",
-                             commander_zero(&app));
+                             commander_zero(&app, SOURCE_CONSOLE));
     TEST_ASSERT_EQUAL_UINT8(0U, taken().request);
 }
 
@@ -218,15 +218,31 @@ TEST(test_a_board_that_did_not_start_knows_no_rotor)
 {
     run_in(DRIVE_MODE_SPEED, 0);
     app.drive.cfg = NULL;
-    TEST_ASSERT_NOT_NULL(commander_zero(&app));
+    TEST_ASSERT_NOT_NULL(commander_zero(&app, SOURCE_CONSOLE));
     app.drive.cfg = &cfg;
-    TEST_ASSERT_NULL(commander_zero(&app));
+    TEST_ASSERT_NULL(commander_zero(&app, SOURCE_CONSOLE));
+}
+
+TEST(test_a_zero_takes_the_command_from_whoever_has_it)
+{
+    static const source_t before[] = {SOURCE_NONE, SOURCE_CONSOLE, SOURCE_LINK, SOURCE_INPUT};
+
+    for (uint32_t k = 0U; k < 8U; k++) {
+        const source_t of = ((k / 4U) == 0U) ? SOURCE_CONSOLE : SOURCE_LINK;
+        const uint32_t upsets = app.upsets;
+
+        run_in(DRIVE_MODE_SPEED, 77);
+        app.source = before[k % 4U];
+        TEST_ASSERT_NULL(commander_zero(&app, of));
+        TEST_ASSERT_EQUAL_INT(of, commander_source(&app));
+        TEST_ASSERT_NOT_EQUAL_UINT32(upsets, app.upsets);
+    }
 }
 
 TEST(test_a_zero_is_in_force_until_the_drive_has_taken_it_and_no_longer)
 {
     run_in(DRIVE_MODE_SPEED, 77);
-    TEST_ASSERT_NULL(commander_zero(&app));
+    TEST_ASSERT_NULL(commander_zero(&app, SOURCE_CONSOLE));
     commander_step(&app);
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN | DRIVE_REQUEST_ZERO, taken().request);
     TEST_ASSERT_EQUAL_INT32(77, taken().target);
@@ -237,7 +253,7 @@ TEST(test_a_zero_is_in_force_until_the_drive_has_taken_it_and_no_longer)
 TEST(test_a_zero_in_position_mode_asks_the_drive_to_stay)
 {
     run_in(DRIVE_MODE_POSITION, 77);
-    TEST_ASSERT_NULL(commander_zero(&app));
+    TEST_ASSERT_NULL(commander_zero(&app, SOURCE_CONSOLE));
     TEST_ASSERT_EQUAL_INT32(0, taken().target);
     TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_POSITION, taken().mode);
 }
@@ -248,7 +264,7 @@ TEST(test_a_zero_that_is_not_taken_yet_outlives_the_next_command)
         .target = 5, .mode = (uint8_t)DRIVE_MODE_SPEED, .request = (uint8_t)DRIVE_REQUEST_RUN};
 
     run_in(DRIVE_MODE_SPEED, 77);
-    TEST_ASSERT_NULL(commander_zero(&app));
+    TEST_ASSERT_NULL(commander_zero(&app, SOURCE_CONSOLE));
     TEST_ASSERT_NULL(commander_command(&app, &next, true, EXAMPLE_SPEED_STEP));
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN | DRIVE_REQUEST_ZERO, taken().request);
     TEST_ASSERT_EQUAL_INT32(5, taken().target);

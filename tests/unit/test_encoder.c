@@ -291,3 +291,18 @@ TEST(test_an_encoder_without_an_index_misses_none)
         TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_NONE, encoder.trouble);
     }
 }
+
+/* A fan at 6000 rpm counts as far within 90 minutes. */
+TEST(test_an_encoder_without_an_index_counts_beyond_a_whole_word)
+{
+    const int32_t step = 30000;
+    const uint32_t ticks = 0x80000000U / 30000U + 10U;
+
+    cfg.has_index = 0U;
+    (void)move(0);
+    for (uint32_t k = 0U; k < ticks; k++) {
+        (void)move(step);
+    }
+    expect_count((int32_t)(((int64_t)ticks * step) % COUNTS));
+    TEST_ASSERT_TRUE(encoder.known);
+}

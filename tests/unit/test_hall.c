@@ -283,6 +283,48 @@ TEST(test_a_fast_rotor_loses_a_signal_without_a_jerk)
     }
 }
 
+static bool is_lost_or_jumps_within(uint32_t turns, step_t step)
+{
+    bool lost = false;
+
+    for (uint32_t k = 0U; (k < (turns * (uint32_t)TICKS_PER_TURN)) && !lost; k++) {
+        (void)turn(1, step, 0);
+        lost = !hall.known || (hall.trouble == (uint8_t)SHAFT_TROUBLE_HALL_JUMP);
+    }
+    return lost;
+}
+
+/*
+ * Each pair of signals, at each level, at 12 places of a turn, both ways; at once and one later.
+ * Two at once may look like a jump, and then like a rotor at rest.
+ */
+TEST(test_two_signals_of_a_fast_rotor_that_stand_still_are_named)
+{
+    cfg.fast_speed = STEP / 2;
+    for (uint32_t k = 0U; k < (3U * 4U * 12U * 2U * 2U); k++) {
+        const uint32_t left = (uint32_t)1U << (k % 3U);
+        const uint32_t stuck = 7U ^ left;
+        const uint32_t levels = (k / 3U) % 4U;
+        const uint32_t first = (left == 1U) ? 2U : 1U;
+        const uint32_t high =
+            ((levels & 1U) != 0U ? first : 0U) | ((levels & 2U) != 0U ? (stuck ^ first) : 0U);
+        const step_t step = (((k / 144U) % 2U) == 0U) ? STEP : -STEP;
+
+        setUp();
+        cfg.fast_speed = STEP / 2;
+        rotor = (angle_t)((k / 12U) % 12U) * (SECTOR / 2U);
+        (void)turn(1000, step, 0);
+        if (k >= 288U) {
+            stuck_high = high & first;
+            stuck_low = first ^ stuck_high;
+            (void)turn(2 * TICKS_PER_TURN, step, 0);
+        }
+        stuck_high = high;
+        stuck_low = stuck ^ high;
+        TEST_ASSERT_TRUE(is_lost_or_jumps_within(2U, step));
+    }
+}
+
 TEST(test_a_fast_rotor_whose_pattern_stands_still_is_lost_while_the_angle_is_right)
 {
     int32_t largest = 0;
@@ -361,6 +403,21 @@ TEST(test_a_signal_that_stands_still_after_the_rotor_has_stopped_is_not_taken_fo
         (void)turn(1000, STEP, 0);
         (void)turn(105 + (10 * (int32_t)(k / 18U)), 0, 0);
         assert_no_other_signal_is_left_out((uint32_t)1U << (k % 3U));
+    }
+}
+
+/* A slow rotor: at once, or after up to the two sectors that a single signal would explain. */
+TEST(test_a_connector_that_opens_while_the_rotor_turns_loses_the_angle)
+{
+    for (uint32_t k = 0U; k < (2U * 84U * 2U); k++) {
+        const step_t step = ((k % 2U) == 0U) ? STEP : -STEP;
+
+        setUp();
+        (void)turn(1000 + (int32_t)(k / 4U) * 3, step, 0);
+        stuck_high = (((k / 2U) % 2U) == 0U) ? 7U : 0U;
+        stuck_low = 7U ^ stuck_high;
+        TEST_ASSERT_TRUE(is_lost_or_jumps_within(1U, step));
+        TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_HALL_PATTERN, hall.trouble);
     }
 }
 

@@ -163,7 +163,7 @@ TEST(test_the_next_request_to_run_forgets_the_trouble_of_the_sensor_but_not_that
     assert_says(", angle by sensor");
     TEST_ASSERT_NULL(strstr(text.characters, ", sensor: "));
     app.drive.rotor.failed = true;
-    assert_says(", sensor: wrong_angle");
+    assert_says(", sensor: sensor_turned");
 }
 
 TEST(test_without_a_sensor_nothing_is_said_of_one)
