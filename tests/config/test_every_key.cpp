@@ -268,10 +268,12 @@ Rungs numbers_near(double value, const nf::Field &field, bool whole)
     return rungs;
 }
 
-// Each item in turn.
+// Each item in turn, and all the other way round.
 template <typename List> Rungs lists_near(const List &list, const nf::Field &field)
 {
-    Lines texts;
+    List back = list;
+    std::reverse(back.begin(), back.end());
+    Lines texts = {fmt::format("[{}]", fmt::join(back, ","))};
     for (std::size_t k = 0; k < list.size(); k++) {
         List other = list;
         other[k] += other[k] > field.max / 2 ? -0.5 : 0.5;
