@@ -13,8 +13,8 @@
 #define TURNS_WITHOUT (2)
 #define MEAN_SHIFT (4U)
 #define MEAN_TICKS (16)
-#define SPEED_MAX ((int32_t)HALF_COUNTER * MEAN_TICKS)
-#define SINCE_MAX (3 * 65532) /* no encoder has more counts to a turn */
+#define SPEED_MAX ((int32_t)HALF_COUNTER * MEAN_TICKS) /* half the counter's range a tick */
+#define SINCE_MAX (3 * 65532) /* three turns of an encoder with the most counts */
 /* A counter at a steady speed differs by up to 2 counts from tick to tick. */
 #define STRANGE_COUNTS (2 * MEAN_TICKS)
 /*

@@ -111,24 +111,12 @@ static angle_t width_of(const hall_cfg_t *cfg, hall_span_t span)
     return hall_end_of(cfg, span) - begin_of(cfg, span.first);
 }
 
-/* Begins the time since an edge. */
-static void begin_time(hall_t *hall)
-{
-    hall->ticks = 0U;
-    hall->edge_age_q8 = hall->seen_age_q8;
-}
-
 /* Returns the ticks in which a rotor with this pace goes at most so far. */
 static uint32_t ticks_of(const hall_t *hall, angle_t way)
 {
     const uint32_t pace = fx_unsigned(fx_abs(hall->pace));
 
     return (pace == 0U) ? UINT32_MAX : (way / pace);
-}
-
-static bool hall_is_fast(const hall_t *hall, const hall_cfg_t *cfg)
-{
-    return fx_abs(hall->pace) >= cfg->fast_speed;
 }
 
 /*
@@ -141,9 +129,17 @@ static void expect_edge(hall_t *hall, const hall_cfg_t *cfg)
     const uint32_t twice = (width < HALF_TURN) ? ((2U * width) + 1U) : UINT32_MAX;
     uint32_t patience;
 
-    hall->fast = hall_is_fast(hall, cfg);
+    hall->fast = fx_abs(hall->pace) >= cfg->fast_speed;
     patience = ticks_of(hall, hall->fast ? LOST_WAY : twice);
     hall->patience = (patience < TICKS_MAX) ? patience : TICKS_MAX;
+}
+
+/* Begins the time since an edge, behind which the rotor has this pace. */
+static void begin_time(hall_t *hall, const hall_cfg_t *cfg)
+{
+    hall->ticks = 0U;
+    hall->edge_age_q8 = hall->seen_age_q8;
+    expect_edge(hall, cfg);
 }
 
 /*
@@ -182,8 +178,7 @@ static void place(hall_t *hall, const hall_cfg_t *cfg)
     hall->turned = false;
     hall->pace = 0;
     forget_pace(hall);
-    begin_time(hall);
-    expect_edge(hall, cfg);
+    begin_time(hall, cfg);
 }
 
 /* Returns how far the rotor has gone on since the edge: the tick after the first one takes it. */
@@ -208,14 +203,14 @@ static step_t speed_between(const hall_t *hall, int32_t way)
  * acceleration. That of a fast one, whose speed hardly changes from edge to edge, is a mean: it has
  * less of the jitter of a tick, or of what is not known of the edges' angles.
  */
-static step_t speed_ahead(const hall_t *hall, const hall_cfg_t *cfg, step_t measured)
+static step_t speed_ahead(const hall_t *hall, step_t measured)
 {
     const step_t before = hall->pace;
     step_t ahead;
 
     if (!hall->paced) {
         ahead = measured;
-    } else if (!hall_is_fast(hall, cfg) && (hall->timed || (hall->ticks > JITTER_TICKS))) {
+    } else if (!hall->fast && (hall->timed || (hall->ticks > JITTER_TICKS))) {
         const step_t most = fx_asr(fx_abs(measured), 1U);
 
         ahead = measured + fx_clamp(measured - before, -most, most);
@@ -232,11 +227,11 @@ static step_t speed_ahead(const hall_t *hall, const hall_cfg_t *cfg, step_t meas
  * slow one that does not may be anywhere soon: from rest the second sector takes 0.41 of the time
  * of the first.
  */
-static bool is_steady(const hall_t *hall, const hall_cfg_t *cfg, step_t measured)
+static bool is_steady(const hall_t *hall, step_t measured)
 {
     const step_t before = hall->pace;
 
-    return hall_is_fast(hall, cfg) ||
+    return hall->fast ||
            (hall->paced && (fx_abs(measured - before) <= fx_asr(fx_abs(before), STEADY_SHIFT)));
 }
 
@@ -247,22 +242,22 @@ static int32_t corrected(const hall_t *hall, int32_t error)
 }
 
 /* Corrects angle and speed at an edge, from the way and the time since the edge before. */
-static void hall_pace(hall_t *hall, const hall_cfg_t *cfg, angle_t edge)
+static void hall_pace(hall_t *hall, angle_t edge)
 {
     const step_t measured = speed_between(hall, fx_signed(edge - hall->edge));
-    const step_t speed = speed_ahead(hall, cfg, measured);
+    const step_t speed = speed_ahead(hall, measured);
     const angle_t now = edge + fx_unsigned(way_since(hall, speed));
     const int32_t error = fx_signed(now - hall->angle);
-    const int32_t least = fx_clamp(error, -CLOSE, CLOSE);
+    const int32_t close = fx_clamp(error, -CLOSE, CLOSE);
 
-    if (hall->paced && (error == least)) {
-        hall->angle += fx_unsigned(corrected(hall, least));
+    if (hall->paced && (error == close)) {
+        hall->angle += fx_unsigned(corrected(hall, close));
     } else {
         hall->angle = now;
     }
-    hall->steady = is_steady(hall, cfg, measured);
+    hall->steady = is_steady(hall, measured);
     hall->speed = speed;
-    hall->pace = hall_is_fast(hall, cfg) ? speed : measured;
+    hall->pace = hall->fast ? speed : measured;
     hall->paced = true;
 }
 
@@ -292,7 +287,7 @@ static void hall_take_edge(hall_t *hall, const hall_cfg_t *cfg, angle_t edge, in
     const bool second = reversed && (hall->fast || (hall->turned && (hall->dead != 0U)));
 
     if (hall->direction == direction) {
-        hall_pace(hall, cfg, edge);
+        hall_pace(hall, edge);
     } else {
         forget_pace(hall);
         hall->pace = 0;
@@ -301,8 +296,7 @@ static void hall_take_edge(hall_t *hall, const hall_cfg_t *cfg, angle_t edge, in
     hall->turned = reversed;
     hall->edge = edge;
     hall->direction = direction;
-    begin_time(hall);
-    expect_edge(hall, cfg);
+    begin_time(hall, cfg);
     if (second) {
         lose(hall);
     }
@@ -338,7 +332,7 @@ static bool is_too_soon(const hall_t *hall, const hall_cfg_t *cfg, int8_t direct
     } else if (direction == hall->direction) {
         const uint32_t half = width_of(cfg, hall->span) / 2U;
 
-        least = hall_is_fast(hall, cfg) ? (half + (half / 2U)) : half;
+        least = hall->fast ? (half + (half / 2U)) : half;
     } else {
         /* it would have turned back */
     }
@@ -355,8 +349,7 @@ static void take_jump(hall_t *hall, const hall_cfg_t *cfg)
     hall->trouble = (uint8_t)SHAFT_TROUBLE_HALL_JUMP;
     if (hall->paced && (inside < width_of(cfg, hall->span))) {
         hall->edge = hall->angle;
-        begin_time(hall);
-        expect_edge(hall, cfg);
+        begin_time(hall, cfg);
     } else {
         place(hall, cfg);
     }

@@ -387,18 +387,11 @@ class Board:
         while left:
             left = self.send_at_once(left)
 
-    def send_at_once(self, left):
-        """As much as the receiver takes: to the end of the pass for that. What is left."""
+    def send_at_once(self, left, until=NEVER):
+        """As much as the receiver takes: to the end of the pass for that, or to the time `until`. What is left."""
         left = left[self.chip.usart.receive_at_once(left):]
         self.core.asleep = False
-        self.core.run()
-        return left
-
-    def send_in_time(self, left):
-        """As much as the receiver takes, and the background goes on to the next conversion at most. What is left."""
-        left = left[self.chip.usart.receive_at_once(left):]
-        self.core.asleep = False
-        self.core.run(self.chip.timer.next_update())
+        self.core.run(until)
         return left
 
     def said(self):

@@ -16,6 +16,7 @@ from pathlib import Path
 import analogue
 import digital
 from board import Board
+from core import NEVER
 
 ASKED = struct.Struct("<10Hiiii")  # bil_plant.cpp
 MEASURED = 4  # of what is asked
@@ -94,14 +95,14 @@ def loop(plant, board, spikes, mailbox=None):
     the plant's drive is commanded what the image is: a line that the receiver has no room for takes two ticks, so it comes late."""
     before, ticks, typed = None, 0, b""
 
-    def type_changes(send):
+    def type_changes(until=NEVER):
         nonlocal typed
         typed += lines_of_changes(before, asked)
         if typed and board.core.asleep:
-            typed = send(typed)
+            typed = board.send_at_once(typed, until)
 
     def commanded():
-        type_changes(board.send_in_time)
+        type_changes(board.chip.timer.next_update())
         return (*mailbox.command(), 1)
 
     while record := plant.stdout.read(ASKED.size):
@@ -112,7 +113,7 @@ def loop(plant, board, spikes, mailbox=None):
             board.boot()
             before = (0,) * len(asked)
         if mailbox is None:
-            type_changes(board.send_at_once)
+            type_changes()
         if board.ticks != ticks:
             sys.exit(f"a tick came upon the command before tick {ticks}: it was not the plant's")
         answer(plant, board, asked, spikes, commanded if mailbox else lambda: SCRIPTED)

@@ -112,8 +112,7 @@ TEST(test_the_error_flag_of_the_sensor_is_named)
     TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_FLAGGED, absolute.trouble);
 }
 
-/* 1200 rpm at 10 kHz */
-/* From two LSB a tick on. */
+/* From two LSB a tick on: 82, 302 and 1200 rpm at 10 kHz. */
 TEST(test_frames_that_stand_still_while_the_shaft_turns_are_bridged_and_then_lost)
 {
     static const uint32_t speeds[] = {9U, 33U, 131U};

@@ -300,7 +300,6 @@ static bool is_lost_or_jumps_within(uint32_t turns, step_t step)
  */
 TEST(test_two_signals_of_a_fast_rotor_that_stand_still_are_named)
 {
-    cfg.fast_speed = STEP / 2;
     for (uint32_t k = 0U; k < (3U * 4U * 12U * 2U * 2U); k++) {
         const uint32_t left = (uint32_t)1U << (k % 3U);
         const uint32_t stuck = 7U ^ left;
