@@ -35,6 +35,7 @@ class Chip:
         self.held = NEVER  # what is due then or later has to wait
         self.pins = dict.fromkeys(wiring.shunts, 0.0) | {wiring.bus: 0.0, wiring.temperature: COLD_ROOM_COUNT, wiring.throttle: 0.0}
         self.bus = self.memory = None  # of the core
+        self.hold = lambda address, value, until: None  # without one, each look is made
         self.fault_line = 1 - wiring.break_level  # at the break pin, once the gate driver is awake
         self.awake_at = NEVER
         names = [f"ADC{number}" for number in self.facts.numbered("ADC")]

@@ -51,7 +51,8 @@ class Clock(ctypes.Structure):
                 ("stopped", ctypes.c_int64), ("flash", ctypes.c_uint64), ("stop", ctypes.c_void_p),
                 ("cost_of", COST_OF), ("cost", ctypes.POINTER(ctypes.c_uint16)), ("halfwords", ctypes.c_uint64),
                 ("access", ctypes.c_int64),
-                ("held", ctypes.c_uint64), ("value", ctypes.c_uint64), ("read", READ), ("write", WRITE)]
+                ("held", ctypes.c_uint64), ("value", ctypes.c_uint64), ("until", ctypes.c_int64),
+                ("read", READ), ("write", WRITE)]
 
 
 class Page(ctypes.Structure):
@@ -80,6 +81,7 @@ class Core:
         self.ram_end = RAM + chip.facts.ram_bytes
         self.bus = chip.bus = Bus(chip.blocks)
         chip.memory = self._write_by_dma
+        chip.hold = self._hold
         self.failure = None
         self.asleep = False
         self._limit = NEVER
@@ -175,11 +177,12 @@ class Core:
     def _write(self, address, size, value):
         self._guarded(self._do_write, address, size, value)
 
-    def hold(self, address, value):
-        """For a register that is being read: looks at it see this again until something is due, or the image does
-        something else."""
+    def _hold(self, address, value, until=NEVER):
+        """For a register that is being read: looks at it see this again before the time `until`, until something is due, or
+        the image does something else."""
         if not self._counting:
-            self.chip.clock.held, self.chip.clock.value = address, value
+            clock = self.chip.clock
+            clock.held, clock.value, clock.until = address, value, until
 
     def _pass_access(self):
         if (now := self.chip.clock.now + ACCESS_CYCLES) < self._limit:

@@ -21,6 +21,7 @@ typedef struct {
     int64_t access;     /* cycles of an access to a register */
     uint64_t held;      /* the register that shows the same again, see core_clock_read; 0: none */
     uint64_t value;     /* what it shows */
+    int64_t until;      /* and before which time */
     uint64_t (*read)(uint64_t address, uint32_t size);
     void (*write)(uint64_t address, uint32_t size, uint64_t value);
 } core_clock_t;
@@ -63,17 +64,18 @@ void core_clock_block(void *core, uint64_t address, uint32_t size, void *context
     clock->now += *cost * clock->cycle;
 }
 
-/* A register is held until something is due, or another access comes. */
+/* A register is held until its time, until something is due, or until another access comes. */
 uint64_t core_clock_read(void *core, uint64_t offset, uint32_t size, void *context)
 {
     const core_page_t *const page = context;
     core_clock_t *const clock = page->clock;
     const uint64_t address = page->address + offset;
-    const bool nothing_is_due = (clock->now + clock->access) < clock->limit;
+    const int64_t seen_at = clock->now + clock->access;
+    const bool nothing_is_due = (seen_at < clock->limit) && (seen_at < clock->until);
 
     (void)core;
     if ((address == clock->held) && (size == sizeof(uint32_t)) && nothing_is_due) {
-        clock->now += clock->access;
+        clock->now = seen_at;
         return clock->value;
     }
     clock->held = 0U;

@@ -637,6 +637,7 @@ class System(Block):
         self.chip = chip
         self.conversions = conversions
         self.due = NEVER
+        self.fired = 0  # when it was due last
         self.pending = False
         self.handled = 0  # the exception whose handler runs; set by core.py
         interrupts = [exception - self.DEVICE for exception in conversions]
@@ -681,10 +682,13 @@ class System(Block):
         return forget
 
     def fire(self):
-        self.due += self._period()
+        """Without its interrupt nothing happens again until the flag has been read."""
         self["SYST_CSR"] |= 1 << 16
         if bit(self["SYST_CSR"], 1):
             self.pending = True
+            self.due += self._period()
+        else:
+            self.fired, self.due = self.due, NEVER
 
     def priority(self, exception):
         """The lower, the more urgent."""
@@ -737,6 +741,8 @@ class System(Block):
     def _read_status(self):
         value = self.register("SYST_CSR").value
         self["SYST_CSR"] &= ~(1 << 16)
+        if bit(value, 0) and self.due == NEVER:
+            self.due = self.fired + self._period() * ((self.chip.now - self.fired) // self._period() + 1)
         return value
 
 

@@ -26,6 +26,7 @@ PROGRAM_CYCLES = round(85e-6 * CYCLES_PER_S)  # as long as a watchdog and a tick
 KEYS = (0x45670123, 0xCDEF89AB)
 ERRORS = 0xC3FA
 PROGERR, WRPERR = 1 << 3, 1 << 4
+SR_OFFSET = 0x10
 LOCK, OPTLOCK = 1 << 31, 1 << 30
 PG, PER, STRT = 1, 2, 1 << 16
 BANK_2 = 1 << 11
@@ -74,7 +75,7 @@ class Flash(Block):
         super().__init__("FLASH", 0x40022000, {
             "ACR": (0x00, Register(0x40600, 0x1F0F, on_write=self._configure)),
             "KEYR": (0x08, Register(on_write=self._key)),
-            "SR": (0x10, Register(0, ERRORS | 1, self._status, self._clear)),
+            "SR": (SR_OFFSET, Register(0, ERRORS | 1, self._status, self._clear)),
             "CR": (0x14, Register(LOCK | OPTLOCK, LOCK | STRT | 0x3FB | self._bank(), on_write=self._control)),
             "OPTR": (0x20, Register(GOOD_OPTIONS, 0)),
             "ECCR": (0x18, Register(0, 1 << 31, on_write=self._acknowledge)),
@@ -119,6 +120,7 @@ class Flash(Block):
 
     def _status(self):
         if self.chip.now < self.ends:
+            self.chip.hold(self.base + SR_OFFSET, self["SR"] | BSY, self.ends)
             return self["SR"] | BSY
         if self.busy == 0:
             return self["SR"]

@@ -81,7 +81,7 @@ def hook(made, wait, refuses, for_ever=False):
         refused = value & wait.behind == wait.behind and refuses(value & wait.mask != wait.refused)
         shown = value & ~wait.mask | wait.refused if refused else value
         if refused and for_ever:
-            made.core.hold(address, shown)
+            made.chip.hold(address, shown)
         return shown
 
     register.on_read = read

@@ -13,6 +13,8 @@ import sys
 import unittest
 from pathlib import Path
 
+import unicorn
+
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import board
 import many_runs
@@ -27,6 +29,7 @@ INSTANTS = 300 if many_runs.are_asked() else 8
 STRIDE = 1 if many_runs.are_asked() else 211
 EDGE = 5 if many_runs.are_asked() else 2  # steps at either end that do something else: stamps, erases, the first words
 LEAST_TICKS = 200
+RESCUE_S = 0.6  # more than a start takes that saves the recording
 SAVING_TICKS = 1500  # more than a saving takes
 READY, FAULT = 0x2B, 0xA5  # drive_state_t, whose codes ascend
 HARD_FAULT = 3
@@ -132,6 +135,15 @@ class Fault(Kept):
             drive.tick(5)
             self.assertIn("FAULT by OVERVOLTAGE", answer(drive.board, "status"))
         self.assertGreater(drive.board.chip.power.flash.steps, steps + 20)
+
+
+def stick(uc, place):
+    """A bit of the RAM that is always set."""
+    def look(*_):
+        word = int.from_bytes(uc.mem_read(place, 4), "little")
+        uc.mem_write(place, (word | 1 << 7).to_bytes(4, "little"))
+
+    uc.hook_add(unicorn.UC_HOOK_MEM_READ, look, begin=place, end=place + 3)
 
 
 class Instants(Kept):
@@ -241,6 +253,29 @@ class Instants(Kept):
                 self.assertIn(said.removeprefix("supply"), (SAVED, NONE + "what lies in the RAM is no recording"))
                 if said.endswith(SAVED):
                     self.assert_replays(log, least=1)  # an older part may have changed
+
+    def test_a_ram_that_is_broken_after_a_reset_keeps_the_drive_from_starting(self):
+        """The stack's end is tested before the rescue, what is kept behind it."""
+        for place in (RAM + 0x40, address_of("ring")):
+            with self.subTest(hex(place)):
+                again = reset(self.drive.board, board.WATCHDOG_FLAG)
+                stick(again.core.uc, place)
+                again.go_on(RESCUE_S)
+                self.assertIn("cannot start:\r\nthe RAM does not hold what is written\r\n", again.said())
+                self.assertFalse(again.chip.timer.gates_on())
+
+    def test_a_flash_that_keeps_nothing_after_a_reset_is_said_and_the_drive_starts(self):
+        for fault in ({"deaf": lambda: True}, {"protected": True}):
+            with self.subTest(fault):
+                again = reset(self.drive.board, board.WATCHDOG_FLAG)
+                vars(again.chip.power.flash).update(fault)
+                self.assertEqual(started(again), "watchdog" + NONE + "the flash does not keep what is written")
+                again.tick(CALIBRATION_TICKS)
+                self.assertIn("READY", answer(again, "status"))
+
+    def test_a_reset_that_this_image_never_makes_is_told_as_such(self):
+        for flag in (1 << 25, 1 << 30, 1 << 31):  # option bytes, the window watchdog, low power: RM0440 7.4.28
+            self.assertEqual(started(reset(self.drive.board, flag)), "of another kind" + SAVED)
 
     def test_another_image_does_not_look_at_the_ram(self):
         def act():

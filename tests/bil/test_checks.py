@@ -4,19 +4,23 @@
 test_checks.py IMAGE BOARD CLOCK [TEST...], as scenario.py; all tests, or those named.
 """
 
+import functools
+import re
 import sys
 import unittest
 
 import unicorn
 
 import analogue
+from copies import in_a_copy
 from g4 import RAM
-from rig import CALIBRATION_TICKS, STAGE, WIRING, address_of, answer, booted, gates_are_inputs, make, ready, run, running
+from rig import CALIBRATION_TICKS, STAGE, WIRING, address_of, answer, booted, gates_are_inputs, instant, make, ready, run, running
 from wiring import port_and_number
 
 ROUND_TICKS = 130  # more than there are registers and pins: one is looked at in each pass of the background
 GIVING_UP_S = 0.1  # more than the start takes
 WORD_BYTES, WORDS_A_TICK = 4, 2  # of the flash
+LAST_TICKS = 300  # of a round of the flash
 
 # A bit of each register that protects, and of each kind of pin. Not of those whose change ends the ticks at once: the guard of the tick
 # finds it.
@@ -68,28 +72,31 @@ def flip_pin(made, name, what):
 
 
 class Registers(unittest.TestCase):
-    def assert_found(self, made, why):
-        self.assertFalse(made.chip.timer.gates_on())
-        self.assertTrue(gates_are_inputs(made))
-        self.assertIn(f", until a reset: {why} is not as it was set", answer(made, "status"))
+    def assert_each_is_found(self, spoils):
+        """`spoils`: (what is named, what spoils it) of a board, of which each has a copy."""
+        made = instant()
+
+        def spoilt(spoil):
+            spoil(made)
+            made.tick(ROUND_TICKS)
+            return f"{made.chip.timer.gates_on()} {gates_are_inputs(made)} {answer(made, 'status')}"
+
+        for what, spoil in spoils:
+            with self.subTest(what):
+                self.assertRegex(in_a_copy(lambda spoil=spoil: spoilt(spoil)),
+                                 f"^False True (?s:.*), until a reset: {re.escape(what)} is not as it was set")
 
     def test_each_that_changes_while_the_drive_is_ready_is_named(self):
-        for name in FLIPS:
-            with self.subTest(name):
-                made = ready()
-                if name == "RCC_AHB1ENR":
-                    made.chip.dma.clocked = lambda: True  # without it, one of its registers may be looked at first
-                flip(made, name)
-                made.tick(ROUND_TICKS)
-                self.assert_found(made, f"register {name}")
+        def spoil(made, name):
+            if name == "RCC_AHB1ENR":
+                made.chip.dma.clocked = lambda: True  # without it, one of its registers may be looked at first
+            flip(made, name)
+
+        self.assert_each_is_found((f"register {name}", functools.partial(spoil, name=name)) for name in FLIPS)
 
     def test_each_pin_that_changes_is_named(self):
-        for name, what in PIN_FLIPS.items():
-            with self.subTest(name):
-                made = ready()
-                flip_pin(made, name, what)
-                made.tick(ROUND_TICKS)
-                self.assert_found(made, f"pin {name}")
+        self.assert_each_is_found((f"pin {name}", functools.partial(flip_pin, name=name, what=what))
+                                  for name, what in PIN_FLIPS.items())
 
     def test_one_that_changes_in_run_opens_the_gates_and_the_console_names_it_unasked(self):
         made = running()
@@ -116,7 +123,7 @@ class Registers(unittest.TestCase):
         made.tick(ROUND_TICKS)
         flip(made, "TIM1_CR2")
         made.tick(ROUND_TICKS)
-        self.assert_found(made, "register TIM1_PSC")
+        self.assertIn(", until a reset: register TIM1_PSC is not as it was set", answer(made, "status"))
 
     def test_one_that_does_not_take_its_value_keeps_the_drive_from_starting(self):
         made = make()
@@ -138,7 +145,6 @@ class Image(unittest.TestCase):
     """The flash, in which a bit has another value than the build gave it."""
 
     TOLD = "the flash does not hold the image that was built"
-    ROUND_TICKS = round(WIRING.facts.flash_bytes / WORD_BYTES / WORDS_A_TICK)
 
     def flip(self, made, address):
         byte, = made.core.uc.mem_read(address, 1)
@@ -159,15 +165,9 @@ class Image(unittest.TestCase):
                 self.assertIn(f"cannot start:\r\n{self.TOLD}\r\n", said)
                 self.assertNotIn("READY", said)
 
-    def test_one_bit_that_changes_later_opens_the_gates(self):
-        made = ready()
-        self.flip(made, address_of("trig_sin_table") + 1001)
-        self.assert_found_later(made)
-
-    def assert_found_later(self, made):
-        made.tick(self.ROUND_TICKS)
-        self.assertTrue(gates_are_inputs(made))
-        self.assertIn(f", until a reset: {self.TOLD}", answer(made, "status"))
+    def read(self, made, name):
+        """The first word of a variable."""
+        return int.from_bytes(made.core.uc.mem_read(address_of(name), WORD_BYTES), "little")
 
     def set_length(self, made, words):
         made.core.uc.mem_write(address_of("image_seal"), words.to_bytes(WORD_BYTES, "little"))
@@ -178,15 +178,24 @@ class Image(unittest.TestCase):
         made.go_on(GIVING_UP_S)
         self.assertIn(f"cannot start:\r\n{self.TOLD}\r\n", made.said())
 
-    def test_a_length_that_shrinks_to_what_was_looked_at_opens_the_gates(self):
-        made = ready()
-        self.set_length(made, int.from_bytes(made.core.uc.mem_read(address_of("next_word"), WORD_BYTES), "little"))
-        self.assert_found_later(made)
+    def test_what_changes_later_opens_the_gates_and_a_whole_one_runs_on(self):
+        """From where the first round is almost at its end: a bit that was not looked at yet, and the length."""
+        made = instant()
+        made.tick(self.read(made, "image_seal") // WORDS_A_TICK - LAST_TICKS)
 
-    def test_a_whole_one_runs_on_when_it_was_looked_at_to_its_end(self):
-        made = ready()
-        made.tick(self.ROUND_TICKS)
-        self.assertNotIn("until a reset", answer(made, "status"))
+        def later(spoil):
+            spoil()
+            made.tick(2 * LAST_TICKS)
+            return f"{gates_are_inputs(made)} {answer(made, 'status')}"
+
+        for what, spoil, is_found in (
+                ("whole", lambda: None, False),
+                ("a bit", lambda: self.flip(made, address_of("image_seal") + 7), True),
+                ("shorter", lambda: self.set_length(made, self.read(made, "next_word")), True)):
+            with self.subTest(what):
+                said = in_a_copy(lambda spoil=spoil: later(spoil))
+                self.assertEqual(said.startswith("True"), is_found)
+                self.assertEqual(f", until a reset: {self.TOLD}" in said, is_found)
 
 
 class Memory(unittest.TestCase):

@@ -233,10 +233,20 @@ class Cost(unittest.TestCase):
                  " 1/286 Test #31: inner ...   Passed    0.01 sec", "  2/2 Test  #9: two ...***Failed    0.20 sec")
         self.assertEqual(list(ctest_run.own_lines(lines)), [("one", "Passed"), ("two", "***Failed")])
 
-    def test_a_test_dearer_than_allowed_is_found_unless_it_has_a_reason(self):
-        dear = [ctest_run.Ended("a", True, run_tests.FAILS + 1)]
-        self.assertEqual(len(list(run_tests.too_dear(dear, {"a": mock.Mock(labels=set())}))), 1)
-        self.assertEqual(list(run_tests.too_dear(dear, {"a": mock.Mock(labels={"dear"})})), [])
+    def too_dear(self, ended, **labels):
+        return list(run_tests.too_dear(ended, {name: mock.Mock(labels=set(labels.get(name, ()))) for name in "abc"}))
+
+    def test_a_test_that_takes_more_of_the_whole_than_allowed_is_found_unless_it_has_a_reason(self):
+        share = run_tests.FAILS + 0.001
+        for seconds in (1, 1000):
+            dear = [ctest_run.Ended(name, True, part * seconds) for name, part in (("a", share), ("b", 0.5), ("c", 0.5 - share))]
+            self.assertEqual([line.split(":")[0] for line in self.too_dear(dear, b=["dear"], c=["dear"])], ["a"])
+            self.assertEqual(self.too_dear(dear, a=["dear"], b=["dear"], c=["dear"]), [])
+
+    def test_of_a_part_of_the_tests_no_share_is_judged(self):
+        dear = [ctest_run.Ended("a", True, 1.0)]
+        self.assertEqual(self.too_dear(dear), [])
+        self.assertEqual(len(self.too_dear(dear, b=["evidence"], c=["evidence"])), 1)
 
 
 if __name__ == "__main__":
