@@ -66,7 +66,8 @@ int32_t angle_sensor_step(angle_sensor_t *sensor, angle_t measured, step_t speed
     rotor_position_step(&sensor->position, fx_asr(error, ANGLE_SHIFT));
     change = fx_clamp(fx_asr(error, SPEED_SHIFT), -change_limit, change_limit);
     sensor->speed = fx_clamp(sensor->speed + change, -speed_limit, speed_limit);
-    sensor->lead -= fx_asr(sensor->lead, LEAD_SHIFT);
+    sensor->lead =
+        fx_signed(fx_unsigned(sensor->lead) - fx_unsigned(fx_asr(sensor->lead, LEAD_SHIFT)));
     sensor->check = word_of_sensor(sensor);
     return error;
 }

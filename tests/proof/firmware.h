@@ -21,6 +21,7 @@
 #include "../../firmware/control/align.c"
 #include "../../firmware/control/angle_sensor.c"
 #include "../../firmware/control/flying_start.c"
+#include "../../firmware/control/hall.c"
 #include "../../firmware/control/inductance.c"
 #include "../../firmware/control/model.c"
 #include "../../firmware/control/nn_observer.c"

@@ -192,13 +192,12 @@ void proof_init(void)
            0, CURRENT_REFERENCE_TORQUE_MAX); /* what a user may ask for */
 }
 
-/* With a start-up there is no sensor. */
+/* With a sensor or with none. */
 void proof_startup(void)
 {
     choose_configuration();
     choose_startup();
     choose_voltage_drive();
-    cfg.sampling.sensor_pole_pairs = 0U;
     choose_state();
     step();
 }
@@ -207,26 +206,50 @@ void proof_startup_regulated(void)
 {
     choose_configuration();
     choose_startup();
-    cfg.sampling.sensor_pole_pairs = 0U;
     choose_regulated();
     step();
     check_regulated();
 }
 
-/* With a sensor or with none. */
-void proof_plain(void)
+static void choose_plain(void)
 {
     choose_configuration();
-    choose_voltage_drive();
     cfg.startup.current_hold = 0;
+    cfg.sampling.sensor_pole_pairs = 0U;
+}
+
+/* An observer beside a sensor has a start-up, see config_check.c, and so has an encoder. */
+static void choose_sensed(void)
+{
+    choose_configuration();
+    cfg.startup.current_hold = 0;
+    cfg.observer.eta = 0;
+    cfg.sensor.observer_above = 0;
+    cfg.sensor.kind = (Frama_C_interval(0, 1) != 0)
+                          ? SENSOR_KIND_ABSOLUTE
+                          : Frama_C_unsigned_int_interval(0U, SENSOR_KIND_HALL);
+}
+
+/* First without a sensor, then with one. */
+void proof_plain(void)
+{
+    choose_plain();
+    choose_voltage_drive();
+    choose_state();
+    step_without_startup();
+    choose_sensed();
+    choose_voltage_drive();
     choose_state();
     step_without_startup();
 }
 
 void proof_plain_regulated(void)
 {
-    choose_configuration();
-    cfg.startup.current_hold = 0;
+    choose_plain();
+    choose_regulated();
+    step_without_startup();
+    check_regulated();
+    choose_sensed();
     choose_regulated();
     step_without_startup();
     check_regulated();
@@ -242,7 +265,6 @@ void proof_no_state(void)
     choose_configuration();
     if (Frama_C_interval(0, 1) != 0) {
         choose_startup();
-        cfg.sampling.sensor_pole_pairs = 0U;
     } else {
         cfg.startup.current_hold = 0;
     }
