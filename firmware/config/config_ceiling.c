@@ -68,6 +68,16 @@ static uint64_t heat_of(const derating_cfg_t *cfg)
     return (uint64_t)(uint32_t)cfg->heat_gain << cfg->heat_shift;
 }
 
+/*
+ * Whether the drive believes an angle that no setting names a sensor for. Only a binding has such
+ * an angle, and the image's own configuration says whether this one has it.
+ */
+static bool believes_binding(const drive_cfg_t *cfg)
+{
+    return (cfg->sampling.sensor_pole_pairs != 0U) &&
+           (cfg->sensor.kind == (uint32_t)SENSOR_KIND_NONE);
+}
+
 static const char *board_crossed(const drive_cfg_t *image, const drive_cfg_t *cfg)
 {
     const protection_cfg_t *const limits = &image->protection;
@@ -81,6 +91,7 @@ static const char *board_crossed(const drive_cfg_t *image, const drive_cfg_t *cf
         {"derating.temperature_lowest", derating->temperature_lowest < hot->temperature_lowest},
         {"derating.temperature_highest", derating->temperature_highest > hot->temperature_highest},
         {"derating.temperature_periods", waits_longer(image, cfg)},
+        {"sensor.kind", believes_binding(cfg) && !believes_binding(image)},
     };
 
     return config_rule_broken(rules, CONFIG_RULES(rules));

@@ -25,8 +25,8 @@ from flash import PowerFails, box_of
 from rig import CALIBRATION_TICKS, STAGE, WIRING, address_of, answer, reset
 from test_recorder import POST_TICKS, RECORDED, Drive, replay
 
-INSTANTS = 300 if many_runs.are_asked() else 8
-STRIDE = 1 if many_runs.are_asked() else 211
+INSTANTS = many_runs.of(8, 80, 300)
+STRIDE = many_runs.of(211, 13, 1)
 EDGE = 5 if many_runs.are_asked() else 2  # steps at either end that do something else: stamps, erases, the first words
 LEAST_TICKS = 200
 RESCUE_S = 0.6  # more than a start takes that saves the recording

@@ -15,7 +15,7 @@ import many_runs
 import rig
 from probed import PULSE_HZ, UNIT, Probe, decoded, dshot, dshot_frame, servo
 
-RUNS = 300 if many_runs.are_asked() else 4
+RUNS = many_runs.of(4, 40, 300)
 FILTER_S = 32 / digital.CLOCK_HZ  # 8 samples at a quarter of the clock
 COUNT = 1                         # an edge is counted in whole units, and a width is of two edges
 HELD = 47                         # pulses that the binding holds

@@ -32,8 +32,8 @@ LATE_S = 0.07           # of the conversion of a throttle and of its low-pass, a
 RAMP_S = 1.5            # from any speed of these runs to open gates, with a start that is under way
 THROTTLE = 0.4
 STEADY = 0.03           # of the largest speed: the demand's steps, the drive's own error, the ripple
-RUNS = 200 if many_runs.are_asked() else 1
-DISTURBANCES = 200 if many_runs.are_asked() else 3
+RUNS = many_runs.of(1, 20, 200)
+DISTURBANCES = many_runs.of(3, 20, 200)
 MIDDLE, BUS = 2048, round(FILE["board"]["bus_nominal_v"] / FILE["board"]["bus_full_scale_v"] * 4096)
 
 

@@ -29,7 +29,6 @@ namespace
 using Lines = std::vector<std::string>;
 constexpr double PI = 3.14159265358979323846;
 constexpr std::size_t SENSORS = 3;
-constexpr unsigned ALL = 7;
 
 // ---- what is asked for ----
 

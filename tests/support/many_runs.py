@@ -1,8 +1,18 @@
 # SPDX-License-Identifier: MIT
-"""How many runs a test makes that repeats one: few in `tools/dev test`, many in the evidence, as testing_runs() for C."""
+"""How many runs a test makes that repeats one, as testing_runs() for C: few in `tools/dev test`, many in the evidence.
+
+Where a run takes seconds, the evidence has a sample of the whole number. NF_MANY_RUNS=whole has that.
+"""
 
 import os
 
 
+ASKED = os.environ.get("NF_MANY_RUNS")
+
+
 def are_asked():
-    return os.environ.get("NF_MANY_RUNS") == "1"
+    return ASKED in ("1", "whole")
+
+
+def of(few, many, whole):
+    return whole if ASKED == "whole" else many if are_asked() else few
