@@ -235,9 +235,8 @@ void estimate_accelerate(rotor_t *rotor, const drive_t *drive, step_t change)
 
 bool estimate_is_trained(const drive_t *drive)
 {
-    return ((drive->state == DRIVE_STATE_RUN) && !drive_is_sensed(drive)) ||
-           ((drive->state != DRIVE_STATE_RUN) && (drive->state != DRIVE_STATE_ALIGN) &&
-            (fx_abs(drive->vector.step) >= drive->cfg->startup.track_speed));
+    return (drive->state != DRIVE_STATE_ALIGN) &&
+           (fx_abs(drive->vector.step) >= drive->cfg->startup.track_speed);
 }
 
 ab_t estimate_applied_voltage(ab_t ratio, int32_t bus_before, int32_t bus_now)

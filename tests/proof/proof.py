@@ -74,7 +74,7 @@ SPLIT_RETURN = {DRIVE: "fx_leading_zeros:full,protection_check:full", RECORDER: 
 COLLECTED_SELDOM = {"OCAMLRUNPARAM": "s=4M,o=200"}  # garbage: a ninth of the time for some more memory
 NOT_CALLED = {"crc32_word", "drive_knows_rotor", "drive_position_from_zero_q32", "drive_position_q32", "drive_reads_slow_inputs", "probe_is_done",
               "probing_current", "probing_may_brake", "schedule_next", "words_put"}  # by what is analysed
-A_BRANCH_AN_ENTRY = {"obey_when_ready", "run_is_to_be_held", "is_low", "lowest_torque_speed", "next_free_reference"}  # start-up; sensor or none
+A_BRANCH_AN_ENTRY = {"drive_may_impose", "obey_when_ready", "run_is_to_be_held", "is_low", "lowest_torque_speed", "next_free_reference"}  # start-up; sensor or none
 UNASKED = "not asked for"
 UNREACHED = "never gone through"
 UNREACHED_STATEMENTS = "statements cannot be reached"
