@@ -121,7 +121,7 @@ class Rebuilt:
             words = [self.renamed(self.of_several(word, place, new.parent), place, names) for word in own_words(step)]
             if "-c" in words:
                 # The changed headers before those of the build; and a change may leave something unused.
-                first = next(at for at, word in enumerate(words) if word.startswith("-"))
+                first = next((at for at, word in enumerate(words) if word.startswith("-I")), words.index("-c"))
                 words[first:first] = ["-w", *(f"-I{made.parent}" for made in changed.values())]
             run = subprocess.run(words, cwd=place, capture_output=True, text=True, errors="replace", check=False,
                                  env={**os.environ, DATA: str(self.copy / "host_sim")})
