@@ -9,9 +9,9 @@
  *
  * Limits of the board: the over-current, the highest bus, the offset of a current sensor, and four
  * of the temperature: the count at which the current is reduced to 0, on which side of that count
- * the stage is hot, how long this may last, and which counts a working sensor can have; and a
- * sensor of the shaft that nothing reads, whose angle would be believed. Limits of the motor: its
- * largest and its continuous current, and i²t with heat, time constant and limit.
+ * the stage is hot, how long this may last, and which counts a working sensor can have. The angle
+ * of a shaft that no named sensor reads is that of a binding; only the image may believe it. Limits
+ * of the motor: its largest and its continuous current, and i²t with heat, time constant and limit.
  *
  * Pure. Context: background.
  */

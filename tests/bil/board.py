@@ -35,7 +35,8 @@ class Chip:
         self.held = NEVER  # what is due then or later has to wait
         self.pins = dict.fromkeys(wiring.shunts, 0.0) | {wiring.bus: 0.0, wiring.temperature: COLD_ROOM_COUNT, wiring.throttle: 0.0}
         self.bus = self.memory = None  # of the core
-        self.hold = lambda address, value, until: None  # without one, each look is made
+        self.hold = lambda address, value, until=NEVER: None  # without one, each look is made
+        self.look_again = lambda: None  # at what is due next
         self.fault_line = 1 - wiring.break_level  # at the break pin, once the gate driver is awake
         self.awake_at = NEVER
         names = [f"ADC{number}" for number in self.facts.numbered("ADC")]
@@ -260,7 +261,7 @@ class Chip:
             self.clock.now = until
 
     def _fire(self, due):
-        self.clock.now = due
+        self.clock.now, self.clock.held = due, 0
         next(model for model in self.timed if model.due == due).fire()
 
 

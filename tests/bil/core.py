@@ -81,7 +81,7 @@ class Core:
         self.ram_end = RAM + chip.facts.ram_bytes
         self.bus = chip.bus = Bus(chip.blocks)
         chip.memory = self._write_by_dma
-        chip.hold = self._hold
+        chip.hold, chip.look_again = self._hold, self._set_limit
         self.failure = None
         self.asleep = False
         self._limit = NEVER

@@ -743,6 +743,7 @@ class System(Block):
         self["SYST_CSR"] &= ~(1 << 16)
         if bit(value, 0) and self.due == NEVER:
             self.due = self.fired + self._period() * ((self.chip.now - self.fired) // self._period() + 1)
+            self.chip.look_again()
         return value
 
 

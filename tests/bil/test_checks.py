@@ -123,6 +123,8 @@ class Registers(unittest.TestCase):
         made.tick(ROUND_TICKS)
         flip(made, "TIM1_CR2")
         made.tick(ROUND_TICKS)
+        self.assertFalse(made.chip.timer.gates_on())
+        self.assertTrue(gates_are_inputs(made))
         self.assertIn(", until a reset: register TIM1_PSC is not as it was set", answer(made, "status"))
 
     def test_one_that_does_not_take_its_value_keeps_the_drive_from_starting(self):
@@ -179,7 +181,7 @@ class Image(unittest.TestCase):
         self.assertIn(f"cannot start:\r\n{self.TOLD}\r\n", made.said())
 
     def test_what_changes_later_opens_the_gates_and_a_whole_one_runs_on(self):
-        """From where the first round is almost at its end: a bit that was not looked at yet, and the length."""
+        """From where the first round is almost at its end: what was not looked at yet, and the length."""
         made = instant()
         made.tick(self.read(made, "image_seal") // WORDS_A_TICK - LAST_TICKS)
 
@@ -190,7 +192,8 @@ class Image(unittest.TestCase):
 
         for what, spoil, is_found in (
                 ("whole", lambda: None, False),
-                ("a bit", lambda: self.flip(made, address_of("image_seal") + 7), True),
+                ("its last bits", lambda: self.flip(made, address_of("image_seal") - 1), True),
+                ("its checksum", lambda: self.flip(made, address_of("image_seal") + 7), True),
                 ("shorter", lambda: self.set_length(made, self.read(made, "next_word")), True)):
             with self.subTest(what):
                 said = in_a_copy(lambda spoil=spoil: later(spoil))

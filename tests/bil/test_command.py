@@ -56,28 +56,31 @@ class Command(unittest.TestCase):
         self.board.tick()
         return f"{'slept' if slept else 'interrupted'}\n{self.found()}"
 
-    def looks(self, first, distance):
+    def look(self, instructions):
+        """Whether the pass was interrupted or slept, and what a tick finds then."""
+        how, _, found = in_a_copy(lambda: self.tick_after(instructions)).partition("\n")
+        return how, found
+
+    def looks(self):
         """(instructions, what a tick finds then), to the end of the background's pass."""
-        instructions, how = first, "interrupted"
+        instructions, how = 1, "interrupted"
         while how == "interrupted":
-            how, _, found = in_a_copy(lambda: self.tick_after(instructions)).partition("\n")
+            how, found = self.look(instructions)
             yield instructions, found
-            instructions += distance
+            instructions += COARSE
 
     def test_a_tick_at_each_instruction_takes_what_was_posted_and_nothing_else(self):
-        coarse = list(self.looks(1, COARSE))
+        coarse = list(self.looks())
         changed = [at for (at, found), (_, before) in zip(coarse[1:], coarse) if found != before]
         posted = coarse[-1][1]
         step = int(posted.split()[0])
         self.assertGreater(step, 0)
         self.assertGreater(changed[0], 2 * COARSE)
         seen = []
-        for change in changed:
-            for at, found in self.looks(change - 2 * COARSE, 1):
-                if found not in seen[-1:]:
-                    seen.append(found)
-                if at > change + COARSE:
-                    break
+        for at in sorted({at for change in changed for at in range(change - 2 * COARSE, change + COARSE)}):
+            _, found = self.look(at)
+            if found not in seen[-1:]:
+                seen.append(found)
         self.assertEqual(seen, ["0 0 0", f"{step} 0 0", f"{step} 0 {RUN}"])
 
 

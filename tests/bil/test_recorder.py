@@ -24,7 +24,7 @@ OVERVOLTAGE = 4000  # of the bus' converter, beyond bus_max_v of the board
 NOISE = 8           # counts
 HISTORY_TICKS = 746  # three segments less their margins and the ticks of a slow period: recorder_entries of the board
 POST_TICKS = 64
-STRIDE = 1 if many_runs.are_asked() else 7  # instructions; a multiple of no loop's
+STRIDE = 1 if many_runs.are_asked() else 7  # instructions
 COPY_INSTRUCTIONS = 188  # of a pass that copies the state at least: a word each
 RECORDED, DEPARTS, REFUSED = 0, 1, 2
 

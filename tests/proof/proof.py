@@ -74,7 +74,7 @@ SPLIT_RETURN = {DRIVE: "fx_leading_zeros:full,protection_check:full", RECORDER: 
 COLLECTED_SELDOM = {"OCAMLRUNPARAM": "s=4M,o=200"}  # garbage: a ninth of the time for some more memory
 NOT_CALLED = {"crc32_word", "drive_knows_rotor", "drive_position_from_zero_q32", "drive_position_q32", "drive_reads_slow_inputs", "probe_is_done",
               "probing_current", "probing_may_brake", "schedule_next", "words_put"}  # by what is analysed
-A_BRANCH_AN_ENTRY = {"drive_may_impose", "obey_when_ready", "run_is_to_be_held", "is_low", "lowest_torque_speed", "next_free_reference"}  # start-up; sensor or none
+A_BRANCH_AN_ENTRY = {"drive_may_impose", "obey_when_ready", "run_is_to_be_held", "lowest_torque_speed", "next_free_reference"}  # start-up; sensor or none
 UNASKED = "not asked for"
 UNREACHED = "never gone through"
 UNREACHED_STATEMENTS = "statements cannot be reached"
@@ -202,7 +202,7 @@ def findings(root, entries, folder):
             reached[name] = max(reached.get(name, (0, whole)), (share, whole))
     there = functions(root)
     needed = there - NOT_CALLED - BACKGROUND
-    bad += [f"tests/proof/proof.py: leaves out {name}, which there is not" for name in sorted((NOT_CALLED | BACKGROUND) - there)]
+    bad += [f"tests/proof/proof.py: leaves out {name}, which there is not" for name in sorted((NOT_CALLED | BACKGROUND | A_BRANCH_AN_ENTRY) - there)]
     bad += [f"{UNREACHED}: {name}" for name in sorted(needed - set(reached))]
     bad += [f"{name}: {whole - share} of {whole} {UNREACHED_STATEMENTS}"
             for name, (share, whole) in sorted(reached.items())

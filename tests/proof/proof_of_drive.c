@@ -230,7 +230,7 @@ static void choose_sensed(void)
                           : Frama_C_unsigned_int_interval(0U, SENSOR_KIND_HALL);
 }
 
-/* First without a sensor, then with one. */
+/* First without a sensor, then with one or none. */
 void proof_plain(void)
 {
     choose_plain();

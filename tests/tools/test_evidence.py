@@ -234,19 +234,22 @@ class Cost(unittest.TestCase):
         self.assertEqual(list(ctest_run.own_lines(lines)), [("one", "Passed"), ("two", "***Failed")])
 
     def too_dear(self, ended, **labels):
-        return list(run_tests.too_dear(ended, {name: mock.Mock(labels=set(labels.get(name, ()))) for name in "abc"}))
+        names = {test.name for test in ended} | set(labels)
+        return list(run_tests.too_dear(ended, {name: mock.Mock(labels=set(labels.get(name, ()))) for name in names}))
 
     def test_a_test_that_takes_more_of_the_whole_than_allowed_is_found_unless_it_has_a_reason(self):
         share = run_tests.FAILS + 0.001
+        names = [f"n{number}" for number in range(99)]
         for seconds in (1, 1000):
-            dear = [ctest_run.Ended(name, True, part * seconds) for name, part in (("a", share), ("b", 0.5), ("c", 0.5 - share))]
-            self.assertEqual([line.split(":")[0] for line in self.too_dear(dear, b=["dear"], c=["dear"])], ["a"])
-            self.assertEqual(self.too_dear(dear, a=["dear"], b=["dear"], c=["dear"]), [])
+            ended = [ctest_run.Ended(name, True, (1 - share) * seconds / 99) for name in names]
+            ended += [ctest_run.Ended("a", True, share * seconds), ctest_run.Ended("built", True, 5 * seconds)]
+            self.assertEqual([line.split(":")[0] for line in self.too_dear(ended, built=["dear"])], ["a"])
+            self.assertEqual(self.too_dear(ended, a=["dear"], built=["dear"]), [])
 
     def test_of_a_part_of_the_tests_no_share_is_judged(self):
-        dear = [ctest_run.Ended("a", True, 1.0)]
-        self.assertEqual(self.too_dear(dear), [])
-        self.assertEqual(len(self.too_dear(dear, b=["evidence"], c=["evidence"])), 1)
+        ended = [ctest_run.Ended("a", True, 1.0)]
+        self.assertEqual(self.too_dear(ended, b=[]), [])
+        self.assertEqual(len(self.too_dear(ended, b=["evidence"])), 1)
 
 
 if __name__ == "__main__":

@@ -59,7 +59,6 @@ TEST(test_no_limit_of_the_board_is_lifted)
     assert_crossed(NULL, false);
 }
 
-/* An image whose motor is an example knows the limits of no motor. */
 TEST(test_an_angle_that_no_sensor_tells_is_believed_by_no_other_configuration_than_the_images)
 {
     cfg.sampling.sensor_pole_pairs = 4U;
@@ -70,8 +69,11 @@ TEST(test_an_angle_that_no_sensor_tells_is_believed_by_no_other_configuration_th
     image.sampling.sensor_pole_pairs = 4U; /* of a binding with an angle */
     cfg = image;
     assert_crossed(NULL, true);
+    image.sensor.kind = SENSOR_KIND_ABSOLUTE;
+    assert_crossed("sensor.kind", false);
 }
 
+/* An image whose motor is an example knows the limits of no motor. */
 TEST(test_no_limit_of_the_motor_is_lifted_where_the_image_knows_it)
 {
     assert_most("derating.current_max", &cfg.derating.current_max, true);
