@@ -5,6 +5,8 @@ import contextlib
 import itertools
 import logging
 import os
+import signal
+import threading
 
 import cloudpickle
 from dask.distributed import (CancelledError, Client, KilledWorker, LocalCluster,
@@ -82,8 +84,26 @@ def completed(client, tasks):
             flow.add(submit(task))
 
 
+@contextlib.contextmanager
+def noted_interrupt():
+    """An event that the first Ctrl-C sets. Raised within Dask, an interrupt may leave a lock held, for which the end then waits
+    for ever. The second Ctrl-C is raised."""
+    noted, before = threading.Event(), signal.getsignal(signal.SIGINT)
+
+    def note(*_):
+        noted.set()
+        signal.signal(signal.SIGINT, before)
+
+    signal.signal(signal.SIGINT, note)
+    try:
+        yield noted
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
 def execute(campaign, program, runs, store, scheduler, jobs, progress):
-    """Runs those of `runs` and stores a row each; `progress(row)` after each."""
+    """Runs those of `runs` and stores a row each; `progress(row)` after each. Raises KeyboardInterrupt behind the run that ends
+    next after a Ctrl-C. Call it in the main thread."""
     data = simulator.data_files(campaign)
     expected = simulator.fingerprint(program, campaign)
     values, function = {}, Portable(worker.simulate)
@@ -94,13 +114,15 @@ def execute(campaign, program, runs, store, scheduler, jobs, progress):
             command = [*program.command(campaign, values[run]), "--json", "-"]
             yield function, run, command, data, expected
 
-    with client_of(scheduler, jobs) as client:
+    with noted_interrupt() as interrupt, client_of(scheduler, jobs) as client:
         try:
             for run, status, output, message in completed(client, tasks()):
                 metrics = simulator.result_of(campaign, status, output, f"run {run}: {message}")
                 row = results.row_of(run, simulator.outcome(metrics), values.pop(run), metrics)
                 store.add(row)
                 progress(row)
+                if interrupt.is_set():
+                    raise KeyboardInterrupt
         except (OSError, RuntimeError, KilledWorker, CancelledError) as error:
             raise CampaignError(f"a worker: {first_line(error)}; expected workers that last, with "
                                 "the same simulator and data files; the same command goes on"
