@@ -69,8 +69,8 @@ static uint64_t heat_of(const derating_cfg_t *cfg)
 }
 
 /*
- * Whether the drive believes an angle that no setting names a sensor for. Only a binding has such
- * an angle, and the image's own configuration says whether this one has it.
+ * Whether the drive uses an angle sensor, and sensor.kind names none. Then the angle comes from the
+ * binding. Only the image's own configuration knows whether this binding has one.
  */
 static bool believes_binding(const drive_cfg_t *cfg)
 {

@@ -9,8 +9,8 @@
  *
  * Limits of the board: the over-current, the highest bus, the offset of a current sensor, and four
  * of the temperature: the count at which the current is reduced to 0, on which side of that count
- * the stage is hot, how long this may last, and which counts a working sensor can have. The angle
- * of a shaft that no named sensor reads is that of a binding; only the image may believe it. Limits
+ * the stage is hot, how long this may last, and which counts a working sensor can have. A drive
+ * that uses an angle sensor has to name it in sensor.kind, unless the image does not either. Limits
  * of the motor: its largest and its continuous current, and i²t with heat, time constant and limit.
  *
  * Pure. Context: background.

@@ -74,7 +74,7 @@ void estimate_accelerate(rotor_t *rotor, const drive_t *drive, step_t change);
 void estimate_change(rotor_t *rotor, const nn_observer_cfg_t *cfg, int32_t flux_q27,
                      int32_t saliency_q13);
 
-/* While a vector is imposed: whether the network is trained. In RUN the tick decides by itself. */
+/* Whether the network is trained in this tick. Call it while a vector is imposed, not in RUN. */
 bool estimate_is_trained(const drive_t *drive);
 
 /*

@@ -5,6 +5,8 @@ import sys
 import tomllib
 from pathlib import Path
 
+import unicorn
+
 import board
 import elf
 from wiring import Wiring, port_and_number
@@ -14,6 +16,7 @@ FILE = tomllib.loads(BOARD.read_text(encoding="utf-8"))
 STAGE, HAL = FILE["board"], FILE["hal"]
 WIRING = Wiring(HAL)
 MIDDLE = 2048
+WORD_BYTES = 4
 BUS = round(STAGE["bus_nominal_v"] / STAGE["bus_full_scale_v"] * 4096)
 HALF_PERIOD = round(STAGE["timer_clock_hz"] / STAGE["pwm_frequency_hz"] / 2)
 FULL_SCALE_A = STAGE["current_full_scale_a"]
@@ -89,6 +92,17 @@ def lose_a_conversion(made):
     trigger = made.chip.timer.trigger
     made.chip.timer.trigger = lambda: setattr(made.chip.timer, "trigger", trigger)
     return made.handle_next()
+
+
+def change_what_is_read(made, place, read):
+    """Before each look at the word of the RAM at `place`, it becomes what `read` makes of it."""
+    uc = made.core.uc
+
+    def look(*_):
+        word = int.from_bytes(uc.mem_read(place, WORD_BYTES), "little")
+        uc.mem_write(place, read(word).to_bytes(WORD_BYTES, "little"))
+
+    uc.hook_add(unicorn.UC_HOOK_MEM_READ, look, begin=place, end=place + WORD_BYTES - 1)
 
 
 def address_of(name):

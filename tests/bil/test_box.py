@@ -13,8 +13,6 @@ import sys
 import unittest
 from pathlib import Path
 
-import unicorn
-
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import board
 import many_runs
@@ -22,7 +20,7 @@ from copies import in_a_copy
 from core import NEVER, RAM, THREAD
 from digital import WatchdogBites
 from flash import PowerFails, box_of
-from rig import CALIBRATION_TICKS, STAGE, WIRING, address_of, answer, reset
+from rig import CALIBRATION_TICKS, STAGE, WIRING, address_of, answer, change_what_is_read, reset
 from test_recorder import POST_TICKS, RECORDED, Drive, replay
 
 INSTANTS = many_runs.of(8, 80, 300)
@@ -135,15 +133,6 @@ class Fault(Kept):
             drive.tick(5)
             self.assertIn("FAULT by OVERVOLTAGE", answer(drive.board, "status"))
         self.assertGreater(drive.board.chip.power.flash.steps, steps + 20)
-
-
-def stick(uc, place):
-    """A bit of the RAM that is always set."""
-    def look(*_):
-        word = int.from_bytes(uc.mem_read(place, 4), "little")
-        uc.mem_write(place, (word | 1 << 7).to_bytes(4, "little"))
-
-    uc.hook_add(unicorn.UC_HOOK_MEM_READ, look, begin=place, end=place + 3)
 
 
 class Instants(Kept):
@@ -259,7 +248,7 @@ class Instants(Kept):
         for place in (RAM + 0x40, address_of("ring")):
             with self.subTest(hex(place)):
                 again = reset(self.drive.board, board.WATCHDOG_FLAG)
-                stick(again.core.uc, place)
+                change_what_is_read(again, place, lambda word: word | 1 << 7)
                 again.go_on(RESCUE_S)
                 self.assertIn("cannot start:\r\nthe RAM does not hold what is written\r\n", again.said())
                 self.assertFalse(again.chip.timer.gates_on())

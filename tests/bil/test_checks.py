@@ -9,17 +9,16 @@ import re
 import sys
 import unittest
 
-import unicorn
-
 import analogue
 from copies import in_a_copy
 from g4 import RAM
-from rig import CALIBRATION_TICKS, STAGE, WIRING, address_of, answer, booted, gates_are_inputs, instant, make, ready, run, running
+from rig import (CALIBRATION_TICKS, STAGE, WIRING, WORD_BYTES, address_of, answer, booted, change_what_is_read, gates_are_inputs,
+                 instant, make, ready, run, running)
 from wiring import port_and_number
 
 ROUND_TICKS = 130  # more than there are registers and pins: one is looked at in each pass of the background
 GIVING_UP_S = 0.1  # more than the start takes
-WORD_BYTES, WORDS_A_TICK = 4, 2  # of the flash
+WORDS_A_TICK = 2  # of the flash
 LAST_TICKS = 300  # of a round of the flash
 
 # A bit of each register that protects, and of each kind of pin. Not of those whose change ends the ticks at once: the guard of the tick
@@ -208,15 +207,9 @@ class Memory(unittest.TestCase):
     PLACES = (RAM + 0x40, RAM + WIRING.facts.ram_bytes - 4)  # the stack's end, which is not used, and what is behind all variables
 
     def boot(self, place, read):
-        """`read` gives what the word at `place` shows."""
+        """`read` gives what the word at `place` shows, of the core and the word."""
         made = make()
-        uc = made.core.uc
-
-        def look(*_):
-            word = int.from_bytes(uc.mem_read(place, WORD_BYTES), "little")
-            uc.mem_write(place, read(uc, word).to_bytes(WORD_BYTES, "little"))
-
-        uc.hook_add(unicorn.UC_HOOK_MEM_READ, look, begin=place, end=place + WORD_BYTES - 1)
+        change_what_is_read(made, place, functools.partial(read, made.core.uc))
         made.go_on(GIVING_UP_S)
         return made
 

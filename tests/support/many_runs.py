@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: MIT
 """How many runs a test makes that repeats one, as testing_runs() for C: few in `tools/dev test`, many in the evidence.
 
-Where a run takes seconds, the evidence has a sample of the whole number. NF_MANY_RUNS=whole has that.
+Where a run takes seconds, the evidence makes some of the runs. NF_MANY_RUNS=whole makes all of them.
 """
 
 import os
-
 
 ASKED = os.environ.get("NF_MANY_RUNS")
 

@@ -3,8 +3,8 @@
 
 Which tier a test belongs to, in one rule: `test` has what tells whether a change is right, for at most MOST of the processor
 time of these tests; all else is evidence (label `evidence`). A test that is dearer and stays has the label `dear`, by
-nf_is_dear() with the reason beside it, and counts for nobody's share: what it builds may be there. A share is the same on a
-machine that is twice as slow; seconds are not. A run of all tests fails above FAILS, for shares vary.
+nf_is_dear() with the reason beside it. Its time is no part of the whole, because it depends on what is built already. A share
+is the same on a machine that is twice as slow; seconds are not. A run of all tests fails above FAILS, because shares vary.
 """
 
 import argparse
