@@ -45,7 +45,8 @@ def local_cluster(jobs):
 
 @contextlib.contextmanager
 def client_of(scheduler, jobs):
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # one line of ours says it
+    for name in ("distributed", "asyncio"):  # one line of ours says it; asyncio tells late of connections that Dask has given up
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     with contextlib.ExitStack() as stack:
         if scheduler is None:
             yield stack.enter_context(Client(stack.enter_context(local_cluster(jobs))))
