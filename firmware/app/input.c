@@ -247,11 +247,12 @@ static void wait_for_demand(input_t *input, const live_config_t *live, const inp
     const bool may_run = (cfg->button == (uint32_t)INPUT_BUTTON_NONE) || input->is_on;
     const bool waits = !may_run && (cfg->button == (uint32_t)INPUT_BUTTON_START_STOP);
     const bool ready = (live->app->drive.state == DRIVE_STATE_READY) && !is_commanded(live->app);
+    const bool can_begin = may_run && ready;
     const uint32_t moved = ((uint32_t)input->signal.count - input->rested) & UINT8_MAX;
     const bool asks = (input->share != 0) && !waits && (moved >= INPUT_SIGNAL_GOOD);
     const bool noisy = input_signal_was_noisy(&input->signal);
 
-    if (noisy || signal_is_lost(input) || (asks && !(may_run && ready))) {
+    if (noisy || signal_is_lost(input) || (asks && !can_begin)) {
         disarm(input, tick);
     } else if ((input->share == 0) || waits) {
         input->rested = input->signal.count;

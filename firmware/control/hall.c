@@ -26,7 +26,7 @@
 #define REST_SHIFT (6U)
 #define TURNED_SHIFT (4U)
 #define HALF_SECTOR (0x15555555)
-#define MEASURED_MAX (0x0FFFFFFF)
+#define MEASURED_MAX (0x0FFFFFFFU)
 #define SPEED_MAX (0x1FFFFFFF)
 #define JITTER_TICKS (64U)
 #define AGE_SHIFT (8U) /* ages are Q8 of a tick */
@@ -187,15 +187,19 @@ static step_t way_since(const hall_t *hall, step_t speed)
     return speed + (fx_asr(speed, AGE_SHIFT) * (step_t)hall->seen_age_q8);
 }
 
-/* Returns the mean speed from the edge before to this one. way: between them. */
-static step_t speed_between(const hall_t *hall, int32_t way)
+/*
+ * Returns the size of the mean speed from the edge before to this one. way: between them, which is
+ * more than half a turn where a signal is left out of uneven sectors.
+ */
+static step_t speed_between(const hall_t *hall, angle_t way)
 {
     const uint32_t shift = (hall->ticks < SHORT_TICKS) ? AGE_SHIFT : 0U;
     const int32_t part = (int32_t)hall->edge_age_q8 - (int32_t)hall->seen_age_q8;
     const int32_t time = fx_signed(hall->ticks << shift) + fx_asr(part, AGE_SHIFT - shift);
-    const int32_t most = fx_asr(MEASURED_MAX, shift);
+    const uint32_t pace = way / fx_unsigned(fx_max(time, 1));
+    const uint32_t most = MEASURED_MAX >> shift;
 
-    return fx_clamp(way / fx_max(time, 1), -most, most) * fx_signed((uint32_t)1U << shift);
+    return fx_signed(((pace < most) ? pace : most) << shift);
 }
 
 /*
@@ -244,7 +248,10 @@ static int32_t corrected(const hall_t *hall, int32_t error)
 /* Corrects angle and speed at an edge, from the way and the time since the edge before. */
 static void hall_pace(hall_t *hall, angle_t edge)
 {
-    const step_t measured = speed_between(hall, fx_signed(edge - hall->edge));
+    const bool forwards = hall->direction > 0;
+    const angle_t way = forwards ? (edge - hall->edge) : (hall->edge - edge);
+    const step_t size = speed_between(hall, way);
+    const step_t measured = forwards ? size : -size;
     const step_t speed = speed_ahead(hall, measured);
     const angle_t now = edge + fx_unsigned(way_since(hall, speed));
     const int32_t error = fx_signed(now - hall->angle);

@@ -10,6 +10,7 @@
 #include "drive_words.h"
 #include "example_app.h"
 #include "flash_model.h"
+#include "flash_unit.h"
 #include "frame_code.h"
 #include "recorder_pack.h"
 #include "seeded.h"
@@ -25,6 +26,8 @@
 #define STRIDE (testing_runs(7U, 1U)) /* of the steps that are cut */
 #define CHANCES (testing_runs(1U, 4U))
 #define NOISE (6)
+#define UNCHECKED_TICKS (10U) /* since the background has noted the last check word */
+#define PLACE_SLOTS (HAL_BOX_SLOTS / BOX_PLACES)
 
 static recorder_t recorder;
 static recorder_entry_t entries[RECORDER_SEGMENTS * SEGMENT_ENTRIES];
@@ -100,17 +103,27 @@ static void run_for(uint32_t ticks)
     TEST_ASSERT_NOT_EQUAL(DRIVE_STATE_FAULT, app.drive.state);
 }
 
-/* To where the recording of the fault is frozen. */
-static void fail_after(uint32_t ticks)
+static void fail_in_a_pass(void)
 {
-    run_for(ticks);
     measured.flags = DRIVE_FLAG_BREAK;
     pass(1U);
     measured.flags = 0U;
     TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, app.drive.state);
+}
+
+static void fail_and_freeze(void)
+{
+    fail_in_a_pass();
     while (!recorder.frozen) {
         pass(1U);
     }
+}
+
+/* To where the recording of the fault is frozen. */
+static void fail_after(uint32_t ticks)
+{
+    run_for(ticks);
+    fail_and_freeze();
 }
 
 static void save(void)
@@ -368,15 +381,120 @@ TEST(test_a_flash_that_does_not_work_leaves_the_recording_in_the_ram)
     TEST_ASSERT_FALSE(box_has_saved(&box));
 }
 
+TEST(test_a_stamp_that_the_flash_does_not_keep_leaves_the_recording_in_the_ram)
+{
+    uint32_t steps;
+
+    fail_after(1500U);
+    while (box.phase != BOX_STAMPS) {
+        pass(1U);
+    }
+    flash.refuses_program = true;
+    pass(1U);
+    steps = flash.steps;
+    pass(100U);
+    TEST_ASSERT_EQUAL_UINT32(steps, flash.steps);
+    TEST_ASSERT_FALSE(box_is_saving(&box));
+    TEST_ASSERT_FALSE(box_has_saved(&box));
+    TEST_ASSERT_TRUE(recorder.held);
+    start(true);
+    TEST_ASSERT_FALSE(box.found);
+}
+
+TEST(test_without_a_recorder_a_fault_is_noted_and_nothing_is_saved)
+{
+    app_record(&app, NULL);
+    run_for(400U);
+    fail_in_a_pass();
+    pass(1000U);
+    TEST_ASSERT_EQUAL_UINT32(1U, fault_log_size(&faults));
+    TEST_ASSERT_FALSE(box_has_saved(&box));
+    TEST_ASSERT_EQUAL_UINT32(0U, flash.steps);
+}
+
+/* ---- a word that has flipped by itself ---- */
+
+/* The write pointer has moved, so an old frame stays between the new ones. */
+TEST(test_a_recording_that_is_spoilt_is_not_written_and_the_next_fault_is_saved)
+{
+    run_for(900U);
+    recorder.at = &recorder.at[1];
+    fail_and_freeze();
+    TEST_ASSERT_EQUAL_UINT32(0U, recorder_history(&recorder).entries);
+    save();
+    TEST_ASSERT_EQUAL_UINT32(0U, flash.steps);
+    TEST_ASSERT_EQUAL_UINT32(0U, faults.saves);
+    TEST_ASSERT_NULL(commander_clear(&app, SOURCE_LINK));
+    pass(50U);
+    fail_after(1000U);
+    save();
+    assert_file_repeats();
+}
+
+TEST(test_a_phase_that_is_none_writes_nothing_and_the_saving_begins_anew_at_the_next_rest)
+{
+    const box_phase_t none = (box_phase_t)(BOX_STAMPS + 1);
+    uint32_t steps;
+
+    fail_after(1500U);
+    pass(100U);
+    TEST_ASSERT_TRUE(box_is_saving(&box));
+    box.phase = none;
+    steps = flash.steps;
+    pass(100U);
+    TEST_ASSERT_EQUAL_UINT32(steps, flash.steps);
+    TEST_ASSERT_NULL(commander_clear(&app, SOURCE_LINK));
+    pass(2U * cfg.slow_ticks);
+    TEST_ASSERT_FALSE(box_is_saving(&box));
+    save();
+    assert_file_repeats();
+}
+
+/* The number 0, of no segment, is also that of a log without a saved recording. */
+TEST(test_a_recording_that_is_not_saved_is_not_released_when_its_last_segment_is_lost)
+{
+    flash.refuses_erase = true;
+    fail_after(1500U);
+    pass(100U);
+    TEST_ASSERT_NULL(commander_clear(&app, SOURCE_LINK));
+    pass(50U);
+    recorder.current = RECORDER_SEGMENTS;
+    run_for(50U);
+    TEST_ASSERT_TRUE(recorder.held);
+    TEST_ASSERT_TRUE(recorder.frozen);
+}
+
+TEST(test_a_word_that_the_flash_cannot_read_is_zero)
+{
+    hal_host_flash_unit_t *unit;
+    uint32_t behind;
+
+    fail_after(1500U);
+    save();
+    TEST_ASSERT_EQUAL_HEX32(RECORDER_MAGIC, box_word(&box, 0U));
+    behind = box_word(&box, FLASH_UNIT_WORDS);
+    unit = &flash.units[HAL_STORE_SLOTS + (box.place * PLACE_SLOTS)]
+                       [FAULT_LOG_WORDS / FLASH_UNIT_WORDS];
+    unit->half_done = true;
+    unit->half = HAL_HOST_FLASH_UNREADABLE;
+    TEST_ASSERT_EQUAL_HEX32(0U, box_word(&box, 0U));
+    TEST_ASSERT_EQUAL_HEX32(behind, box_word(&box, FLASH_UNIT_WORDS));
+}
+
 /* ---- resets ---- */
 
-static void reset(hal_reset_reason_t reason)
+static void reset_by(hal_reset_t cause)
 {
     recorder_place_t place = {.entries = entries, .segment_entries = SEGMENT_ENTRIES};
 
-    hardware.reset = (hal_reset_t){.reason = reason};
+    hardware.reset = cause;
     box_init(&box, &app, &hardware, &about, &faults, false);
     box_rescue(&box, &recorder, &place, &live);
+}
+
+static void reset(hal_reset_reason_t reason)
+{
+    reset_by((hal_reset_t){.reason = reason});
 }
 
 TEST(test_a_reset_in_a_run_is_saved_with_its_reason)
@@ -407,6 +525,78 @@ TEST(test_a_reset_at_rest_is_not_saved)
     TEST_ASSERT_EQUAL_STRING("the drive was at rest", box.why_none);
     TEST_ASSERT_FALSE(box.found);
     TEST_ASSERT_EQUAL_UINT32(0U, fault_log_size(&faults));
+}
+
+TEST(test_a_watchdog_at_rest_is_noted_without_a_recording)
+{
+    pass(EXAMPLE_CALIBRATION_TICKS + 200U);
+    reset(HAL_RESET_WATCHDOG);
+    TEST_ASSERT_EQUAL_STRING("the drive was at rest", box.why_none);
+    TEST_ASSERT_EQUAL_UINT32(1U, fault_log_size(&faults));
+    TEST_ASSERT_EQUAL_HEX32((1U << FAULT_LOG_POWER_UP_SHIFT) | FAULT_LOG_RESET | HAL_RESET_WATCHDOG,
+                            fault_log_entry(&faults, 0U)->what);
+}
+
+TEST(test_an_exception_at_rest_is_noted_with_its_number)
+{
+    const uint32_t exception = 3U;
+
+    pass(EXAMPLE_CALIBRATION_TICKS + 200U);
+    reset_by((hal_reset_t){.reason = HAL_RESET_SOFTWARE, .exception = exception});
+    TEST_ASSERT_EQUAL_UINT32(1U, fault_log_size(&faults));
+    TEST_ASSERT_EQUAL_HEX32((1U << FAULT_LOG_POWER_UP_SHIFT) |
+                                (exception << FAULT_LOG_EXCEPTION_SHIFT) | FAULT_LOG_RESET |
+                                HAL_RESET_SOFTWARE,
+                            fault_log_entry(&faults, 0U)->what);
+}
+
+/* Returns how many ticks behind the last check word the saved recording has. */
+static uint32_t unchecked_ticks_after(hal_reset_reason_t reason)
+{
+    uint32_t checked;
+
+    setUp();
+    run_for(900U);
+    checked = app.drive.tick;
+    tick(UNCHECKED_TICKS);
+    reset(reason);
+    TEST_ASSERT_TRUE(box.rescued);
+    assert_file_repeats();
+    return header()->end_tick - checked;
+}
+
+/* The last entry may be half written. */
+TEST(test_ticks_without_a_check_word_count_only_if_the_supply_was_there_for_certain)
+{
+    TEST_ASSERT_EQUAL_UINT32(UNCHECKED_TICKS - 1U, unchecked_ticks_after(HAL_RESET_PIN));
+    TEST_ASSERT_EQUAL_UINT32(0U, unchecked_ticks_after(HAL_RESET_SUPPLY));
+    TEST_ASSERT_EQUAL_UINT32(0U, unchecked_ticks_after(HAL_RESET_UNKNOWN));
+}
+
+TEST(test_a_run_that_the_flash_does_not_keep_after_a_reset_is_not_said_to_be_saved)
+{
+    fail_after(1500U);
+    save();
+    TEST_ASSERT_NULL(commander_clear(&app, SOURCE_LINK));
+    pass(50U);
+    run_for(900U);
+    flash.refuses_program = true;
+    reset(HAL_RESET_WATCHDOG);
+    TEST_ASSERT_FALSE(box.rescued);
+    TEST_ASSERT_EQUAL_STRING("the flash does not keep what is written", box.why_none);
+    assert_file_repeats(); /* the earlier one */
+    TEST_ASSERT_EQUAL_UINT32(FAULT_BREAK, header()->fault_id);
+    TEST_ASSERT_EQUAL_UINT32(2U, fault_log_size(&faults));
+}
+
+/* 0 says that none is saved. */
+TEST(test_a_run_whose_number_is_lost_is_not_said_to_be_saved)
+{
+    run_for(900U);
+    recorder.segments[recorder.current].number = 0U;
+    reset(HAL_RESET_WATCHDOG);
+    TEST_ASSERT_FALSE(box.rescued);
+    TEST_ASSERT_NOT_NULL(box.why_none);
 }
 
 TEST(test_a_fault_that_was_not_saved_is_saved_after_a_reset)
@@ -449,9 +639,7 @@ TEST(test_a_reset_right_after_a_fault_saves_the_run)
 TEST(test_a_fault_at_rest_that_was_not_saved_is_saved_after_a_reset)
 {
     pass(EXAMPLE_CALIBRATION_TICKS + 100U);
-    measured.flags = DRIVE_FLAG_BREAK;
-    pass(1U);
-    measured.flags = 0U;
+    fail_in_a_pass();
     pass(POST_TICKS + 3U);
     TEST_ASSERT_TRUE(recorder.frozen);
     reset(HAL_RESET_PIN);
@@ -497,6 +685,85 @@ TEST(test_resets_that_go_on_do_not_wear_the_flash)
         start(false);
     }
     TEST_ASSERT_EQUAL_UINT32(BOX_SAVES_MAX + 2U, fault_log_size(&faults));
+}
+
+/* ---- what is said ---- */
+
+static text_t text;
+
+static const char *said(void)
+{
+    TEST_ASSERT_LESS_THAN_UINT32(TEXT_MAX, text.length);
+    text.characters[text.length] = '\0';
+    return text.characters;
+}
+
+static const char *said_at_start(void)
+{
+    text.length = 0U;
+    box_tell_start(&text, &box);
+    return said();
+}
+
+static const char *said_of_entry(uint32_t age)
+{
+    text.length = 0U;
+    box_tell_entry(&text, &box, age);
+    return said();
+}
+
+TEST(test_a_start_says_its_reset_and_that_no_recording_is_saved)
+{
+    TEST_ASSERT_EQUAL_STRING("last reset: supply; no recording is saved", said_at_start());
+}
+
+TEST(test_a_start_says_that_an_earlier_recording_is_saved)
+{
+    fail_after(1500U);
+    save();
+    start(true);
+    TEST_ASSERT_EQUAL_STRING("last reset: supply; an earlier recording is saved, `last` sends it",
+                             said_at_start());
+}
+
+TEST(test_a_start_after_a_reset_in_a_run_says_that_the_run_is_saved)
+{
+    run_for(900U);
+    reset(HAL_RESET_WATCHDOG);
+    TEST_ASSERT_EQUAL_STRING("last reset: watchdog; the run before it is saved, `last` sends it",
+                             said_at_start());
+}
+
+/* Also when an earlier recording is there: of the run before, there is none. */
+TEST(test_a_start_after_a_reset_at_rest_says_why_there_is_no_recording_of_the_run)
+{
+    fail_after(1500U);
+    save();
+    start(false);
+    pass(EXAMPLE_CALIBRATION_TICKS + 200U);
+    reset(HAL_RESET_PIN);
+    TEST_ASSERT_TRUE(box.found);
+    TEST_ASSERT_EQUAL_STRING(
+        "last reset: pin; no recording of the run before it: the drive was at rest",
+        said_at_start());
+}
+
+TEST(test_entries_of_the_log_say_their_number_their_time_and_what_happened)
+{
+    /* of 32768 for 450 V */
+    const fault_t fault = {.id = FAULT_OVERVOLTAGE, .value = 24576, .limit = 16384};
+
+    faults.power_up = 65535U;
+    faults.seconds = 7U;
+    fault_log_fault(&faults, &fault);
+    faults.seconds = 3600U;
+    fault_log_reset(&faults, (hal_reset_t){.reason = HAL_RESET_PIN});
+    fault_log_reset(&faults, (hal_reset_t){.reason = HAL_RESET_WATCHDOG, .exception = 255U});
+    TEST_ASSERT_EQUAL_STRING("1: power-up 65535, 7 s: OVERVOLTAGE 337.500 V, limit 225.000 V",
+                             said_of_entry(2U));
+    TEST_ASSERT_EQUAL_STRING("2: power-up 65535, 3600 s: reset: pin", said_of_entry(1U));
+    TEST_ASSERT_EQUAL_STRING("3: power-up 65535, 3600 s: reset: watchdog after exception 255",
+                             said_of_entry(0U));
 }
 
 /* ---- loss of power ---- */

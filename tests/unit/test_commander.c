@@ -195,6 +195,20 @@ TEST(test_a_clear_that_is_taken_back_leaves_the_ticket)
     TEST_ASSERT_NULL(run_with(ticket));
 }
 
+/* The fault has just come, so the run of the console is still asked for. */
+TEST(test_an_input_does_not_clear_the_fault_of_a_run_of_another)
+{
+    TEST_ASSERT_NULL(commander_run(&app, SOURCE_CONSOLE));
+    tick_period();
+    fail();
+    TEST_ASSERT_EQUAL_STRING(COMMANDER_TAKEN, commander_clear(&app, SOURCE_INPUT));
+    TEST_ASSERT_EQUAL(SOURCE_CONSOLE, commander_source(&app));
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, taken().request);
+    commander_step(&app); /* the fault has ended the run */
+    TEST_ASSERT_NULL(commander_clear(&app, SOURCE_INPUT));
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_CLEAR, taken().request);
+}
+
 /* ---- where positions count from ---- */
 
 TEST(test_without_a_sensor_there_is_no_zero_at_rest)
@@ -237,6 +251,18 @@ TEST(test_a_zero_takes_the_command_from_whoever_has_it)
         TEST_ASSERT_EQUAL_INT(of, commander_source(&app));
         TEST_ASSERT_NOT_EQUAL_UINT32(upsets, app.upsets);
     }
+}
+
+TEST(test_an_input_sets_no_zero_in_the_run_of_another)
+{
+    run_in(DRIVE_MODE_SPEED, 77);
+    app.source = SOURCE_CONSOLE;
+    TEST_ASSERT_EQUAL_STRING(COMMANDER_TAKEN, commander_zero(&app, SOURCE_INPUT));
+    TEST_ASSERT_EQUAL(SOURCE_CONSOLE, commander_source(&app));
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, taken().request);
+    app.source = SOURCE_INPUT;
+    TEST_ASSERT_NULL(commander_zero(&app, SOURCE_INPUT));
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN | DRIVE_REQUEST_ZERO, taken().request);
 }
 
 TEST(test_a_zero_is_in_force_until_the_drive_has_taken_it_and_no_longer)

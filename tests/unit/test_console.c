@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The console: what it answers to each line, what the drive gets of it. */
+#include "box.h"
 #include "commander.h"
 #include "console.h"
 #include "example_app.h"
@@ -522,4 +523,151 @@ TEST(test_a_zero_says_whether_the_rotor_is_known)
     (void)said_to("");
     TEST_ASSERT_EQUAL_STRING("ok\r\n", said_to("zero\n"));
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_ZERO, command_mailbox_take(&app.mailbox).request);
+}
+
+TEST(test_the_status_says_the_last_reset_where_the_binding_knows_it)
+{
+    static const char said[] = ", last reset: ";
+
+    TEST_ASSERT_NULL(strstr(said_to("status\n"), said));
+    hardware.reset = (hal_reset_t){.reason = HAL_RESET_WATCHDOG, .exception = 3U};
+    assert_contains(", last reset: watchdog after exception 3\r\n", said_to("status\n"));
+    calibrate();
+    TEST_ASSERT_NULL_MESSAGE(strstr(said_to(""), said), "nobody asked, and it has not changed");
+}
+
+TEST(test_the_status_says_what_the_input_sees_whoever_asked)
+{
+    TEST_ASSERT_NULL(strstr(said_to("status\n"), ", input: "));
+    console.input = "armed";
+    assert_contains(", input: armed\r\n", said_to("status\n"));
+    calibrate();
+    assert_contains(", input: armed\r\n", said_to(""));
+}
+
+/* ---- the black box ---- */
+
+#define NONE "error: there is none\r\n"
+#define LINES_MAX (20000U)        /* more than a recording has */
+#define SAVING_PASSES_MAX (2000U) /* more than a place of the box has units */
+
+static fault_log_t faults;
+static box_t box;
+
+static void begin_box(void)
+{
+    box_init(&box, &app, &hardware, &ABOUT, &faults, true);
+}
+
+/* Until the box has saved the recording of a fault. */
+static void save_fault(void)
+{
+    begin_box();
+    record_fault();
+    for (uint32_t k = 0U; (k < SAVING_PASSES_MAX) && !box_has_saved(&box); k++) {
+        box_step(&box, BOX_UNREAD);
+    }
+    TEST_ASSERT_TRUE(box_has_saved(&box));
+    TEST_ASSERT_FALSE(box_is_saving(&box));
+}
+
+static void assert_nothing_to_send(const char *typed)
+{
+    assert_says(NONE, typed);
+    assert_says("", "");
+    TEST_ASSERT_EQUAL(CONSOLE_DUMP_NONE, console.dump_phase);
+}
+
+TEST(test_without_a_box_and_with_an_empty_one_there_is_nothing_to_send)
+{
+    assert_nothing_to_send("last\n");
+    assert_nothing_to_send("faults\n");
+    begin_box();
+    assert_nothing_to_send("last\n");
+    assert_nothing_to_send("faults\n");
+}
+
+/* The line with this number of the saved recording. */
+static void assert_line_of_the_box(uint32_t number, const char *said)
+{
+    uint32_t words[RECORDER_LINE_WORDS];
+    char expected[RECORDER_LINE_CHARACTERS + 1U];
+
+    for (uint32_t k = 0U; k < RECORDER_LINE_WORDS; k++) {
+        words[k] = box_word(&box, (number * RECORDER_LINE_WORDS) + k);
+    }
+    recorder_line(number, words, expected);
+    TEST_ASSERT_EQUAL_STRING_LEN(expected, said, RECORDER_LINE_CHARACTERS);
+    TEST_ASSERT_EQUAL_STRING("\r\n", &said[RECORDER_LINE_CHARACTERS]);
+}
+
+/* The recorder keeps its recording: what was sent is the copy in the flash. */
+TEST(test_the_saved_recording_is_sent_line_by_line_to_its_end_each_time_it_is_asked_for)
+{
+    save_fault();
+    const uint32_t lines = recorder_lines(box.file_words);
+
+    for (uint32_t times = 0U; times < 2U; times++) {
+        assert_says("ok\r\n", "last\n");
+        for (uint32_t number = 0U; number < lines; number++) {
+            assert_line_of_the_box(number, said_to(""));
+        }
+        assert_says("dump ends\r\n", "");
+        assert_says("", "");
+    }
+    TEST_ASSERT_TRUE(recorder.held);
+}
+
+/* Two faults and a reset between them. */
+static void fill_log(void)
+{
+    begin_box();
+    fault_log_fault(&faults, &(fault_t){.id = FAULT_LATE, .value = 11, .limit = 10});
+    fault_log_reset(&faults, (hal_reset_t){.reason = HAL_RESET_WATCHDOG, .exception = 3U});
+    faults.seconds = 7U;
+    fault_log_fault(&faults, &(fault_t){.id = FAULT_OVERCURRENT, .value = 16384, .limit = -8192});
+}
+
+TEST(test_the_log_of_faults_is_sent_oldest_first_each_time_it_is_asked_for)
+{
+    fill_log();
+    for (uint32_t times = 0U; times < 2U; times++) {
+        assert_says("ok\r\n", "faults\n");
+        assert_says("1: power-up 1, 0 s: LATE 11, limit 10\r\n", "");
+        assert_says("2: power-up 1, 0 s: reset: watchdog after exception 3\r\n", "");
+        assert_says("3: power-up 1, 7 s: OVERCURRENT 20.000 A, limit -10.000 A\r\n", "");
+        assert_says("", "");
+        TEST_ASSERT_EQUAL(CONSOLE_DUMP_NONE, console.dump_phase);
+    }
+}
+
+static void send_to_the_end(void)
+{
+    for (uint32_t k = 0U; (k < LINES_MAX) && (console.dump_phase != CONSOLE_DUMP_NONE); k++) {
+        (void)said_to("");
+    }
+    TEST_ASSERT_EQUAL(CONSOLE_DUMP_NONE, console.dump_phase);
+}
+
+/* While the answer to `first` is sent, nothing else is that would come between its lines. */
+static void assert_sent_alone(const char *first)
+{
+    static const char *const others[] = {"last\n", "faults\n", "dump\n", "record\n", "identify\n"};
+
+    assert_says("ok\r\n", first);
+    const console_dump_t phase = console.dump_phase;
+
+    for (uint32_t k = 0U; k < (sizeof others / sizeof others[0]); k++) {
+        assert_says("error: a dump is under way\r\n", others[k]);
+        TEST_ASSERT_EQUAL(phase, console.dump_phase);
+    }
+    send_to_the_end();
+}
+
+TEST(test_of_recordings_and_log_one_is_sent_at_a_time)
+{
+    save_fault();
+    assert_sent_alone("last\n");
+    assert_sent_alone("faults\n");
+    assert_sent_alone("dump\n");
 }

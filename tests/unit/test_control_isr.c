@@ -346,3 +346,22 @@ TEST(test_init_leaves_no_recorder_behind)
     control_isr(&app);
     TEST_ASSERT_NULL(recorder.at);
 }
+
+static shaft_decoder_t shaft;
+
+TEST(test_a_sensor_that_the_configuration_takes_away_is_not_read_any_more)
+{
+    cfg.sensor.kind = (uint32_t)SENSOR_KIND_ABSOLUTE;
+    app_sense(&app, &shaft);
+    interrupts(2U);
+    TEST_ASSERT_EQUAL_STRING("osrasra", hal.diary);
+    cfg.sensor.kind = (uint32_t)SENSOR_KIND_NONE;
+    interrupts(2U);
+    TEST_ASSERT_EQUAL_STRING("osrasrasasa", hal.diary);
+}
+
+TEST(test_a_trouble_that_is_none_has_a_text_all_the_same)
+{
+    TEST_ASSERT_EQUAL_STRING("none", shaft_trouble_text(SHAFT_TROUBLES));
+    TEST_ASSERT_EQUAL_STRING("sensor_turned", shaft_trouble_text(SHAFT_TROUBLE_TURNED));
+}

@@ -320,3 +320,28 @@ TEST(test_the_time_of_the_pulses_may_wrap)
     }
     TEST_ASSERT_EQUAL_UINT32(1U, got);
 }
+
+TEST(test_a_frame_with_a_pulse_a_third_of_a_bit_late_is_refused)
+{
+    for (uint32_t late = 2U; late < 16U; late++) {
+        for (uint32_t k = 0U; k < 16U; k++) {
+            const double off_ns = (k == late) ? (0.35 * BIT_NS[0]) : 0.0;
+
+            pulse(now_ns + off_ns, ZERO_NS[0]);
+            now_ns += BIT_NS[0];
+        }
+        pause_ns(50000.0);
+    }
+    TEST_ASSERT_EQUAL_UINT32(0U, got);
+}
+
+TEST(test_a_frame_has_not_ended_before_the_line_has_been_silent_for_20_us)
+{
+    const double after_last_start_ns = 20000.0 - BIT_NS[0];
+
+    send(bits_of(1046U, false), 16U, 0U, 1.0);
+    pause_ns(after_last_start_ns - 200.0);
+    TEST_ASSERT_EQUAL_UINT32(0U, got);
+    pause_ns(400.0);
+    TEST_ASSERT_EQUAL_UINT32(1U, got);
+}

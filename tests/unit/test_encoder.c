@@ -42,7 +42,7 @@ static void turn_without_index(int32_t counts)
 {
     const int32_t step = (counts > 0) ? 100 : -100;
 
-    encoder.speed = step * 16; /* it has been turning */
+    encoder.speed = ((cfg.reversed != 0U) ? -step : step) * 16; /* it has been turning */
     for (int32_t k = 0; k < (counts / step); k++) {
         (void)move(step);
     }
@@ -114,6 +114,22 @@ TEST(test_two_indexes_bring_lost_counts_back_and_the_first_one_names_them)
     TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_INDEX, encoder.trouble);
     expect_count(70);
     turn_and_lose(0);
+    TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_COUNTS, encoder.trouble);
+    expect_count(100);
+}
+
+TEST(test_an_index_brings_the_lost_counts_of_a_reversed_encoder_back_too)
+{
+    cfg.reversed = 1U;
+    (void)move(0);
+    index_at(-100, -40);
+    turn_without_index(-(COUNTS - 100));
+    index_at(-100, -40);
+    TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_NONE, encoder.trouble);
+    for (int32_t k = 0; k < 2; k++) {
+        turn_without_index(-(COUNTS - 100));
+        index_at((k == 0) ? -70 : -100, -40);
+    }
     TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_COUNTS, encoder.trouble);
     expect_count(100);
 }

@@ -97,17 +97,30 @@ TEST(test_its_words_are_all_of_it)
     TEST_ASSERT_EQUAL_MEMORY(&log_, &copy, sizeof copy);
 }
 
+static void assert_told(const char *words, hal_reset_t reset)
+{
+    text_t text = {0};
+
+    fault_log_tell_reset(&text, reset);
+    text.characters[text.length] = '\0';
+    TEST_ASSERT_EQUAL_STRING(words, text.characters);
+}
+
 TEST(test_the_reasons_of_a_reset_have_names)
 {
     static const char *const names[HAL_RESETS] = {"unknown",  "supply",   "pin",
                                                   "software", "watchdog", "of another kind"};
 
     for (uint32_t k = 0U; k <= HAL_RESETS; k++) {
-        const hal_reset_t reset = {.reason = (hal_reset_reason_t)k};
-        text_t text = {0};
-
-        fault_log_tell_reset(&text, reset);
-        text.characters[text.length] = '\0';
-        TEST_ASSERT_EQUAL_STRING(names[(k < HAL_RESETS) ? k : 0U], text.characters);
+        assert_told(names[(k < HAL_RESETS) ? k : 0U],
+                    (hal_reset_t){.reason = (hal_reset_reason_t)k});
     }
+}
+
+TEST(test_an_exception_that_stopped_the_run_is_told_with_its_number)
+{
+    assert_told("watchdog after exception 3",
+                (hal_reset_t){.reason = HAL_RESET_WATCHDOG, .exception = 3U});
+    assert_told("pin after exception 255",
+                (hal_reset_t){.reason = HAL_RESET_PIN, .exception = 255U});
 }

@@ -427,3 +427,32 @@ TEST(test_no_sensor_at_all_is_named)
     TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_HALL_PATTERN, hall.trouble);
     TEST_ASSERT_FALSE(hall.known);
 }
+
+/* Two sectors of 100° are one of 200° where the signal between them is left out. */
+TEST(test_a_signal_that_stands_still_may_leave_a_sector_of_more_than_half_a_turn)
+{
+    cfg.fast_speed = STEP / 2; /* so that 200° without an edge are not a stop */
+    cfg.edges_q16[1] = 18204U; /* 100° */
+    cfg.edges_q16[2] = 36408U; /* 200° */
+    cfg.edges_q16[3] = 43690U;
+    cfg.edges_q16[4] = 50972U;
+    cfg.edges_q16[5] = 58254U;
+    (void)turn(1000, STEP, 0);
+    stuck_high = 4U; /* what the edge at 100° changes */
+    (void)turn_until_left_out(STEP);
+    TEST_ASSERT_EQUAL_UINT8(4U, hall.dead);
+    (void)turn(2000, STEP, 0);
+    TEST_ASSERT_TRUE(hall.known);
+    TEST_ASSERT_LESS_OR_EQUAL_INT32(5 * DEGREE, turn(TICKS_PER_TURN, STEP, 0));
+}
+
+TEST(test_the_time_since_an_edge_ends_at_its_largest_value)
+{
+    const uint32_t largest = 0x100000U;
+
+    (void)turn(10, 0, 0);
+    hall.ticks = largest - 1U;
+    (void)turn(3, 0, 0);
+    TEST_ASSERT_EQUAL_UINT32(largest, hall.ticks);
+    TEST_ASSERT_TRUE(hall.known);
+}

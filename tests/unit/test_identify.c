@@ -737,6 +737,22 @@ TEST(test_a_ramp_that_waits_for_the_bus_too_long_names_the_bus)
     TEST_ASSERT_EQUAL_STRING_LEN("the bus stays too high for braking", identify.why, 34U);
 }
 
+/* A heavy rotor has four times as long. What was measured before counts without the sensors. */
+TEST(test_a_vector_that_does_not_arrive_for_the_hall_sensors_ends_the_identification_well)
+{
+    const uint32_t longest = 4U * 5000U * (uint32_t)MS;
+
+    experiment(100000, 1);
+    (void)ticks_to(IDENTIFY_MOVING);
+    identify.phase = IDENTIFY_HALL;
+    have_moved(longest);
+    TEST_ASSERT_EQUAL(IDENTIFY_MOVING, identify.wait);
+    have_moved(longest + 1U);
+    TEST_ASSERT_EQUAL(IDENTIFY_ENDS, identify.phase);
+    TEST_ASSERT_EQUAL_STRING_LEN("identify done #", pass(), 15U);
+    assert_ended();
+}
+
 /* One that arrives late has arrived. */
 TEST(test_a_window_that_rushes_waits_for_no_vector)
 {

@@ -2,6 +2,8 @@
 /* When an input starts the motor, what it commands then, and what stops it. */
 #include "throttled_app.h"
 
+#define NO_SLOPE (0x3FFFFFFF) /* the demand may become the whole in a tick */
+
 static input_cfg_t settings;
 
 static void throttle(uint32_t count)
@@ -164,6 +166,51 @@ TEST(test_nothing_starts_while_the_motor_is_measured)
     TEST_ASSERT_FALSE(runs());
 }
 
+/* A zero that the drive has not taken yet, here without the upset that its source makes. */
+TEST(test_an_armed_input_starts_nothing_while_something_is_asked_of_the_drive)
+{
+    const drive_command_t zero = {.target = 77, .request = (uint8_t)DRIVE_REQUEST_ZERO};
+    const drive_command_t nothing = {.target = 77};
+
+    arm();
+    command_mailbox_post(&app.mailbox, &zero);
+    throttle(HALF_COUNT);
+    passes(200U);
+    TEST_ASSERT_FALSE(runs());
+    TEST_ASSERT_EQUAL_INT32(77, target());
+    TEST_ASSERT_EQUAL_UINT8(INPUT_WAITS, input.state);
+    command_mailbox_post(&app.mailbox, &nothing);
+    passes(10U * ARM);
+    TEST_ASSERT_FALSE(runs());
+}
+
+/* No reading is bad then: there is none. */
+TEST(test_an_armed_input_whose_converter_stands_still_is_disarmed_after_the_time)
+{
+    arm();
+    converts_each = UINT32_MAX;
+    passes(TIMEOUT - 1U);
+    TEST_ASSERT_EQUAL_UINT8(INPUT_ARMED, input.state);
+    passes(2U);
+    TEST_ASSERT_EQUAL_UINT8(INPUT_WAITS, input.state);
+    TEST_ASSERT_EQUAL_STRING("no signal", input_text(&input));
+    converts_each = 1U;
+    throttle(HALF_COUNT);
+    passes(10U * ARM);
+    TEST_ASSERT_FALSE(runs());
+}
+
+/* Its configuration was refused, so no drive is there that the input could command. */
+TEST(test_a_board_that_did_not_start_reads_no_input)
+{
+    app.drive.cfg = NULL;
+    passes(ARM + 300U);
+    TEST_ASSERT_EQUAL_UINT8(0U, input.signal.good);
+    TEST_ASSERT_EQUAL_STRING("no signal", input_text(&input));
+    app.drive.cfg = &cfg;
+    arm();
+}
+
 TEST(test_without_an_input_nothing_is_read)
 {
     settings = (input_cfg_t){.kind = (uint32_t)INPUT_KIND_NONE};
@@ -231,6 +278,27 @@ TEST(test_back_at_rest_the_motor_ramps_down_and_the_gates_open_when_it_is_slow)
     throttle(HALF_COUNT); /* a stop disarms */
     passes(10U * ARM);
     TEST_ASSERT_FALSE(runs());
+}
+
+/* Without slope and low-pass the demand ends at once, and the motor takes its time. */
+TEST(test_a_run_whose_demand_has_ended_goes_on_until_the_motor_is_slow)
+{
+    settings.slope_q30 = NO_SLOPE;
+    settings.filter_q15 = 32767;
+    power_up();
+    run_at_half();
+    throttle(REST_COUNT);
+    while (target() != 0) {
+        pass();
+    }
+    passes(50U);
+    TEST_ASSERT_TRUE(runs());
+    TEST_ASSERT_EQUAL_INT32(0, target());
+    while (runs()) {
+        TEST_ASSERT_TRUE(speed > 0);
+        pass();
+    }
+    TEST_ASSERT_TRUE(speed < (EXAMPLE_SPEED_STEP / 256));
 }
 
 TEST(test_a_throttle_that_comes_back_while_the_motor_slows_down_goes_on)
@@ -499,6 +567,27 @@ TEST(test_a_press_starts_at_the_set_point_and_the_next_one_stops)
     TEST_ASSERT_TRUE(runs());
 }
 
+/* Other than with an enable, which says that it is wanted as long as it is held. */
+TEST(test_a_run_that_was_started_by_a_press_and_ended_by_the_throttle_needs_another_press)
+{
+    with_button(INPUT_BUTTON_START_STOP);
+    arm();
+    press();
+    release();
+    throttle(HALF_COUNT);
+    passes(5000U);
+    TEST_ASSERT_TRUE(runs());
+    throttle(REST_COUNT);
+    passes(STOP_TICKS + 500U);
+    TEST_ASSERT_FALSE(runs());
+    arm();
+    throttle(HALF_COUNT);
+    passes(10U * ARM);
+    TEST_ASSERT_FALSE(runs());
+    press();
+    TEST_ASSERT_TRUE(runs());
+}
+
 TEST(test_a_second_press_before_the_throttle_moves_takes_the_first_one_back)
 {
     with_button(INPUT_BUTTON_START_STOP);
@@ -623,33 +712,44 @@ TEST(test_servo_pulses_arm_command_and_are_lost)
     TEST_ASSERT_FALSE(runs());
 }
 
-/* A frame of DShot300 in the tick. */
-static void dshot_frames(uint32_t count, uint32_t value)
+/* A frame of DShot300 that begins now. */
+static void dshot_frame(uint32_t value)
 {
     const uint32_t v = value << 1U;
     const uint32_t bits = (v << 4U) | ((v ^ (v >> 4U) ^ (v >> 8U)) & 15U);
 
-    for (uint32_t k = 0U; k < count; k++) {
-        for (uint32_t at = 0U; at < 16U; at++) {
-            const bool one = ((bits >> (15U - at)) & 1U) != 0U;
+    for (uint32_t at = 0U; at < DSHOT_BITS; at++) {
+        const bool one = ((bits >> (15U - at)) & 1U) != 0U;
 
-            hardware.pulses[hardware.pulse_end % EXAMPLE_PULSES] =
-                (hal_pulse_t){.start = hardware.now + ((at * 100U) / 3U), .width = one ? 25U : 12U};
-            hardware.pulse_end++;
-        }
+        hardware.pulses[hardware.pulse_end % EXAMPLE_PULSES] =
+            (hal_pulse_t){.start = hardware.now + ((at * 100U) / 3U), .width = one ? 25U : 12U};
+        hardware.pulse_end++;
+    }
+}
+
+/* A frame in the tick. */
+static void dshot_frames(uint32_t count, uint32_t value)
+{
+    for (uint32_t k = 0U; k < count; k++) {
+        dshot_frame(value);
         pass();
     }
 }
 
-TEST(test_dshot_arms_by_its_stop_commands_and_takes_a_command_for_a_stop)
+static void with_dshot(int32_t middle)
 {
     settings.kind = (uint32_t)INPUT_KIND_DSHOT;
     settings.least = 0;
     settings.low = 0;
-    settings.middle = 0;
+    settings.middle = middle;
     settings.high = 2000;
     settings.most = 2000;
     power_up();
+}
+
+TEST(test_dshot_arms_by_its_stop_commands_and_takes_a_command_for_a_stop)
+{
+    with_dshot(0);
     dshot_frames(ARM + 300U, 0U);
     TEST_ASSERT_EQUAL_STRING("armed", input_text(&input));
     dshot_frames(10000U, 2047U);
@@ -664,15 +764,32 @@ TEST(test_dshot_arms_by_its_stop_commands_and_takes_a_command_for_a_stop)
 /* Zero is a stop there too, and not full speed backwards. */
 TEST(test_dshot_both_ways_is_at_rest_at_its_stop)
 {
-    settings.kind = (uint32_t)INPUT_KIND_DSHOT;
-    settings.least = 0;
-    settings.low = 0;
-    settings.middle = 1000;
-    settings.high = 2000;
-    settings.most = 2000;
-    power_up();
+    with_dshot(1000);
     dshot_frames(ARM + 300U, 0U);
     TEST_ASSERT_EQUAL_STRING("armed", input_text(&input));
     dshot_frames(10000U, 48U);
     TEST_ASSERT_INT32_WITHIN(EXAMPLE_SPEED_STEP / 500, -EXAMPLE_SPEED_STEP, target());
+}
+
+/*
+ * The background has been late for four ticks, a frame in each. As the last frame is the last that
+ * the pass takes, its pulses may go on in those that still wait, and it is judged in the next pass.
+ */
+TEST(test_of_more_pulses_than_a_pass_takes_the_rest_is_judged_in_the_next_pass_and_once)
+{
+    const uint32_t frames = EXAMPLE_PULSES / DSHOT_BITS;
+
+    with_dshot(0);
+    pass(); /* in which the input begins */
+    for (uint32_t k = 0U; k < frames; k++) {
+        hardware.now += TICK_UNITS;
+        dshot_frame(0U);
+    }
+    pass();
+    TEST_ASSERT_EQUAL_UINT32(hardware.pulse_end, hardware.pulse_first);
+    TEST_ASSERT_EQUAL_UINT8(frames - 1U, input.signal.count);
+    pass();
+    TEST_ASSERT_EQUAL_UINT8(frames, input.signal.count);
+    pass();
+    TEST_ASSERT_EQUAL_UINT8(frames, input.signal.count);
 }

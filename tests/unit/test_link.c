@@ -942,27 +942,60 @@ TEST(test_no_stream_begins_or_goes_on_while_a_dump_is_under_way)
     TEST_ASSERT_NOT_NULL(strstr(line_said(), "dump ends"));
 }
 
-/* The dump reads the block that is not in force, where the words would go. */
-TEST(test_no_block_is_changed_while_a_dump_is_under_way)
-{
-    uint8_t word[7] = {30U, 0U, 1U};
-    uint8_t crc[4];
+#define WORD_BODY (7U)
+#define CRC_BODY (4U)
 
+/* A word of the block and its CRC, as they are in force. */
+static void put_change(uint8_t word[WORD_BODY], uint8_t crc[CRC_BODY])
+{
+    const uint32_t at = 30U; /* any word */
+
+    word[0] = (uint8_t)at;
+    word[1] = 0U;
+    word[2] = 1U;
+    words_put(&word[3], config_block_word(live.in_force, at));
     words_put(crc, live.in_force->cfg.crc);
-    words_put(&word[3], config_block_word(live.in_force, 30U));
-    ask_line(1U, "dump");
+}
+
+static void ask_about_the_block(void)
+{
+    uint8_t word[WORD_BODY];
+    uint8_t crc[CRC_BODY];
+
+    put_change(word, crc);
     line_ask(LINK_WRITE, 2U, word, sizeof word);
     line_ask(LINK_APPLY, 3U, crc, sizeof crc);
     line_ask(LINK_DEFAULTS, 4U, NULL, 0U);
     line_ask(LINK_STORE, 5U, NULL, 0U);
-    hear(20U * SHORT_WHILE);
+}
+
+static void assert_block_stays(const char *why)
+{
     TEST_ASSERT_EQUAL_STRING_MESSAGE("", verdict_on(LINK_STORE), "a store is no change");
-    TEST_ASSERT_EQUAL_STRING(DUMPS, verdict_on(LINK_WRITE));
-    TEST_ASSERT_EQUAL_STRING(DUMPS, verdict_on(LINK_APPLY));
-    TEST_ASSERT_EQUAL_STRING(DUMPS, verdict_on(LINK_DEFAULTS));
-    TEST_ASSERT_NOT_NULL(strstr(line_said(), "dump ends"));
+    TEST_ASSERT_EQUAL_STRING(why, verdict_on(LINK_WRITE));
+    TEST_ASSERT_EQUAL_STRING(why, verdict_on(LINK_APPLY));
+    TEST_ASSERT_EQUAL_STRING(why, verdict_on(LINK_DEFAULTS));
+}
+
+static void assert_block_changes(void)
+{
+    uint8_t word[WORD_BODY];
+    uint8_t crc[CRC_BODY];
+
+    put_change(word, crc);
     assert_verdict("", LINK_WRITE, word, sizeof word);
     assert_verdict("", LINK_APPLY, crc, sizeof crc);
+}
+
+/* The dump reads the block that is not in force, where the words would go. */
+TEST(test_no_block_is_changed_while_a_dump_is_under_way)
+{
+    ask_line(1U, "dump");
+    ask_about_the_block();
+    hear(20U * SHORT_WHILE);
+    assert_block_stays(DUMPS);
+    TEST_ASSERT_NOT_NULL(strstr(line_said(), "dump ends"));
+    assert_block_changes();
 }
 
 TEST(test_a_segments_state_is_read_in_pieces)
@@ -1250,30 +1283,123 @@ TEST(test_without_ticks_a_pc_that_is_gone_gives_the_line_back_and_one_that_asks_
     TEST_ASSERT_FALSE(serial.is_linked);
 }
 
+/* ---- an input ---- */
+
+#define REST_COUNT (2048U) /* of the potentiometer of example_input_cfg(): its middle */
+#define HALF_COUNT (3000U)
+#define LOST_INPUT "the input is lost: its voltage is below its range: the drive stops\r\n"
+
+static void passes_with_throttle(uint32_t count, uint32_t throttle)
+{
+    hardware.inputs.throttle = (uint16_t)throttle;
+    for (uint32_t k = 0U; k < count; k++) {
+        hardware.inputs.conversions++;
+        pass();
+    }
+}
+
+/* With so flat a slope that the target stays 0: no motor turns behind these inputs. */
+static void run_by_the_input(void)
+{
+    power_on();
+    cfg.input = example_input_cfg();
+    cfg.input.slope_q30 = 1;
+    cfg.crc = config_guard_crc(&cfg);
+    start();
+    passes(EXAMPLE_CALIBRATION_TICKS);
+    passes_with_throttle(cfg.input.arm_ticks + (4U * SHORT_WHILE), REST_COUNT);
+    passes_with_throttle(4U * SHORT_WHILE, HALF_COUNT);
+    TEST_ASSERT_EQUAL(SOURCE_INPUT, commander_source(&app));
+}
+
+TEST(test_the_loss_of_the_input_that_runs_the_motor_is_said_once_with_its_reason)
+{
+    run_by_the_input();
+    line_listen();
+    passes_with_throttle(cfg.input.timeout_ticks, 0U);
+    line_listen();
+    TEST_ASSERT_EQUAL_STRING("", line.text);
+    passes_with_throttle(cfg.input.timeout_ticks, 0U);
+    line_listen();
+    TEST_ASSERT_EQUAL_STRING_LEN(LOST_INPUT, line.text, strlen(LOST_INPUT));
+    TEST_ASSERT_NULL(strstr(&line.text[strlen(LOST_INPUT)], "is lost"));
+    TEST_ASSERT_EQUAL(SOURCE_NONE, commander_source(&app));
+}
+
 /* ---- the black box ---- */
+
+#define SAVING_PASSES_MAX (2000U) /* more than a place of the box has units */
 
 static fault_log_t log_;
 static box_t box;
 
-TEST(test_the_log_of_the_black_box_is_read_in_pieces)
+static void begin_box(void)
 {
-    const fault_t fault = {.id = FAULT_STALL, .value = 7, .limit = 9};
-
     box_init(&box, &app, &hardware, &live.about, &log_, true);
-    fault_log_fault(&log_, &fault);
-    for (uint32_t first = 0U; first < FAULT_LOG_WORDS; first += LINK_READ_WORDS_MAX) {
-        const uint32_t left = FAULT_LOG_WORDS - first;
+}
+
+static uint32_t word_of_the_box(uint8_t part, uint32_t at)
+{
+    return (part == LINK_BOX_LOG) ? fault_log_word(&log_, at) : box_word(&box, at);
+}
+
+static void assert_read_in_pieces(uint8_t part, uint32_t words)
+{
+    for (uint32_t first = 0U; first < words; first += LINK_READ_WORDS_MAX) {
+        const uint32_t left = words - first;
         const uint32_t count = (left < LINK_READ_WORDS_MAX) ? left : LINK_READ_WORDS_MAX;
-        const uint8_t body[] = {LINK_BOX_LOG, (uint8_t)first, 0U, LINK_READ_WORDS_MAX};
+        const uint8_t body[] = {part, (uint8_t)(first & 0xFFU), (uint8_t)(first >> 8U),
+                                LINK_READ_WORDS_MAX};
         const line_message_t *const answer = ask(LINK_BOX, body, sizeof body);
 
         TEST_ASSERT_EQUAL_UINT32(3U + (4U * count), answer->length - 2U);
         TEST_ASSERT_EQUAL_UINT32(count, answer->bytes[4]);
         for (uint32_t k = 0U; k < count; k++) {
-            TEST_ASSERT_EQUAL_HEX32(fault_log_word(&log_, first + k),
+            TEST_ASSERT_EQUAL_HEX32(word_of_the_box(part, first + k),
                                     words_get(&answer->bytes[5U + (4U * k)]));
         }
     }
+}
+
+/* To where the box writes the recording of a fault. */
+static void begin_saving(void)
+{
+    begin_box();
+    fail();
+    for (uint32_t k = 0U; (k < SAVING_PASSES_MAX) && (box.phase != BOX_WRITES); k++) {
+        pass();
+    }
+    TEST_ASSERT_EQUAL(BOX_WRITES, box.phase);
+}
+
+static void end_saving(void)
+{
+    for (uint32_t k = 0U; (k < SAVING_PASSES_MAX) && box_is_saving(&box); k++) {
+        pass();
+    }
+    TEST_ASSERT_TRUE(box_has_saved(&box));
+}
+
+TEST(test_log_and_recording_of_the_black_box_are_read_in_pieces)
+{
+    begin_saving();
+    end_saving();
+    TEST_ASSERT_EQUAL_HEX32(RECORDER_MAGIC, box_word(&box, 0U));
+    assert_read_in_pieces(LINK_BOX_LOG, FAULT_LOG_WORDS);
+    assert_read_in_pieces(LINK_BOX_RECORDING, box.file_words);
+    app.box = NULL;
+}
+
+/* The box reads the block that is not in force, if the recording began with it. */
+TEST(test_no_block_is_changed_while_the_recording_of_a_fault_is_saved)
+{
+    begin_saving();
+    ask_about_the_block();
+    hear(SHORT_WHILE);
+    TEST_ASSERT_TRUE(box_is_saving(&box));
+    assert_block_stays("the recording of a fault is being saved; ask again");
+    end_saving();
+    assert_block_changes();
     app.box = NULL;
 }
 
@@ -1281,7 +1407,7 @@ TEST(test_without_a_recording_a_box_or_a_known_part_there_are_no_words)
 {
     const uint8_t parts[] = {LINK_BOX_LOG, LINK_BOX_RECORDING, 9U};
 
-    box_init(&box, &app, &hardware, &live.about, &log_, true);
+    begin_box();
     for (uint32_t k = 1U; k < sizeof parts; k++) {
         const uint8_t body[] = {parts[k], 0U, 0U, 8U};
 
@@ -1299,7 +1425,7 @@ TEST(test_a_fault_is_noted_in_the_pass_that_sees_it_also_while_a_saved_recording
 
     for (uint32_t k = 0U; k < (sizeof phases / sizeof phases[0]); k++) {
         start();
-        box_init(&box, &app, &hardware, &live.about, &log_, true);
+        begin_box();
         fault_log_init(&log_);
         app.drive.state = DRIVE_STATE_FAULT;
         app.drive.fault.id = FAULT_STALL;

@@ -462,6 +462,24 @@ TEST(test_name_and_motor_of_the_block_in_force_are_those_of_about)
     TEST_ASSERT_EQUAL_INT32(1000, live.about.speed_max_rpm);
 }
 
+/* An input that has to be seen at rest would stop the motor that it runs. */
+TEST(test_a_change_in_run_upsets_an_input_unless_the_run_is_its_own)
+{
+    static const source_t sources[] = {SOURCE_CONSOLE, SOURCE_LINK, SOURCE_INPUT};
+
+    for (uint32_t k = 0U; k < (sizeof sources / sizeof sources[0]); k++) {
+        setUp();
+        TEST_ASSERT_NULL(commander_run(&app, sources[k]));
+        tick_period();
+        const uint32_t upsets = app.upsets;
+
+        want_gain();
+        bring_into_force();
+        TEST_ASSERT_EQUAL(sources[k], commander_source(&app));
+        TEST_ASSERT_EQUAL_UINT32(upsets + ((sources[k] == SOURCE_INPUT) ? 0U : 1U), app.upsets);
+    }
+}
+
 /* 1000 rpm of the same motor are half of what was asked for. */
 TEST(test_a_speed_in_force_stays_within_the_new_limit)
 {

@@ -480,6 +480,23 @@ TEST(test_history_is_the_run_through_a_change_and_back)
     TEST_ASSERT_GREATER_THAN_UINT32(RUN_SEGMENT_ENTRIES, fail_and_freeze());
 }
 
+/* A segment names the configuration that it changes to again in each change that comes later. */
+TEST(test_history_is_the_run_through_a_command_behind_a_change_of_the_configuration)
+{
+    const uint32_t first = run.cfg.crc;
+
+    recorded_run_ticks(&run, LONG_RUN);
+    enter_next_segment();
+    (void)change_to(1);
+    recorded_run_ticks(&run, run.cfg.slow_ticks);
+    run.in.command.target += 1000;
+    recorded_run_ticks(&run, 2U * run.cfg.slow_ticks);
+    hold_and_freeze();
+    const recorder_history_t history = recorder_history(&run.recorder);
+    TEST_ASSERT_EQUAL_HEX32(first, recorder_begin_state(&run.recorder, &history)->cfg->crc);
+    TEST_ASSERT_GREATER_THAN_UINT32(RUN_SEGMENT_ENTRIES, replay());
+}
+
 TEST(test_history_without_a_change_has_no_further_configuration)
 {
     recorded_run_ticks(&run, 10U);
@@ -879,6 +896,24 @@ TEST(test_a_place_to_write_that_has_moved_leaves_no_history)
     recorded_run_ticks(&run, RUN_POST_TICKS + 1U);
     TEST_ASSERT_TRUE(run.recorder.frozen);
     TEST_ASSERT_EQUAL_UINT32(0U, recorder_history(&run.recorder).entries);
+}
+
+TEST(test_a_place_to_write_outside_of_its_segment_adds_nothing_to_the_check_word)
+{
+    recorder_segment_t before;
+    const recorder_segment_t *segment;
+
+    recorded_run_ticks(&run, LONG_RUN);
+    do {
+        enter_next_segment();
+    } while (run.recorder.current == (RECORDER_SEGMENTS - 1U)); /* there is a segment behind it */
+    segment = &run.recorder.segments[run.recorder.current];
+    before = *segment;
+    run.recorder.at = &run.recorder.at[RUN_SEGMENT_ENTRIES];
+    recorder_service(&run.recorder, &run.drive);
+    TEST_ASSERT_GREATER_THAN_UINT32(0U, before.summed);
+    TEST_ASSERT_EQUAL_UINT32(before.summed, segment->summed);
+    TEST_ASSERT_EQUAL_HEX32(before.sum, segment->sum);
 }
 
 /* What the last segment keeps free for a stop that has flipped is half of it at most. */

@@ -4,6 +4,7 @@
 #include "drive_words.h"
 #include "recorded_run.h"
 #include "recorder_dump.h"
+#include "recorder_pack.h"
 #include "testing.h"
 
 #include <string.h>
@@ -126,11 +127,11 @@ TEST(test_parts_lie_behind_each_other_and_the_end_is_their_crc)
     }
 }
 
-TEST(test_a_configuration_that_it_changes_to_lies_behind_the_entries)
-{
-    static drive_cfg_t further;
-    uint32_t end = 0U;
+static drive_cfg_t further;
 
+/* A recording that begins with run.cfg and changes to `further`. */
+static void record_a_change(void)
+{
     recorded_run_start(&run);
     recorded_run_ticks(&run, 100U);
     further = run.cfg;
@@ -141,6 +142,13 @@ TEST(test_a_configuration_that_it_changes_to_lies_behind_the_entries)
     recorded_run_ticks(&run, 10U);
     recorder_hold(&run.recorder, &run.drive);
     recorded_run_ticks(&run, 2U);
+}
+
+TEST(test_a_configuration_that_it_changes_to_lies_behind_the_entries)
+{
+    uint32_t end = 0U;
+
+    record_a_change();
     recorder_dump_start(&dump, &run.recorder, &about);
     (void)read_all();
     end = RECORDER_HEADER_WORDS + CONFIG_WORDS + drive_words_count() + (4U * dump.header.entries);
@@ -181,6 +189,63 @@ TEST(test_without_a_fault_the_header_has_none)
     TEST_ASSERT_EQUAL_UINT32(0U, dump.header.fault_tick);
     TEST_ASSERT_GREATER_THAN_UINT32(0U, dump.header.entries);
 }
+
+/* ---- packed ---- */
+
+static recorder_pack_t packed;
+
+/* Packs the recording into at most `room` words; the file is in `words`, and its end is its CRC. */
+static void pack(uint32_t room)
+{
+    const recorder_header_t *const header = &packed.dump.header;
+
+    recorder_pack_start(&packed, &run.recorder, &about, room);
+    while (recorder_pack_measure(&packed)) {
+        /* the next piece */
+    }
+    TEST_ASSERT_LESS_THAN_UINT32(WORDS_MAX, header->words);
+    for (uint32_t k = 0U; k < header->words; k++) {
+        words[k] = recorder_pack_next(&packed);
+    }
+    TEST_ASSERT_EQUAL_MEMORY(header, words, sizeof(*header));
+    TEST_ASSERT_EQUAL_HEX32(crc_of(words, header->words - 1U), words[header->words - 1U]);
+}
+
+TEST(test_a_configuration_that_it_changes_to_lies_behind_the_packed_entries)
+{
+    const recorder_header_t *const header = &packed.dump.header;
+    uint32_t end;
+
+    record_a_change();
+    pack(WORDS_MAX);
+    end = RECORDER_HEADER_WORDS + CONFIG_WORDS + drive_words_count() + header->packed;
+    TEST_ASSERT_GREATER_THAN_UINT32(0U, header->packed);
+    TEST_ASSERT_EQUAL_UINT32(recorder_history(&run.recorder).entries, header->entries);
+    TEST_ASSERT_EQUAL_UINT32(1U, header->further);
+    TEST_ASSERT_EQUAL_MEMORY(&run.cfg, &words[RECORDER_HEADER_WORDS], sizeof(run.cfg));
+    TEST_ASSERT_EQUAL_MEMORY(&further, &words[end], sizeof(further));
+    TEST_ASSERT_EQUAL_UINT32(end + CONFIG_WORDS + 1U, header->words);
+}
+
+/* The state behind its only segment was never written, and is not read. */
+TEST(test_a_room_in_which_no_segment_fits_gets_the_head_of_the_whole_recording_without_entries)
+{
+    const recorder_header_t *const header = &packed.dump.header;
+    const uint32_t configs = 2U * CONFIG_WORDS;
+    const uint32_t head = RECORDER_HEADER_WORDS + configs + drive_words_count() + 1U;
+    const uint32_t rooms[] = {0U, head - 1U, head, head + 1U};
+
+    record_a_change();
+    for (uint32_t k = 0U; k < (sizeof(rooms) / sizeof(rooms[0])); k++) {
+        pack(rooms[k]);
+        TEST_ASSERT_EQUAL_UINT32(0U, header->entries);
+        TEST_ASSERT_EQUAL_UINT32(0U, header->packed);
+        TEST_ASSERT_EQUAL_UINT32(head, header->words);
+        TEST_ASSERT_EQUAL_MEMORY(&run.cfg, &words[RECORDER_HEADER_WORDS], sizeof(run.cfg));
+    }
+}
+
+/* ---- the name ---- */
 
 #define NAME_CHARACTERS (RECORDER_NAME_WORDS * WORD_BYTES)
 

@@ -45,6 +45,23 @@ static recorder_rescued_t rescue_unpowered(void)
     return recorder_rescue(&run.recorder, &place);
 }
 
+/* The background does not come round. */
+static void alone(uint32_t ticks)
+{
+    for (uint32_t k = 0U; k < ticks; k++) {
+        recorded_run_noise(&run);
+        recorded_run_interrupt(&run);
+    }
+}
+
+/* To where the next tick enters the next segment. */
+static void run_to_offer(void)
+{
+    while (!run.recorder.offered) {
+        recorded_run_ticks(&run, 1U);
+    }
+}
+
 /* Steps the history from its begin: it has the recorded outputs. Returns the state at the end. */
 static drive_t repeated(void)
 {
@@ -84,8 +101,7 @@ TEST(test_a_recording_that_a_reset_has_cut_ends_one_tick_before_it)
         setUp();
         recorded_run_ticks(&run, ticks);
         hash = drive_words_hash(&run.drive);
-        recorded_run_noise(&run);
-        recorded_run_interrupt(&run);
+        alone(1U);
         rescued = rescue();
         TEST_ASSERT_TRUE(rescued.found);
         TEST_ASSERT_TRUE(rescued.cut);
@@ -148,10 +164,7 @@ TEST(test_the_entries_since_the_last_pass_count_if_the_supply_was_there)
 
     recorded_run_ticks(&run, 400U);
     tick = run.drive.tick;
-    for (uint32_t k = 0U; k < 10U; k++) {
-        recorded_run_noise(&run);
-        recorded_run_interrupt(&run);
-    }
+    alone(10U);
     TEST_ASSERT_TRUE(rescue().found);
     TEST_ASSERT_EQUAL_UINT32(tick + 9U, repeated().tick);
     run.recorder.frozen = false;
@@ -167,6 +180,54 @@ TEST(test_a_reset_while_a_segment_is_entered_ends_with_the_one_before)
     run.recorder.current = (run.recorder.current + 1U) % RECORDER_SEGMENTS;
     TEST_ASSERT_TRUE(rescue().found);
     TEST_ASSERT_EQUAL_UINT32(tick, repeated().tick);
+}
+
+/* The background has offered the segment, and not come round since. */
+TEST(test_a_reset_before_a_segment_has_a_check_word_ends_with_the_one_before)
+{
+    uint32_t tick;
+
+    recorded_run_ticks(&run, 400U);
+    run_to_offer();
+    tick = run.drive.tick;
+    alone(RECORDER_MARGIN);
+    TEST_ASSERT_EQUAL_UINT32(0U, run.recorder.segments[run.recorder.current].hash);
+    TEST_ASSERT_TRUE(rescue().found);
+    TEST_ASSERT_EQUAL_UINT32(tick, repeated().tick);
+}
+
+/* Ticks came between the check word of the entries and the offer. The last one is left out. */
+TEST(test_entries_without_a_check_word_count_in_a_segment_that_has_ended)
+{
+    recorder_segment_t *segment;
+    recorder_segment_t early;
+    uint32_t tick;
+
+    recorded_run_ticks(&run, 400U);
+    segment = &run.recorder.segments[run.recorder.current];
+    early = *segment;
+    run_to_offer();
+    TEST_ASSERT_LESS_THAN_UINT32(segment->summed - 1U, early.summed);
+    segment->summed = early.summed;
+    segment->sum = early.sum;
+    tick = run.drive.tick;
+    alone(RECORDER_MARGIN);
+    TEST_ASSERT_TRUE(rescue().found);
+    TEST_ASSERT_EQUAL_UINT32(tick - 1U, repeated().tick);
+}
+
+/* The background has noted the check word of the state, and none of the entries. */
+TEST(test_a_reset_between_the_check_words_of_a_segment_ends_before_its_entries)
+{
+    recorder_segment_t *segment;
+
+    recorded_run_ticks(&run, 400U);
+    segment = &run.recorder.segments[run.recorder.current];
+    TEST_ASSERT_TRUE(segment->follows);
+    segment->summed = 0U;
+    segment->sum = RECORDER_SUM_START;
+    TEST_ASSERT_TRUE(rescue_unpowered().found);
+    TEST_ASSERT_EQUAL_UINT32(run.recorder.states[run.recorder.current].tick, repeated().tick);
 }
 
 TEST(test_an_older_segment_that_has_changed_is_left_out)
@@ -207,6 +268,29 @@ TEST(test_a_memory_of_another_place_is_no_recording)
     place.configs[0] = NULL;
     place.configs[1] = NULL;
     TEST_ASSERT_FALSE(recorder_rescue(&run.recorder, &place).found);
+}
+
+static void assert_nothing_rescued(void)
+{
+    const recorder_rescued_t rescued = rescue();
+
+    TEST_ASSERT_FALSE(rescued.found);
+    TEST_ASSERT_FALSE(rescued.cut);
+    TEST_ASSERT_FALSE(rescued.drove);
+    TEST_ASSERT_FALSE(run.recorder.frozen);
+}
+
+/* Nothing is made of it that looks like a recording which a reset has cut. */
+TEST(test_a_ring_whose_place_or_size_has_changed_is_left_as_it_is)
+{
+    recorded_run_ticks(&run, 300U);
+    run.recorder.due_segment_entries--;
+    assert_nothing_rescued();
+    run.recorder.due_segment_entries++;
+    run.recorder.due_entries = &run.entries[1];
+    assert_nothing_rescued();
+    run.recorder.due_entries = run.entries;
+    TEST_ASSERT_TRUE(rescue().found);
 }
 
 TEST(test_a_configuration_that_is_not_whole_is_not_followed)

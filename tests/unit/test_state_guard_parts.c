@@ -241,6 +241,16 @@ TEST(test_another_tracked_angle_than_the_sensor_has_led_to_is_found_in_its_tick)
     TEST_ASSERT_EQUAL_INT32(STATE_GUARD_TURNS, drive.fault.value);
 }
 
+TEST(test_a_tracked_angle_that_the_sensor_has_led_to_is_sound)
+{
+    fault_t none;
+
+    begin_in(DRIVE_STATE_READY, DRIVE_MODE_SPEED);
+    fault_clear(&none);
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, state_guard_check_sensor(&drive, &none));
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, none.id);
+}
+
 /* In the tick that moves it. */
 TEST(test_a_drive_with_a_vector_of_another_step_stops)
 {

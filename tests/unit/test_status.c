@@ -261,6 +261,13 @@ TEST(test_a_fault_has_value_and_limit_in_its_unit)
     assert_fault(" by LATE 11, limit 10 (", FAULT_LATE, 11, 10);
 }
 
+TEST(test_a_fault_of_before_is_told_by_its_name_value_and_limit_alone)
+{
+    text = (text_t){0};
+    status_add_fault(&text, &ABOUT, FAULT_OVERCURRENT, 16384, -8192);
+    TEST_ASSERT_EQUAL_STRING("OVERCURRENT 20.000 A, limit -10.000 A", text.characters);
+}
+
 TEST(test_a_fault_has_its_advice_in_brackets)
 {
     fail();
