@@ -27,7 +27,7 @@ from syntax import Place, test_functions, unit, units
 REGISTER = Path("tests/evidence/requirements.toml")
 EQUATIONS = {"A": 23, "B": 60}  # of each paper, numbered from 1
 # Of each group the number of its requirements; the head of the register says which group is what.
-REQUIREMENTS = {"C1.": 3, "C2.": 3, "C3.": 8, "C4.": 8, "C5.": 6, "C6.": 12, "C7.": 8, "H": 20, "F": 73, "I": 11, "L": 10}
+REQUIREMENTS = {"C1.": 3, "C2.": 3, "C3.": 8, "C4.": 8, "C5.": 6, "C6.": 12, "C7.": 8, "H": 20, "F": 78, "I": 11, "L": 10}
 RAN = part.ROOT / "build/host/evidence/ran.json"
 SOURCES = {"firmware": "c", "hal": "c", "host_sim": "c++", "tools/design": "c++"}  # and the language its headers are for
 KEYS = {"id", "title", "source", "functions", "scope", "tests", "status", "note"}
