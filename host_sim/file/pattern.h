@@ -4,7 +4,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 namespace nf
 {
@@ -12,8 +11,5 @@ namespace nf
 // `text` with each match replaced; $1 is the first group. Throws std::regex_error, where the
 // expression is none.
 std::string replace_matches(const std::string &text, const char *expression, const char *instead);
-
-// What is before, between and behind the matches; `text` alone, where there are none.
-std::vector<std::string> split_at_matches(const std::string &text, const char *expression);
 
 } // namespace nf

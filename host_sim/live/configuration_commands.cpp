@@ -8,12 +8,12 @@
 #include "header.h"
 #include "identity.h"
 #include "output_file.h"
-#include "pattern.h"
 #include "plate.h"
 #include "readable.h"
 #include "trimmed.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cstring>
 #include <filesystem>
 #include <utility>
@@ -44,10 +44,43 @@ bool is_of_image(const Config &before, const Config &after)
            recorder_segment_entries(before.board) != recorder_segment_entries(after.board);
 }
 
+bool is_blank(char c)
+{
+    return std::isspace(static_cast<unsigned char>(c)) != 0;
+}
+
+bool is_of_name(char c)
+{
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
+}
+
+// TABLE.KEY= begins there. Without <regex>, which would be a twentieth of the program in a browser.
+bool begins_assignment(std::string::const_iterator at, std::string::const_iterator end)
+{
+    const auto table_end = std::find_if_not(at, end, is_of_name);
+    if (table_end == at || table_end == end || *table_end != '.') {
+        return false;
+    }
+    const auto key_end = std::find_if_not(table_end + 1, end, is_of_name);
+    const auto sign = std::find_if_not(key_end, end, is_blank);
+    return key_end != table_end + 1 && sign != end && *sign == '=';
+}
+
 // A value may have blanks in it; a blank before the next TABLE.KEY= ends it.
 std::vector<std::string> split_assignments(const std::string &text)
 {
-    return split_at_matches(text, R"(\s+(?=[a-z_]+\.[a-z0-9_]+\s*=))");
+    std::vector<std::string> parts;
+    auto begin = text.begin();
+    for (auto at = begin; at != text.end();) {
+        const auto next = std::find_if_not(at, text.end(), is_blank);
+        if (next != at && begins_assignment(next, text.end())) {
+            parts.emplace_back(begin, at);
+            begin = next;
+        }
+        at = std::find_if(next, text.end(), is_blank);
+    }
+    parts.emplace_back(begin, text.end());
+    return parts;
 }
 
 std::string keys_of(const std::vector<std::string> &assignments)

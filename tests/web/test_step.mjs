@@ -132,9 +132,9 @@ test("the command line recalls and completes", async () => withPage(async (page)
     await commandLine(page).fill("print speed_est");
     await page.keyboard.press("Control+ ");
     await page.waitForFunction(() => document.activeElement.value === "print speed_estimated_rpm ");
-    await commandLine(page).fill("print drive.obs");
+    await commandLine(page).fill("print drive.rotor.obs");
     await page.keyboard.press("Control+ ");
-    await page.getByText(/drive\.observer\.\S+ {2}drive\.observer\./).waitFor();
+    await page.getByText(/drive\.rotor\.observer\.\S+ {2}drive\.rotor\.observer\./).waitFor();
 }));
 
 test("a long run is shown and stopped", async () => withPage(async (page) => {
