@@ -41,7 +41,7 @@ typedef struct {
 
 /* The log. All members are words. */
 typedef struct {
-    uint32_t count; /* entries since the board is new; the newest has the number `count` − 1 */
+    uint32_t count; /* entries since the board is new: the number of the newest one */
     uint32_t power_up;
     uint32_t seconds; /* since the power-up */
     uint32_t saves;   /* recordings whose saving was begun since the power-up */

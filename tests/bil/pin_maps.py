@@ -56,9 +56,10 @@ class Map:
 
 
 def configure(folder, nfconfig):
-    """Without optimisation of the whole image: then only what reads a board's numbers is compiled again."""
+    """Without optimisation of the whole image: then only what reads a board's numbers is compiled again. Small, as the image would
+    not fit into the flash so."""
     for command in (["cmake", "-S", ROOT, "--preset", "stm32g4", "-B", folder, f"-DNF_NFCONFIG={nfconfig}",
-                     "-DCMAKE_C_FLAGS_RELWITHDEBINFO=-O2 -g -fno-lto"], ["cmake", "--build", folder, "--target", TARGET]):
+                     "-DCMAKE_C_FLAGS_RELWITHDEBINFO=-Os -g -fno-lto"], ["cmake", "--build", folder, "--target", TARGET]):
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode:
             raise Failed(done.stdout + done.stderr)

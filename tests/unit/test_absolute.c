@@ -29,6 +29,26 @@ static uint16_t frame_of(uint16_t angle)
     return (uint16_t)(bits | ((__builtin_popcount(bits) & 1) << 15));
 }
 
+/* The same frame for some ticks. */
+static bool stand(uint32_t ticks, uint32_t frame)
+{
+    bool known = false;
+
+    for (uint32_t k = 0U; k < ticks; k++) {
+        known = absolute_step(&absolute, &cfg, (uint16_t)frame);
+    }
+    return known;
+}
+
+/* Good frames of a shaft that turns by `step` a tick. */
+static void turn_by(int32_t step, uint32_t ticks)
+{
+    for (uint32_t k = 0U; k < ticks; k++) {
+        shaft = (uint16_t)((int32_t)shaft + step);
+        (void)absolute_step(&absolute, &cfg, frame_of(shaft));
+    }
+}
+
 static bool turn_good(uint32_t ticks)
 {
     bool known = false;
@@ -150,15 +170,155 @@ TEST(test_a_wire_that_stays_high_or_low_loses_the_angle_of_a_turning_shaft)
     }
 }
 
-/* Each frame comes as far ahead as one may come: that of a sensor which is out of order. */
-TEST(test_frames_that_run_away_leave_the_speed_within_half_a_turn_a_tick)
+/* Each frame comes as far off as one may come: that of a sensor which is out of order. */
+TEST(test_frames_that_run_away_leave_the_speed_within_half_a_turn_a_tick_both_ways)
+{
+    const int32_t half = 0x8000 * 16;
+
+    for (int32_t side = -1; side <= 1; side += 2) {
+        absolute_start(&absolute);
+        turn_by(side * STEP, 200U);
+        for (uint32_t k = 0U; k < 100000U; k++) {
+            const int32_t step = absolute.speed / 16;
+            const int32_t up = (side < 0) ? (LSB_Q16 - 1) : 0; /* a frame rounds down */
+
+            shaft = (uint16_t)((uint32_t)absolute.angle + (uint32_t)(step + (step / 2) + up));
+            (void)absolute_step(&absolute, &cfg, frame_of(shaft));
+            TEST_ASSERT_INT32_WITHIN(half, 0, absolute.speed);
+        }
+        TEST_ASSERT_EQUAL_INT32(side * half, absolute.speed);
+    }
+}
+
+/* The first frame is as far from 0 as the speed that is made of it. */
+TEST(test_zero_and_frame_make_the_exact_angle_to_a_unit)
+{
+    cfg.zero = 1U;
+    (void)absolute_step(&absolute, &cfg, frame_of(1004U));
+    TEST_ASSERT_EQUAL_UINT16(2U * 1003U, absolute.ahead);
+    (void)absolute_step(&absolute, &cfg, frame_of(1004U));
+    TEST_ASSERT_EQUAL_UINT16(1003U, absolute.ahead);
+}
+
+TEST(test_zero_and_frame_of_a_reversed_sensor_make_the_exact_angle_to_a_unit)
+{
+    cfg.zero = 3001U;
+    cfg.reversed = 1U;
+    stand(2U, frame_of(1000U));
+    TEST_ASSERT_EQUAL_UINT16(2001U, absolute.ahead);
+}
+
+TEST(test_a_bad_frame_leaves_the_angle_of_a_shaft_at_rest_to_a_unit)
+{
+    cfg.zero = 1U;
+    stand(BRIDGE + 1U, frame_of(1004U));
+    stand(1U, frame_of(1004U) ^ 1U);
+    TEST_ASSERT_EQUAL_UINT16(1003U, absolute.ahead);
+}
+
+/* The angle before the first frame is 0. */
+TEST(test_a_frame_counts_as_steady_within_a_sixteenth_of_a_turn_and_not_a_unit_further)
+{
+    const uint16_t most = 0x10000 / 16;
+
+    for (uint32_t reversed = 0U; reversed <= 1U; reversed++) {
+        cfg = (absolute_cfg_t){.reversed = reversed};
+        absolute_start(&absolute);
+        TEST_ASSERT_TRUE(stand(BRIDGE, frame_of(most)));
+        cfg.zero = LSB_Q16 - 1;
+        absolute_start(&absolute);
+        TEST_ASSERT_FALSE(stand(BRIDGE, frame_of(most + LSB_Q16)));
+        TEST_ASSERT_TRUE(stand(1U, frame_of(most + LSB_Q16)));
+    }
+}
+
+TEST(test_a_bad_frame_while_the_angle_is_looked_for_starts_it_over)
+{
+    (void)stand(BRIDGE - 1U, frame_of(1000U));
+    TEST_ASSERT_FALSE(stand(1U, frame_of(1000U) ^ 0x8000U));
+    TEST_ASSERT_FALSE(stand(BRIDGE - 1U, frame_of(1000U)));
+    TEST_ASSERT_TRUE(stand(1U, frame_of(1000U)));
+}
+
+TEST(test_an_angle_that_is_found_again_is_bridged_as_long_as_the_first_one)
+{
+    (void)stand(BRIDGE + 1U, frame_of(1000U));
+    for (uint32_t k = 0U; k < 2U; k++) {
+        TEST_ASSERT_TRUE(stand(BRIDGE, frame_of(1000U) ^ 0x8000U));
+        TEST_ASSERT_FALSE(stand(1U, frame_of(1000U) ^ 0x8000U));
+        TEST_ASSERT_TRUE(stand(BRIDGE, frame_of(1000U)));
+    }
+}
+
+TEST(test_one_good_frame_is_enough_for_another_whole_bridge)
 {
     (void)turn_good(200U);
-    for (uint32_t k = 0U; k < 200000U; k++) {
-        const int32_t step = absolute.speed / 16;
+    TEST_ASSERT_TRUE(turn_bad(BRIDGE, 1U));
+    TEST_ASSERT_TRUE(turn_good(1U));
+    TEST_ASSERT_TRUE(turn_bad(BRIDGE, 1U));
+    TEST_ASSERT_FALSE(turn_bad(1U, 1U));
+}
 
-        shaft = (uint16_t)((uint32_t)absolute.angle + (uint32_t)(step + (step / 2)));
-        (void)absolute_step(&absolute, &cfg, frame_of(shaft));
-        TEST_ASSERT_INT32_WITHIN(0x8000 * 16, 0, absolute.speed);
+/* 4 units less in one tick make the mean of 16 a part of a unit less: 7, rounded down. */
+TEST(test_the_same_frame_again_is_bad_from_two_lsb_a_tick_on)
+{
+    turn_by(2 * LSB_Q16, 20U);
+    turn_by(0, 1U);
+    TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_FRAME, absolute.trouble);
+
+    absolute_start(&absolute);
+    turn_by(2 * LSB_Q16, 20U);
+    turn_by(LSB_Q16, 1U);
+    turn_by(0, 1U);
+    TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_NONE, absolute.trouble);
+}
+
+TEST(test_a_flagged_frame_is_named_so_wherever_its_angle_is)
+{
+    (void)turn_good(200U);
+    shaft = (uint16_t)(shaft + 0x8000U);
+    (void)turn_bad(1U, 0xC000U);
+    TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_FLAGGED, absolute.trouble);
+}
+
+/* 0.35° are 64 units. */
+TEST(test_a_frame_of_a_slow_shaft_is_bad_from_a_unit_beyond_64_on)
+{
+    for (int32_t side = -1; side <= 1; side += 2) {
+        absolute_start(&absolute);
+        turn_by(0, 20U);
+        turn_by(side * 64, 1U);
+        TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_NONE, absolute.trouble);
+    }
+    absolute_start(&absolute);
+    turn_by(0, 20U);
+    turn_by(48, 1U); /* a speed of 48/16 */
+    turn_by(3 + 65, 1U);
+    TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_FRAME, absolute.trouble);
+}
+
+TEST(test_a_frame_of_a_fast_shaft_is_bad_from_an_lsb_beyond_half_its_speed_on)
+{
+    for (int32_t side = -1; side <= 1; side += 2) {
+        for (int32_t way = -1; way <= 1; way += 2) {
+            absolute_start(&absolute);
+            turn_by(side * 200, 20U);
+            turn_by((side * 200) + (way * 100), 1U);
+            TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_NONE, absolute.trouble);
+            absolute_start(&absolute);
+            turn_by(side * 200, 20U);
+            turn_by((side * 200) + (way * (100 + LSB_Q16)), 1U);
+            TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_FRAME, absolute.trouble);
+        }
+    }
+}
+
+TEST(test_the_speed_takes_a_sixteenth_of_what_a_frame_is_off)
+{
+    for (int32_t side = -1; side <= 1; side += 2) {
+        absolute_start(&absolute);
+        turn_by(0, 20U);
+        turn_by(side * 48, 1U);
+        TEST_ASSERT_EQUAL_UINT16((uint16_t)(shaft + (side * 48 / 16)), absolute.ahead);
     }
 }

@@ -322,3 +322,273 @@ TEST(test_an_encoder_without_an_index_counts_beyond_a_whole_word)
     expect_count((int32_t)(((int64_t)ticks * step) % COUNTS));
     TEST_ASSERT_TRUE(encoder.known);
 }
+
+TEST(test_the_count_stays_within_a_turn_at_its_ends)
+{
+    (void)move(0);
+    (void)move(-1);
+    TEST_ASSERT_EQUAL_INT32(COUNTS - 1, encoder.count);
+    (void)move(1);
+    TEST_ASSERT_EQUAL_INT32(0, encoder.count);
+    (void)move(-77);
+    TEST_ASSERT_EQUAL_INT32(COUNTS - 77, encoder.count);
+    (void)move(76);
+    (void)move(1);
+    TEST_ASSERT_EQUAL_INT32(0, encoder.count);
+}
+
+/* It is near count 0, where no index has been; another one elsewhere would be named if it were. */
+static void expect_no_known_place(void)
+{
+    turn_without_index(COUNTS);
+    index_at(100, 100);
+    TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_NONE, encoder.trouble);
+    index_at(100, 0);
+    TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_NONE, encoder.trouble);
+}
+
+TEST(test_one_index_after_a_start_is_not_the_known_place)
+{
+    (void)move(0);
+    expect_no_known_place();
+}
+
+TEST(test_counts_that_do_not_follow_forget_both_the_place_of_the_index_and_the_odd_one)
+{
+    learn_index();
+    turn_without_index(COUNTS - 200);
+    index_at(100, 0);
+    TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_INDEX, encoder.trouble);
+    for (int32_t k = 0; k < 4; k++) {
+        (void)move(0);
+    }
+    TEST_ASSERT_FALSE(encoder.known);
+    expect_no_known_place();
+}
+
+TEST(test_an_index_where_the_count_began_is_known_like_any_other)
+{
+    (void)move(0);
+    for (int32_t k = 0; k < 3; k++) {
+        turn_without_index(COUNTS - 100);
+        index_at(100, 0);
+        TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_NONE, encoder.trouble);
+    }
+    index_at(100, 0);
+    TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_INDEX, encoder.trouble);
+}
+
+TEST(test_an_index_off_by_more_than_two_counts_is_named_on_both_sides)
+{
+    static const int32_t offs[] = {-3, -2, 2, 3};
+
+    for (uint32_t k = 0U; k < (sizeof(offs) / sizeof(offs[0])); k++) {
+        const bool good = (offs[k] >= -2) && (offs[k] <= 2);
+
+        encoder_start(&encoder);
+        learn_index();
+        turn_without_index(COUNTS - 100);
+        index_at(100, 40 - offs[k]);
+        TEST_ASSERT_EQUAL_UINT8(good ? SHAFT_TROUBLE_NONE : SHAFT_TROUBLE_INDEX, encoder.trouble);
+    }
+}
+
+TEST(test_an_index_of_a_reversed_encoder_is_good_wherever_in_the_tick_it_comes)
+{
+    cfg.reversed = 1U;
+    (void)move(0);
+    index_at(-100, -40);
+    turn_without_index(-(COUNTS - 100));
+    index_at(-100, -40);
+    turn_without_index(-(COUNTS - 100));
+    index_at(-80, -20);
+    TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_NONE, encoder.trouble);
+}
+
+/* An index at count 1100, where the shaft is then; the known place is at 60. */
+static void find_odd_index(void)
+{
+    encoder_start(&encoder);
+    learn_index();
+    turn_without_index(1000);
+    index_at(0, 0);
+    TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_INDEX, encoder.trouble);
+}
+
+TEST(test_two_odd_indexes_are_at_the_same_place_within_a_sixteenth_of_a_turn)
+{
+    for (int32_t side = -1; side <= 1; side += 2) {
+        find_odd_index();
+        turn_without_index(COUNTS);
+        index_at(0, side * (COUNTS / 16));
+        TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_COUNTS, encoder.trouble);
+        find_odd_index();
+        turn_without_index(COUNTS);
+        index_at(0, side * ((COUNTS / 16) + 1));
+        TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_INDEX, encoder.trouble);
+    }
+}
+
+TEST(test_two_odd_indexes_count_once_the_shaft_has_turned_more_than_half_between_them)
+{
+    for (int32_t side = -1; side <= 1; side += 2) {
+        find_odd_index();
+        turn_without_index(side * (COUNTS / 2));
+        index_at(0, side * (COUNTS / 2));
+        TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_INDEX, encoder.trouble);
+        find_odd_index();
+        turn_without_index(side * (COUNTS / 2));
+        index_at(side, side * ((COUNTS / 2) + 1));
+        TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_COUNTS, encoder.trouble);
+    }
+}
+
+/* A count a tick, with an index in the last one. */
+static void creep_to_index(int32_t counts)
+{
+    for (int32_t k = 1; k < counts; k++) {
+        (void)move(1);
+    }
+    index_at(1, 0);
+}
+
+/* A sixteenth of a turn is one count there. */
+TEST(test_two_odd_indexes_of_an_encoder_with_16_counts_are_the_same_within_two_counts)
+{
+    cfg.counts = 16;
+    cfg.scale_q32 = 0x10000000U;
+    for (int32_t apart = 2; apart <= 3; apart++) {
+        encoder_start(&encoder);
+        (void)move(0);
+        creep_to_index(16);
+        creep_to_index(16);
+        creep_to_index(5);
+        TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_INDEX, encoder.trouble);
+        creep_to_index(16 + apart);
+        TEST_ASSERT_EQUAL_UINT8((apart == 2) ? SHAFT_TROUBLE_COUNTS : SHAFT_TROUBLE_INDEX,
+                                encoder.trouble);
+    }
+}
+
+/* The odd ones are at count 3900, also near 0; the good one comes 160 counts later. */
+TEST(test_a_good_index_between_two_odd_ones_keeps_them_from_being_the_same)
+{
+    learn_index();
+    turn_without_index(COUNTS - 200);
+    index_at(0, 0);
+    turn_without_index(200);
+    index_at(0, 40);
+    TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_NONE, encoder.trouble);
+    turn_without_index(COUNTS - 200);
+    index_at(0, 0);
+    TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_INDEX, encoder.trouble);
+    expect_count(3900);
+}
+
+TEST(test_an_index_is_missed_one_count_after_two_turns_and_anew_after_two_more)
+{
+    for (int32_t side = -1; side <= 1; side += 2) {
+        encoder_start(&encoder);
+        (void)move(0);
+        for (int32_t k = 0; k < 3; k++) {
+            turn_without_index(side * 2 * COUNTS);
+            TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_NONE, encoder.trouble);
+            (void)move(side);
+            TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_INDEX, encoder.trouble);
+        }
+    }
+}
+
+TEST(test_the_counts_from_the_last_index_have_the_sign_of_the_shafts_way)
+{
+    learn_index();
+    (void)move(100);
+    TEST_ASSERT_EQUAL_INT32(100, encoder.since);
+    (void)move(-300);
+    TEST_ASSERT_EQUAL_INT32(-200, encoder.since);
+}
+
+/* It says nothing of where the index is: a way counts as a turn at most. */
+TEST(test_a_leap_of_three_turns_is_named_but_misses_no_index)
+{
+    cfg.counts = 64;
+    cfg.scale_q32 = 0x4000000U;
+    for (int32_t side = -1; side <= 1; side += 2) {
+        encoder_start(&encoder);
+        (void)move(0);
+        (void)move(side * 3 * 64);
+        TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_COUNTS, encoder.trouble);
+    }
+}
+
+/* speed: in 1/16 counts a tick. strange: after one tick with that way. */
+static void expect_strange(int32_t speed, int32_t way, uint8_t strange)
+{
+    encoder_start(&encoder);
+    (void)move(0);
+    encoder.speed = speed;
+    (void)move(way);
+    TEST_ASSERT_EQUAL_UINT8(strange, encoder.strange);
+}
+
+/* 2 counts and 4000/4096 of a count: in 1/16 of it 32 + 15. */
+TEST(test_a_slow_shaft_may_change_its_speed_by_two_counts_and_a_4096th_of_a_turn_a_tick)
+{
+    for (int32_t side = -1; side <= 1; side += 2) {
+        expect_strange(side, side * 3, 0U);
+        expect_strange(0, side * 3, 1U);
+    }
+}
+
+TEST(test_a_fast_shaft_may_change_its_speed_by_half)
+{
+    for (int32_t side = -1; side <= 1; side += 2) {
+        expect_strange(side * 100 * 16, side * 50, 0U);
+        expect_strange(side * 100 * 16, side * 49, 1U);
+        expect_strange(side * 100 * 16, side * 150, 0U);
+        expect_strange(side * 100 * 16, side * 151, 1U);
+    }
+}
+
+TEST(test_the_mean_speed_takes_a_sixteenth_of_each_ticks_way)
+{
+    (void)move(0);
+    (void)move(100);
+    TEST_ASSERT_EQUAL_INT32(100, encoder.speed); /* 100·16 / 16 */
+    (void)move(-100);
+    TEST_ASSERT_EQUAL_INT32(-7, encoder.speed); /* 100 − 1700/16, rounded down */
+}
+
+TEST(test_half_the_range_of_the_counter_a_tick_is_a_speed_like_any_other)
+{
+    const int32_t half = 0x8000;
+
+    cfg.has_index = 0U;
+    for (uint32_t reversed = 0U; reversed <= 1U; reversed++) {
+        cfg.reversed = reversed;
+        encoder_start(&encoder);
+        (void)move(0);
+        encoder.speed = ((reversed != 0U) ? half : -half) * 16;
+        (void)move(-half);
+        TEST_ASSERT_EQUAL_INT32(((reversed != 0U) ? half : -half) * 16, encoder.speed);
+        TEST_ASSERT_TRUE(encoder.known);
+    }
+}
+
+TEST(test_after_a_loss_the_counter_is_that_of_a_shaft_at_rest_with_four_ticks_again)
+{
+    (void)move(0);
+    encoder.speed = 8 * 16;
+    for (int32_t k = 0; k < 4; k++) {
+        TEST_ASSERT_TRUE(encoder.known);
+        (void)move(0);
+    }
+    TEST_ASSERT_FALSE(encoder.known);
+    TEST_ASSERT_EQUAL_INT32(0, encoder.speed);
+    for (int32_t k = 0; k < 3; k++) {
+        (void)move(8);
+        TEST_ASSERT_TRUE(encoder.known);
+    }
+    (void)move(8);
+    TEST_ASSERT_FALSE(encoder.known);
+}
