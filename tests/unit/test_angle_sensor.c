@@ -7,7 +7,9 @@
 #define LIMIT (1 << 28)
 #define CHANGE (0x20000000) /* no limit of its own */
 #define QUARTER (0x40000000U)
-#define RAMP (1000) /* change of the speed in a tick */
+#define EIGHTH (0x20000000U)
+#define ZERO (0x01234567U) /* of a sensor that is mounted anyhow */
+#define RAMP (1000)        /* change of the speed in a tick */
 
 static angle_sensor_t sensor;
 
@@ -126,4 +128,74 @@ TEST(test_a_flip_of_any_bit_is_seen_until_the_next_tick_and_none_else)
         TEST_ASSERT_FALSE(angle_sensor_holds(&sensor));
         sensor.speed ^= (step_t)(1U << (bit % 32U));
     }
+}
+
+TEST(test_start_forgets_zero_and_lead_of_before)
+{
+    sensor.zero = 5U;
+    sensor.lead = 9;
+    angle_sensor_start(&sensor, QUARTER);
+    TEST_ASSERT_EQUAL_UINT32(0U, sensor.zero);
+    TEST_ASSERT_EQUAL_INT32(0, sensor.lead);
+    TEST_ASSERT_EQUAL_INT64(QUARTER, angle_sensor_position(&sensor).turns_q32);
+}
+
+/* An eighth of a turn ahead of the loop, in turn 3: the zero moves by an eighth as well. */
+TEST(test_after_an_alignment_the_reading_of_before_is_the_angle_aligned_to)
+{
+    const rotor_position_t aligned = {.turns_q32 = (3LL << 32) + QUARTER + EIGHTH};
+    const angle_t reading = QUARTER - ZERO; /* of the loop before */
+
+    angle_sensor_start(&sensor, QUARTER);
+    sensor.zero = ZERO;
+    sensor.lead = 9;
+    angle_sensor_align(&sensor, aligned);
+    TEST_ASSERT_TRUE(angle_sensor_holds(&sensor));
+    TEST_ASSERT_EQUAL_UINT32(ZERO + EIGHTH, sensor.zero);
+    TEST_ASSERT_EQUAL_INT32(0, sensor.lead);
+    assert_is(aligned.turns_q32, 0);
+    TEST_ASSERT_EQUAL_INT32(0, angle_sensor_step(&sensor, reading, LIMIT, CHANGE));
+    assert_is(aligned.turns_q32, 0);
+}
+
+static void assert_meets(angle_t loop, int64_t met, int64_t nearest)
+{
+    angle_sensor_start(&sensor, (7LL << 32) + loop);
+    angle_sensor_meet(&sensor, (rotor_position_t){.turns_q32 = met});
+    TEST_ASSERT_TRUE(angle_sensor_holds(&sensor));
+    TEST_ASSERT_EQUAL_INT64(nearest, sensor.position.turns_q32);
+    TEST_ASSERT_EQUAL_INT32(met - nearest, sensor.lead);
+    TEST_ASSERT_EQUAL_INT64(met, angle_sensor_position(&sensor).turns_q32);
+}
+
+TEST(test_met_the_loop_keeps_its_angle_in_the_nearest_turn_and_the_lead_makes_up_the_rest)
+{
+    const int64_t turns = 5LL << 32;
+
+    assert_meets(EIGHTH, turns + QUARTER, turns + EIGHTH);
+    assert_meets(QUARTER, turns + EIGHTH, turns + QUARTER);
+    assert_meets(0U - EIGHTH, turns + EIGHTH, turns - EIGHTH); /* over the end of a turn */
+    assert_meets(EIGHTH, turns - EIGHTH, turns + EIGHTH);
+}
+
+TEST(test_the_lead_loses_a_64th_in_a_tick_whichever_its_sign)
+{
+    const int32_t lead = 1 << 20;
+
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        angle_sensor_start(&sensor, 0);
+        sensor.lead = sign * lead;
+        (void)angle_sensor_step(&sensor, 0U, LIMIT, CHANGE);
+        TEST_ASSERT_EQUAL_INT32(sign * (lead - (lead / 64)), sensor.lead);
+        TEST_ASSERT_EQUAL_INT64(sensor.lead, angle_sensor_position(&sensor).turns_q32);
+    }
+}
+
+TEST(test_a_tick_returns_how_far_the_reading_lies_ahead_of_the_expected_angle)
+{
+    sensor.speed = 1000;
+    sensor.zero = 500U;
+    TEST_ASSERT_EQUAL_INT32(300, angle_sensor_step(&sensor, 800U, LIMIT, CHANGE));
+    setUp();
+    TEST_ASSERT_EQUAL_INT32(-300, angle_sensor_step(&sensor, 0U - 300U, LIMIT, CHANGE));
 }
