@@ -49,19 +49,24 @@ bool is_blank(char c)
     return std::isspace(static_cast<unsigned char>(c)) != 0;
 }
 
-bool is_of_name(char c)
+bool is_of_table(char c)
+{
+    return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_';
+}
+
+bool is_of_key(char c)
 {
     return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
 }
 
-// TABLE.KEY= begins there. Without <regex>, which would be a twentieth of the program in a browser.
+// Whether TABLE.KEY= begins there. <regex> would add 15 kB, compressed, to the page.
 bool begins_assignment(std::string::const_iterator at, std::string::const_iterator end)
 {
-    const auto table_end = std::find_if_not(at, end, is_of_name);
+    const auto table_end = std::find_if_not(at, end, is_of_table);
     if (table_end == at || table_end == end || *table_end != '.') {
         return false;
     }
-    const auto key_end = std::find_if_not(table_end + 1, end, is_of_name);
+    const auto key_end = std::find_if_not(table_end + 1, end, is_of_key);
     const auto sign = std::find_if_not(key_end, end, is_blank);
     return key_end != table_end + 1 && sign != end && *sign == '=';
 }

@@ -56,8 +56,8 @@ class Map:
 
 
 def configure(folder, nfconfig):
-    """Without optimisation of the whole image: then only what reads a board's numbers is compiled again. Small, as the image would
-    not fit into the flash so."""
+    """Without optimisation of the whole image: then only what reads a board's numbers is compiled again. It is
+    compiled for size (-Os), because it would not fit into the flash otherwise."""
     for command in (["cmake", "-S", ROOT, "--preset", "stm32g4", "-B", folder, f"-DNF_NFCONFIG={nfconfig}",
                      "-DCMAKE_C_FLAGS_RELWITHDEBINFO=-Os -g -fno-lto"], ["cmake", "--build", folder, "--target", TARGET]):
         done = subprocess.run(command, capture_output=True, text=True, check=False)

@@ -49,6 +49,13 @@ static void turn_by(int32_t step, uint32_t ticks)
     }
 }
 
+/* Anew, and for long at this speed. */
+static void begin_turning(int32_t step)
+{
+    absolute_start(&absolute);
+    turn_by(step, 20U);
+}
+
 static bool turn_good(uint32_t ticks)
 {
     bool known = false;
@@ -266,8 +273,7 @@ TEST(test_the_same_frame_again_is_bad_from_two_lsb_a_tick_on)
     turn_by(0, 1U);
     TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_FRAME, absolute.trouble);
 
-    absolute_start(&absolute);
-    turn_by(2 * LSB_Q16, 20U);
+    begin_turning(2 * LSB_Q16);
     turn_by(LSB_Q16, 1U);
     turn_by(0, 1U);
     TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_NONE, absolute.trouble);
@@ -285,13 +291,11 @@ TEST(test_a_flagged_frame_is_named_so_wherever_its_angle_is)
 TEST(test_a_frame_of_a_slow_shaft_is_bad_from_a_unit_beyond_64_on)
 {
     for (int32_t side = -1; side <= 1; side += 2) {
-        absolute_start(&absolute);
-        turn_by(0, 20U);
+        begin_turning(0);
         turn_by(side * 64, 1U);
         TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_NONE, absolute.trouble);
     }
-    absolute_start(&absolute);
-    turn_by(0, 20U);
+    begin_turning(0);
     turn_by(48, 1U); /* a speed of 48/16 */
     turn_by(3 + 65, 1U);
     TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_FRAME, absolute.trouble);
@@ -301,12 +305,10 @@ TEST(test_a_frame_of_a_fast_shaft_is_bad_from_an_lsb_beyond_half_its_speed_on)
 {
     for (int32_t side = -1; side <= 1; side += 2) {
         for (int32_t way = -1; way <= 1; way += 2) {
-            absolute_start(&absolute);
-            turn_by(side * 200, 20U);
+            begin_turning(side * 200);
             turn_by((side * 200) + (way * 100), 1U);
             TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_NONE, absolute.trouble);
-            absolute_start(&absolute);
-            turn_by(side * 200, 20U);
+            begin_turning(side * 200);
             turn_by((side * 200) + (way * (100 + LSB_Q16)), 1U);
             TEST_ASSERT_EQUAL_UINT8(SHAFT_TROUBLE_FRAME, absolute.trouble);
         }
@@ -316,8 +318,7 @@ TEST(test_a_frame_of_a_fast_shaft_is_bad_from_an_lsb_beyond_half_its_speed_on)
 TEST(test_the_speed_takes_a_sixteenth_of_what_a_frame_is_off)
 {
     for (int32_t side = -1; side <= 1; side += 2) {
-        absolute_start(&absolute);
-        turn_by(0, 20U);
+        begin_turning(0);
         turn_by(side * 48, 1U);
         TEST_ASSERT_EQUAL_UINT16((uint16_t)(shaft + (side * 48 / 16)), absolute.ahead);
     }

@@ -863,6 +863,23 @@ static bool is_known_after_turning(bool fast, bool turned, uint8_t dead)
     return hall.known;
 }
 
+/* Signal 2 does not change between the sectors 0 and 1. */
+TEST(test_the_angle_is_lost_where_a_fast_rotor_turns_or_twice_any_without_a_signal)
+{
+    TEST_ASSERT_TRUE(is_known_after_turning(false, false, 0U));
+    TEST_ASSERT_TRUE(is_known_after_turning(false, true, 0U));
+    TEST_ASSERT_TRUE(is_known_after_turning(false, false, 2U));
+    TEST_ASSERT_FALSE(is_known_after_turning(true, false, 0U));
+    TEST_ASSERT_FALSE(is_known_after_turning(false, true, 2U));
+    be_in(0U);
+    hall.dead = 1U; /* sectors 5 and 0 are one */
+    hall.span = (hall_span_t){5U, 2U};
+    hall.direction = 1;
+    hall.turned = true;
+    take(pattern_in(4U));
+    TEST_ASSERT_FALSE(hall.known);
+}
+
 TEST(test_a_rotor_that_turns_is_at_the_edge_and_its_speed_not_known)
 {
     (void)is_known_after_turning(false, false, 0U);
